@@ -22,7 +22,7 @@ from cranktopo.throw.drilling.outlet import across, ring_points
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.envelope import BoxEnvelope, CylinderEnvelope, OutlineEnvelope, StlEnvelope
 from cranktopo.throw.journal import Journal
-from cranktopo.throw.primitives import Cylinder
+from cranktopo.throw.primitives import Cylinder, Extrusion, LineSegment, Solid
 from cranktopo.throw.web import kept_bodies, kept_holes
 
 _CHORD_ERROR_MM = 0.002
@@ -69,8 +69,16 @@ def web_bores(scene: Scene) -> Manifold:
 def feature_holes(scene: Scene) -> Manifold:
     """Return what no optimiser fills: holes of features, each as its tool, and empty parts of zones."""
     solids = (solid for body in kept_holes(scene) for solid in body.solids())
-    holes = (_hole(np.array(s.start), np.array(s.axis), s.radius) for s in solids if isinstance(s, Cylinder))
-    return sum(holes, zone_solids(scene)[1])
+    return sum((_tool(solid) for solid in solids), zone_solids(scene)[1])
+
+
+def _tool(solid: Solid) -> Manifold:
+    """Return a cylinder, or a convex contour of straight edges that is swept; holes of features are these."""
+    if isinstance(solid, Cylinder):
+        return _hole(np.array(solid.start), np.array(solid.axis), solid.radius)
+    assert isinstance(solid, Extrusion)
+    corners = np.array([edge.start for edge in solid.contour if isinstance(edge, LineSegment)])
+    return Manifold.hull_points(np.concatenate([corners, corners + solid.path]))
 
 
 def _hole(start: Array, axis: Array, radius_mm: float) -> Manifold:

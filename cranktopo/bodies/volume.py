@@ -53,7 +53,7 @@ def counterweight_mass(scene: Scene, before_z_mm: float | None = None) -> Moment
     if weight is None:
         return _NOTHING
     bare = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
-    bodies = [*web_bodies(bare), *weight.parts(scene), *weight.holes(scene)]
+    bodies = [*web_bodies(bare), *weight.parts(scene), *weight.cuts(scene)]
     added = (body_moments(bodies, before_z_mm) - web_moments(bare, before_z_mm)).times(
         density_kg_per_mm3(weight.density_kg_m3 or scene.material.density_kg_m3)
     )

@@ -67,6 +67,7 @@ SKETCHES = {
     "web.bevel": "bevel",
     "web.pocket": "pocket",
     "web.counterweight": "counterweight",
+    "web.counterweight.edge": "counterweight",
     "crank.end.step": "crank",
 }
 """Sketches of `cranktopo designs sketch`, by the table whose keys they show."""

@@ -118,7 +118,7 @@ class Body(ABC):
     adds: ClassVar[bool] = False
     kept: ClassVar[bool] = False
     drilled: ClassVar[bool] = False
-    """True of a hole that lies wholly in material and across the crank axis: cells are drilled with it."""
+    """True of a cut that lies wholly in material and changes along the crank axis: cells are cut with it."""
     oblique: ClassVar[bool] = False
     """True of a cut whose edge moves across the web with the height, and so over the edges of other cuts."""
 
@@ -149,12 +149,16 @@ class Body(ABC):
         """Heights at which its lateral interval has kinks, by place along the throw and the outline there."""
         return [np.full(y_mm.shape, z) for z in self.z_mm]
 
-    def exact_moments(self) -> ExactMoments | None:
-        """Return what a hole takes out of material that holds all of it; None for quadrature by sections.
+    def exact_moments(self, before_z_mm: float | None = None) -> ExactMoments | None:
+        """Return what a cut takes out of material that holds all of it; None for quadrature by sections.
 
-        It must be symmetric about the middle of its heights.
+        With a height, weighted by the distance before it, mm.
         """
         return None
+
+    def bounds_mm(self, z_mm: tuple[float, float]) -> tuple[Array, Array]:
+        """Least and largest x, y and z between two heights of a body that cells are cut with."""
+        raise NotImplementedError
 
     @property
     def changing_z_mm(self) -> tuple[tuple[float, float], ...]:

@@ -56,7 +56,7 @@ class Moments:
 
 def body_moments(bodies: Sequence[Body], before_z_mm: float | None = None) -> Moments:
     """Return the moments of what bodies leave; with a height, weighted by the distance before it, mm."""
-    exact = [(body, body.exact_moments()) for body in bodies]
+    exact = [(body, body.exact_moments(before_z_mm)) for body in bodies]
     rest = [body for body, found in exact if found is None]
 
     def slices(y: Array) -> Array:
@@ -67,10 +67,9 @@ def body_moments(bodies: Sequence[Body], before_z_mm: float | None = None) -> Mo
         return np.asarray((values * weights[..., None]).sum(axis=1))
 
     total = Moments(*integrate(slices, _breaks(rest)).tolist())
-    for body, found in exact:
+    for _, found in exact:
         if found is not None:
-            arm = 1.0 if before_z_mm is None else before_z_mm - sum(body.z_mm) / 2
-            total = total - Moments(*found).times(arm)
+            total = total - Moments(*found)
     return total
 
 

@@ -19,6 +19,7 @@ from cranktopo.bodies.solid.files import kernel_surface_of
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import solid_of
+from cranktopo.tasks.crank_import.bevelled_edge import read_edge
 from cranktopo.tasks.crank_import.bevels import read_bevels
 from cranktopo.tasks.crank_import.half_body import HalfBody
 from cranktopo.tasks.crank_import.oil_drillings import read_drillings, with_outlet_radius
@@ -146,9 +147,11 @@ def _with_features(body: HalfBody, read: ReadWeb) -> ReadWeb:
     features = [("web", "bevel", table) for table in bevels]
     features += [("web", "pocket", table) for table in read_pockets(body, read.scene)]
     features += [("throw", "drilling", table) for table in read_drillings(body, read.scene)]
+    features += [("web", "counterweight", {"edge": table}) for table in read_edge(body, read.scene)]
     for table, key, feature in features:
-        feature = rounded(feature, body.near.digits)
-        tried = {**data, table: {**data[table], key: [*data[table].get(key, ()), feature]}}
+        feature, before = rounded(feature, body.near.digits), data[table].get(key, ())
+        changed = {**before, **feature} if isinstance(before, dict) else [*before, feature]
+        tried = {**data, table: {**data[table], key: changed}}
         try:
             scene = scene_from_dict(tried, read.scene.name)
             found = replace(read, scene=scene, shown=_shown(scene))

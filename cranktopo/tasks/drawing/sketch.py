@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -55,6 +56,10 @@ def _lengthwise(axes: Any, scene: Scene) -> None:
 
 def _across(axes: Any, scene: Scene) -> None:
     cross_body(axes, _sheet(scene), _MIDDLE)
+
+
+def _across_edge(axes: Any, scene: Scene) -> None:
+    cross_body(axes, _sheet(scene), _ON_EDGE)
 
 
 def _across_bevel(axes: Any, scene: Scene) -> None:
@@ -166,6 +171,17 @@ def _counterweight_section_names(axes: Any) -> None:
     mark_word(axes, (_START - 6, -46), 'face = "journal"')
 
 
+def _edge_names(axes: Any) -> None:
+    mark_size(axes, (-62, 0), (-38, 0), (0, _GAP), "length_mm")
+    mark_size(axes, (-62, 0), (-62, -10), (-_GAP, 0), "width_mm")
+    mark_word(axes, (-66, 27), "the crank turns clockwise,\nso this flank leads")
+
+
+def _edge_section_names(axes: Any) -> None:
+    x = _ON_EDGE * math.tan(math.radians(60.0))
+    mark_size(axes, (x, _START), (x, _START + 7), (-_GAP, 0), "depth_mm")
+
+
 def _drilling_names(axes: Any) -> None:
     mark_size(axes, (0, -20), (7, -20), (0, -2 * _GAP), "from: place_mm")
     mark_size(axes, (_END - 5, _RADIUS + 18), (_END, _RADIUS + 18), (0, 2 * _GAP), "to: place_mm")
@@ -179,6 +195,8 @@ def _drilling_front_names(axes: Any) -> None:
 
 _MIDDLE = 31.0
 """Place along the throw of the pockets that are drawn."""
+_ON_EDGE = -25.0
+"""Place along the throw of the section through a bevelled edge."""
 _ON_BEVEL = 80.0
 """Place along the throw of the section through a bevel with draft."""
 _STATIONS = (-34.0, -20.0, 5.0, 31.0, 60.0, 82.0, 92.0)
@@ -202,6 +220,7 @@ _HEAVY = {
     "fillet_mm": 8.0,
     "corner_mm": 8.0,
 }
+_EDGE = {"width_mm": 10.0, "depth_mm": 7.0, "length_mm": 24.0}
 _FROM = {"on": "main_journal", "angle_deg": 180.0, "place_mm": 7.0}
 _TO = {"on": "crankpin", "angle_deg": 0.0, "place_mm": 5.0}
 _OIL = {"diameter_mm": 5.0, "outlet_radius_mm": 1.5, "from": _FROM, "to": _TO}
@@ -211,6 +230,11 @@ def _outline(name: str, names: Callable[[Any], None], **keys: Any) -> Panel:
     return Panel(
         f'outline = "{name}"', {"outline": {"thickness_mm": 22.0, "outline": name, **keys}}, _front, names
     )
+
+
+def _edged(title: str, body: Callable[[Any, Scene], None], names: Callable[[Any], None], deg: float) -> Panel:
+    weight = {"outer_radius_mm": 62.0, "half_angle_deg": deg, "edge": _EDGE}
+    return Panel(title, {"web": {"counterweight": weight}}, body, names)
 
 
 def _pocket(
@@ -268,6 +292,8 @@ PARTS: Mapping[str, Sequence[Panel]] = {
     "counterweight": (
         Panel("[web.counterweight]", {"web": {"counterweight": _HEAVY}}, _front, _counterweight_names),
         Panel("section x = 0", {"web": {"counterweight": _HEAVY}}, _lengthwise, _counterweight_section_names),
+        _edged("[web.counterweight.edge]", _front, _edge_names, 90.0),
+        _edged(f"its depth, section y = {_ON_EDGE:g}", _across_edge, _edge_section_names, 60.0),
     ),
     "drilling": (
         _drilled("[[throw.drilling]], section x = 0", _lengthwise, _drilling_names, 180.0),

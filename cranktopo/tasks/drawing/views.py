@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.spans import polygon_section
 from cranktopo.bodies.prisms import web_region
 from cranktopo.design.schema import Scene
 from cranktopo.report.drafting import (
@@ -94,6 +95,18 @@ class Sheet:
         """The same of each drilling."""
         return [drilling.drawing(self.scene) for _, drilling in self.scene.throw.features()]
 
+    @cached_property
+    def shown(self) -> FeatureDrawing | None:
+        """The first feature that has a best section across the throw."""
+        return next((feature for feature in self.features if feature.section_y_mm is not None), None)
+
+    def half_at_mm(self, y_mm: float) -> float:
+        """Half-width of the web at a place along the throw, with what features add to it."""
+        place, added = np.array([y_mm]), [np.array(one.added) for one in self.features if one.added]
+        spans = [span for one in added for span in polygon_section([one])(place, place)]
+        own = self.scene.web.half_width_mm(self.scene.throw.radius_mm, place)
+        return float(max([own[0], *(right[0] for _, right in spans)]))
+
     @property
     def places(self) -> list[tuple[float, float]]:
         """Points (x, y) that are dimensioned from both axes."""
@@ -124,6 +137,8 @@ class Sheet:
     def rooms(self) -> tuple[Room, Room, Room]:
         """Rooms of the front view, of the section through both axes and of the section across the throw."""
         wide, half, end = self.half_width_mm, self.scene.web.largest_half_width_mm, self.scene.pitch_mm / 2
+        if self.shown is not None and self.shown.added:
+            half = wide
         text = _TEXT_MM if isinstance(self.scene.web, ProfileWeb) else _GAP_MM
         above = 8.0 * any(round(x, 2) for x, _ in self.places)
         text += _PLACE_MM * bool(self.places)
@@ -319,9 +334,9 @@ def cross_section(axes: Any, sheet: Sheet, scale: float) -> None:
     """
     scene, web = sheet.scene, sheet.scene.web
     (start, end), gap = scene.web_z_mm, _GAP_MM / scale
-    shown = next((feature for feature in sheet.features if feature.section_y_mm is not None), None)
+    shown = sheet.shown
     y = scene.throw.radius_mm / 2 if shown is None or shown.section_y_mm is None else shown.section_y_mm
-    half = float(web.half_width_mm(scene.throw.radius_mm, np.array([y]))[0])
+    half = sheet.half_at_mm(y)
     cross_body(axes, sheet, y)
     dimension(axes, (-half, start), (half, start), (0, -gap), f"{2 * half:.2f}")
     dimension(axes, (-half, start), (-half, end), (-gap, 0), f"{web.thickness_mm:g}")

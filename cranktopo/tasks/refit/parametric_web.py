@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -98,6 +99,20 @@ def part_rules(
         between = wall_rule(f"between the {one} and the {other}", limits.min_wall_mm)
         found.append((between, around.wall_mm - _apart(low, high)))
     return found
+
+
+def _edge_rules(scene: Scene, points: Array, fillet: MovedFillet | None) -> Iterator[Rule]:
+    """Yield that outline and fillet end before the bevelled edge of a counterweight, where it has one."""
+    weight, apart = scene.web.counterweight, least_shoulder_mm(scene.throw) + CLEAR_MM
+    for cut in weight.bevels(scene)[:1] if weight is not None else ():
+        inside = cut.inside_section_mm(cut.side * points[:, 0], points[:, 1]).max()
+        yield "the outline stays clear of the bevelled edge", inside + apart
+        if fillet is not None:
+            reach = fillet.circle.reach_mm
+            yield (
+                "the fillet of the counterweight ends before its bevelled edge",
+                reach + apart - cut.start_mm,
+            )
 
 
 def reaches_mm(scene: Scene, limits: ManufacturingLimits) -> list[tuple[float, float]]:
@@ -269,7 +284,8 @@ class ParametricWeb:
         scene = scene_at(self._scene, self.layout, values)
         parts = part_rules(self.layout.parts, points, self._parts(values), scene, self._limits)
         sizes = size_rules(self.layout, values, self._scene, self._limits)
+        own = [*parts, *_edge_rules(scene, points, self.fillet(values)), *sizes]
         if self._zones is None:
-            return [*parts, *sizes]
+            return own
         named = list(named_parts(self.layout.parts, self._parts(values)))
-        return [*parts, *sizes, *zone_rules(self._zones, scene, points, named, self.fillet(values))]
+        return [*own, *zone_rules(self._zones, scene, points, named, self.fillet(values))]

@@ -19,6 +19,7 @@ from cranktopo.bodies.zones import frozen_at, own_section, staying_at, zone_heig
 from cranktopo.design.halves import has_zones
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.model_fill import MovedFillet
+from cranktopo.throw.counterweight.edge import EdgeCut
 from cranktopo.throw.counterweight.holes import RadialHole
 from cranktopo.throw.feature import Mask
 from cranktopo.throw.fitted import CLEAR_MM, FittedFeature, Named, Rule
@@ -118,8 +119,10 @@ def zone_rules(
             away = _outside_part(part, values, outline_mm, scene, own.solid)
             yield f"{_KEEPS} {part.title}", CLEAR_MM - float(away.min())
         yield f"{_KEEPS} bores", CLEAR_MM - float(_outside_bores(scene, own.solid).min())
-        if holes := [hole for hole in kept_holes(scene) if isinstance(hole, RadialHole)]:
-            yield f"{_KEEPS} holes from the rim", CLEAR_MM - float(_outside_holes(holes, own.solid).min())
+        for what, kind in (("holes from the rim", RadialHole), ("bevelled edge", EdgeCut)):
+            moved = [cut.outside_mm(own.solid).min() for cut in kept_holes(scene) if isinstance(cut, kind)]
+            if moved:
+                yield f"{_KEEPS} {what}", CLEAR_MM - float(min(moved))
     if own.empty.size:
         parts = (_outside_part(part, values, outline_mm, scene, own.empty) for part, values in named)
         inside = _inside_outline(scene, outline_mm, fillet, own.empty)
@@ -147,8 +150,3 @@ def _outside_part(part: FittedFeature, values: Named, outline_mm: Array, scene: 
 def _outside_bores(scene: Scene, at: Array) -> Array:
     away = [np.hypot(at[0], at[1] - y) - journal.bore_radius_mm for journal, y in scene.throw.journals]
     return np.asarray(np.min(away, axis=0))
-
-
-def _outside_holes(holes: Sequence[RadialHole], at: Array) -> Array:
-    """Return how far points lie from holes whose floors may move with the rim."""
-    return np.min([np.maximum(hole.off_wall_mm(at), -hole.off_floor_mm(at)) for hole in holes], axis=0)

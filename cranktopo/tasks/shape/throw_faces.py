@@ -17,6 +17,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import central_difference
 from cranktopo.tasks.refit.family import Layout, scene_at
+from cranktopo.throw.counterweight.edge import EdgeCut
 from cranktopo.throw.counterweight.holes import AxialHole, RadialHole
 from cranktopo.throw.counterweight.sector import Sector
 from cranktopo.throw.drilling.table import drill_bores
@@ -143,25 +144,25 @@ def _counterweight_faces(scene: Scene) -> Iterator[_DistanceOf]:
     if weight.thickness_mm is not None and weight.thickness_mm < scene.web.thickness_mm:
         end = 1 if weight.face == "journal" else 0
         yield lambda scene, at: at[2] - sector_of(scene).z_mm[end]
-    for number, hole in enumerate(weight.holes(scene)):
-        yield partial(_off_hole, number)
-        if isinstance(hole, RadialHole) or hole.floor_mm is not None:
-            yield partial(_above_hole, number)
+    for number, cut in enumerate(weight.cuts(scene)):
+        yield partial(_off_wall, number)
+        if not isinstance(cut, AxialHole) or cut.floor_mm is not None:
+            yield partial(_above_floor, number)
 
 
-def _off_hole(number: int, scene: Scene, at: Array) -> Array:
-    """Return the distance from the wall of a hole of the counterweight."""
-    return _hole_of(scene, number).off_wall_mm(at)
+def _off_wall(number: int, scene: Scene, at: Array) -> Array:
+    """Return the distance from the wall of a hole of the counterweight, or the plane of a bevel."""
+    return _cut_of(scene, number).off_wall_mm(at)
 
 
-def _above_hole(number: int, scene: Scene, at: Array) -> Array:
-    """Return the distance from the floor of a hole of the counterweight."""
-    return _hole_of(scene, number).off_floor_mm(at)
+def _above_floor(number: int, scene: Scene, at: Array) -> Array:
+    """Return the distance from the floor of a hole of the counterweight, or the wall that ends a bevel."""
+    return _cut_of(scene, number).off_floor_mm(at)
 
 
-def _hole_of(scene: Scene, number: int) -> AxialHole | RadialHole:
+def _cut_of(scene: Scene, number: int) -> AxialHole | RadialHole | EdgeCut:
     assert scene.web.counterweight is not None
-    return scene.web.counterweight.holes(scene)[number]
+    return scene.web.counterweight.cuts(scene)[number]
 
 
 def sector_of(scene: Scene) -> Sector:

@@ -1,4 +1,4 @@
-"""Rules of the holes of a counterweight: each lies in sound material, clear of what else is cut there."""
+"""Rules of holes and bevels of a counterweight: in sound material, clear of what else is cut there."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
+from cranktopo.throw.counterweight.edge import EdgeCut
 from cranktopo.throw.counterweight.holes import AxialHole, RadialHole
 from cranktopo.throw.feature import Body, Mask, ThrowView, least_shoulder_mm
 from cranktopo.throw.hole import bore_holes
@@ -15,14 +16,15 @@ from cranktopo.throw.recess import recesses
 
 
 def check_holes(
-    scene: ThrowView, key: str, parts: Sequence[Body], holes: Sequence[AxialHole | RadialHole], bolted: bool
+    scene: ThrowView,
+    key: str,
+    parts: Sequence[Body],
+    holes: Sequence[AxialHole | RadialHole],
+    bevels: Sequence[EdgeCut],
+    bolted: bool,
 ) -> None:
     """Refuse holes that leave the counterweight, meet each other or another cut, or lie under a fillet."""
-    others = [
-        body for path, feature in scene.web.features() if path != key for body in feature.bodies(scene, path)
-    ]
-    cuts = [body for body in (*bore_holes(scene), *recesses(scene), *others) if not body.adds]
-    least = least_shoulder_mm(scene.throw)
+    cuts, least = _other_cuts(scene, key), least_shoulder_mm(scene.throw)
     for hole in holes:
         at = hole.wall_mm(least)
         in_web = _in_outline(scene, at)
@@ -32,11 +34,31 @@ def check_holes(
             raise _refused(hole, f"does not lie in {key} all around", least)
         if isinstance(hole, RadialHole) and _in_outline(scene, hole.beyond_rim_mm()).any():
             raise _refused(hole, "leaves through the web's outline, which reaches beyond the rim", least)
-        for cut in (*cuts, *(other for other in holes if other is not hole)):
+        for cut in (*cuts, *bevels, *(other for other in holes if other is not hole)):
             if _within(cut, at).any():
                 raise _refused(hole, f"meets {cut.key}", least)
         if isinstance(hole, AxialHole):
             _check_clear_of_fillets(scene, hole, least)
+
+
+def check_edge(
+    scene: ThrowView, key: str, bevels: Sequence[EdgeCut], holes: Sequence[AxialHole | RadialHole]
+) -> None:
+    """Refuse a bevelled edge that meets a hole, a bore or a pocket."""
+    cuts, least = (*_other_cuts(scene, key), *holes), least_shoulder_mm(scene.throw)
+    for bevel in bevels:
+        at = bevel.points_mm(least)
+        for cut in cuts:
+            if _within(cut, at).any():
+                raise _refused(bevel, f"meets {cut.key}", least)
+
+
+def _other_cuts(scene: ThrowView, key: str) -> list[Body]:
+    """Return bores, recesses, and what features beside the one with a key cut."""
+    others = [
+        body for path, feature in scene.web.features() if path != key for body in feature.bodies(scene, path)
+    ]
+    return [body for body in (*bore_holes(scene), *recesses(scene), *others) if not body.adds]
 
 
 def _in_outline(scene: ThrowView, at: Array) -> Mask:

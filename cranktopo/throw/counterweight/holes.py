@@ -107,12 +107,13 @@ class RadialHole(Body):
         return -self._outer_mm * cosine - out, out - self.inner_mm * cosine
 
     @override
-    def exact_moments(self) -> ExactMoments:
+    def exact_moments(self, before_z_mm: float | None = None) -> ExactMoments:
         """Slices along its axis, each a rectangle between the floor and the rim."""
         nodes, weights = np.polynomial.legendre.leggauss(_SLICES)
         turn = np.pi / 2 * nodes
         across = self.radius_mm * np.sin(turn)
-        area = weights * np.pi * (self.radius_mm * np.cos(turn)) ** 2
+        arm = 1.0 if before_z_mm is None else before_z_mm - self._middle_mm
+        area = arm * weights * np.pi * (self.radius_mm * np.cos(turn)) ** 2
         rim = np.sqrt(self.rim_mm**2 - across**2)
         volume, first, second = ((rim**power - self.inner_mm**power) / power for power in (1, 2, 3))
         along = float(area @ first)
@@ -120,8 +121,8 @@ class RadialHole(Body):
         sine, cosine = math.sin(self.angle), math.cos(self.angle)
         return float(area @ volume), along * sine, -along * cosine, polar
 
-    def box_mm(self, z_mm: tuple[float, float] = (-math.inf, math.inf)) -> tuple[Array, Array]:
-        """Return least and largest x, y and z of its tool, between two heights."""
+    @override
+    def bounds_mm(self, z_mm: tuple[float, float]) -> tuple[Array, Array]:
         way = np.array([math.sin(self.angle), -math.cos(self.angle)])
         ends = np.outer([self.inner_mm, self._outer_mm], way)
         out = self.radius_mm * np.abs(way[::-1])
@@ -166,6 +167,10 @@ class RadialHole(Body):
     def off_floor_mm(self, at: Array) -> Array:
         """Return distances of points (3, n) outward from its floor."""
         return np.asarray(at[0] * math.sin(self.angle) - at[1] * math.cos(self.angle) - self.inner_mm)
+
+    def outside_mm(self, at: Array) -> Array:
+        """Return how far points (3, n) lie outside it."""
+        return np.asarray(np.maximum(self.off_wall_mm(at), -self.off_floor_mm(at)))
 
     def edge_mm(self) -> tuple[tuple[float, float], ...]:
         """Corners (x, y) of its outline in the view along the crank axis, from rim to rim."""

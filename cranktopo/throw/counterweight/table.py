@@ -14,7 +14,8 @@ from typing_extensions import override
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.table import Length
-from cranktopo.throw.counterweight.checks import check_holes
+from cranktopo.throw.counterweight.checks import check_edge, check_holes
+from cranktopo.throw.counterweight.edge import BevelledEdge, EdgeCut
 from cranktopo.throw.counterweight.holes import AxialHole, BalancingHole, DrilledHole, Plug, RadialHole
 from cranktopo.throw.counterweight.sector import CornerFillet, Sector
 from cranktopo.throw.counterweight.tangent_circle import (
@@ -64,6 +65,7 @@ class Counterweight(Feature):
     """Radius of the round corner between each flank and the rim; left out: sharp."""
     density_kg_m3: float | None = Field(default=None, ge=10, le=30000, examples=[17500.0])
     """Density of a part that is bolted on or let in, of heavy metal say; left out: one piece with the web."""
+    edge: BevelledEdge | None = None
     plug: tuple[Plug, ...] = ()
     hole: tuple[BalancingHole, ...] = ()
 
@@ -94,6 +96,16 @@ class Counterweight(Feature):
         sector = self.sector(scene, key)
         return tuple(one.body(sector, self.face, f"{key}.{name}") for name, one in self.drilled())
 
+    def bevels(self, scene: ThrowView, key: str = "web.counterweight") -> tuple[EdgeCut, ...]:
+        """Return the cuts of its bevelled edge."""
+        return () if self.edge is None else self.edge.cuts(self.sector(scene, key), f"{key}.edge")
+
+    def cuts(
+        self, scene: ThrowView, key: str = "web.counterweight"
+    ) -> tuple[AxialHole | RadialHole | EdgeCut, ...]:
+        """Return all that is machined out of it."""
+        return (*self.holes(scene, key), *self.bevels(scene, key))
+
     def circle(self, scene: ThrowView) -> TangentCircle | None:
         """Return the circle of its fillets; None without."""
         if self.fillet_mm is None:
@@ -110,14 +122,23 @@ class Counterweight(Feature):
         return x, y
 
     def edge_mm(self, scene: ThrowView) -> tuple[Array, Array]:
-        """Points of its arc and of its flank beyond the main journal, at x >= 0."""
+        """Points of its arc and, beyond the main journal, of its flank or bevel, at x >= 0."""
         journal, (x, y) = scene.throw.main_journal, self.sector(scene).rim_mm()
         share = np.linspace((journal.radius_mm + journal.fillet_mm) / self.outer_radius_mm, 1.0, _SAMPLES)
-        return np.concatenate([x, share * x[-1]]), np.concatenate([y, share * y[-1]])
+        flank_x, flank_y = share * x[-1], share * y[-1]
+        for cut in self.bevels(scene)[-1:]:
+            along, _ = cut.flank_mm(cut.side * flank_x, flank_y)
+            inner_x, inner_y = cut.place_mm(along, cut.width_mm)
+            cut_off = along > cut.start_mm
+            flank_x, flank_y = (
+                np.where(cut_off, cut.side * inner_x, flank_x),
+                np.where(cut_off, inner_y, flank_y),
+            )
+        return np.concatenate([x, flank_x]), np.concatenate([y, flank_y])
 
     @override
     def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
-        return () if self.bolted else (*self.parts(scene, key), *self.holes(scene, key))
+        return () if self.bolted else (*self.parts(scene, key), *self.cuts(scene, key))
 
     @override
     def occupied(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
@@ -153,6 +174,11 @@ class Counterweight(Feature):
             found = hole.check(self.sector(scene, key))
             if found is not None:
                 raise scene.invalid(f"{key}.{name}.{found[0]}", found[1], "Change or move it.")
+        if self.edge is not None:
+            circle = self.circle(scene)
+            found = self.edge.refusal(scene, self.sector(scene, key), circle.reach_mm if circle else 0.0)
+            if found is not None:
+                raise scene.invalid(f"{key}.edge.{found[0]}", found[1], "Change the bevelled edge.")
 
     def _check_corner(self, scene: ThrowView, key: str) -> None:
         """Both round corners are apart, and leave a flank beyond the main journal."""
@@ -201,14 +227,17 @@ class Counterweight(Feature):
                     f"{path}: runs into {key}, which is wider than the web's outline there.",
                     hint="Move the pocket toward the crankpin, or narrow the counterweight.",
                 )
-        check_holes(scene, key, self.parts(scene, key), self.holes(scene, key), self.bolted)
+        parts, holes, bevels = self.parts(scene, key), self.holes(scene, key), self.bevels(scene, key)
+        check_holes(scene, key, parts, holes, bevels, self.bolted)
+        check_edge(scene, key, bevels, holes)
 
     @override
     def mirrored(self) -> Self:
-        """Its mirror image in x = 0; itself where each of its holes has its own there."""
+        """Its mirror image in x = 0; itself where each of its holes and bevels has its own there."""
         found = {name: tuple(one.mirrored() for one in getattr(self, name)) for name in ("plug", "hole")}
         same = all(set(turned) == set(getattr(self, name)) for name, turned in found.items())
-        return self if same else self.model_copy(update=found)
+        edge = self.edge and self.edge.mirrored()
+        return self if same and edge == self.edge else self.model_copy(update={**found, "edge": edge})
 
     @override
     def dimensions_mm(self, key: str) -> Iterator[tuple[str, float, float]]:
@@ -218,14 +247,18 @@ class Counterweight(Feature):
         yield f"{key}.corner_mm", self.corner_mm or 0.0, SMALLEST_FILLET
         for name, hole in self.drilled():
             yield f"{key}.{name}.diameter_mm", hole.diameter_mm, SMALLEST
+        if self.edge is not None:
+            yield from ((f"{key}.edge.{name}", value, SMALLEST) for name, value in self.edge.sizes_mm.items())
 
     @override
     def drawing(self, scene: ThrowView) -> FeatureDrawing:
         x, y = self.outer_mm(scene, _DRAWN)
         right = list(zip(x.tolist(), y.tolist(), strict=True))
         middle = (0.0, max(0.0, float(y[-1])) if self.fillet_mm else 0.0)
-        edge = (middle, *((-a, b) for a, b in right[::-1]), *right)
-        numbers = self.model_dump(exclude={"face", "density_kg_m3", "plug", "hole"}, exclude_none=True)
+        outer = (middle, *((-a, b) for a, b in right[::-1]), *right)
+        numbers = self.model_dump(
+            exclude={"face", "density_kg_m3", "edge", "plug", "hole"}, exclude_none=True
+        )
         title = (
             "COUNTERWEIGHT"
             if self.thickness_mm is None
@@ -233,19 +266,25 @@ class Counterweight(Feature):
         )
         part = f"   bolted on, {self.density_kg_m3:g} kg/m³" if self.bolted else ""
         holes, sector = [hole for _, hole in self.drilled()], self.sector(scene)
+        edges = [] if self.edge is None else [self.edge]
         lines = (*number_lines(title, numbers), *filter(None, [part]))
+        lines = (*lines, *(line for edge in edges for line in edge.lines()))
         lines = (*lines, *(line for hole in holes for line in hole.lines()))
         corner = (float(self.edge_mm(scene)[0][_SAMPLES - 1]), float(self.edge_mm(scene)[1][_SAMPLES - 1]))
         named = (
             (right[_DRAWN // 3], f"R{self.outer_radius_mm:g}"),
             (corner, f"2 × {self.half_angle_deg:g}°"),
         )
+        bevels = tuple(stroke for edge in edges for stroke in edge.strokes(sector))
+        section = next((edge.across(sector) for edge in edges), None)
         return FeatureDrawing(
-            front=tuple(hole.stroke(sector) for hole in holes),
-            added=edge,
+            front=(*bevels, *(hole.stroke(sector) for hole in holes)),
+            added=outer,
             lines=lines,
             places=tuple(place for hole in holes for place in hole.places),
-            named=named,
+            named=(*named, *(edge.named(sector) for edge in edges)),
+            section_y_mm=None if section is None else section[0],
+            across=() if section is None else section[1],
         )
 
 
