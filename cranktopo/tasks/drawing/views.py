@@ -212,12 +212,16 @@ def _column(axes: Any, named: Sequence[_Named], beside: float, paper_mm: float) 
 
 
 def _named(axes: Any, named: Sequence[_Named], gap: float) -> list[float]:
-    """Write the texts of points of the outline outward of them; return the heights of those on the right."""
+    """Write texts about points of the outline: on the right outward of them, on the left upon the body.
+
+    Left of the body dimensions stand. Return the heights of the texts on the right.
+    """
     right = []
     for tip, text in named:
-        away = 1 + 0.6 * gap / np.hypot(*tip)
-        leader(axes, tip, (tip[0] * away, tip[1] * away), text, "left" if tip[0] > 0 else "right")
-        if tip[0] > 0:
+        outward = tip[0] > 0
+        away = 1 + (0.6 if outward else -1.6) * gap / np.hypot(*tip)
+        leader(axes, tip, (tip[0] * away, tip[1] * away), text, "left")
+        if outward:
             right.append(tip[1] * away)
     return right
 
