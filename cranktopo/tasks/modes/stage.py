@@ -29,7 +29,7 @@ from cranktopo.tasks.fea.evaluation import mesh_target
 from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
 from cranktopo.tasks.modes.campbell import OverSpeed, crossings, over_speed
 from cranktopo.tasks.modes.carried import without_mass
-from cranktopo.tasks.modes.kinds import energy_shares, kind_of, station_motions
+from cranktopo.tasks.modes.kinds import energy_shares, is_torsion, kind_of, station_motions
 from cranktopo.tasks.modes.page import modes_page
 from cranktopo.tasks.modes.reduced_throw import ReducedThrow, reduced_throw, section_shapes
 from cranktopo.tasks.modes.result import CriticalCrossing, ShaftMode, ShaftModes
@@ -115,8 +115,7 @@ def _result(
     modes = []
     for number in range(count):
         mode = _mode(number, scene, model, rest, fewer, moved, speeds)
-        torsion = mode.kind.startswith("torsion")
-        own = disks.pop(0) if torsion and disks else None
+        own = disks.pop(0) if disks and is_torsion(mode.shares_percent) else None
         modes.append(mode.model_copy(update={"disks_Hz": own}))
     tables = (*shaft_tables(scene, static.bearings), *CARRIED)
     return ShaftModes(
