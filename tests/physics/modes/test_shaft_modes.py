@@ -13,8 +13,8 @@ from cranktopo.design.loading import load_scene, parse_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT, few_throws
 from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.modes.page import modes_page
 from cranktopo.tasks.modes.kinds import is_torsion
+from cranktopo.tasks.modes.page import modes_page
 from cranktopo.tasks.modes.result import EnergyShares, ShaftModes
 from cranktopo.tasks.modes.stage import shaft_modes
 from cranktopo.tasks.modes.text import modes_text
@@ -92,7 +92,7 @@ def test_disks_of_one_throw_swing_too_fast() -> None:
 
 
 def test_a_mode_that_twists_and_bends_alike_is_the_one_of_the_disks() -> None:
-    """Of one throw the first mode of torsion bends it as much; the next one is at three times its frequency."""
+    """Of one throw the first mode of torsion bends it as much; the next one is at thrice its frequency."""
     alike = EnergyShares(torsion=50.0, in_plane=0.0, across=50.9, axial=0.0, rest=-0.9)
     assert is_torsion(alike)
     assert not is_torsion(EnergyShares(torsion=31.0, in_plane=0.0, across=66.0, axial=0.0, rest=3.0))
