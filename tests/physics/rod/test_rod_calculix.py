@@ -9,7 +9,8 @@ from cranktopo.bodies.mesh.rod_mesh import mesh_rod
 from cranktopo.design.loading import load_scene
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.numerics.tetrahedra.stress import boundary_faces
-from cranktopo.tasks.rod.unit_fields import ALONG, solve_rod
+from cranktopo.tasks.rod.unit_fields import solve_rod
+from cranktopo.tasks.rod.unit_loads import ALONG
 from tests.physics.fea import calculix
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
