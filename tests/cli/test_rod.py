@@ -152,14 +152,24 @@ def test_an_oblique_split_is_told(capsys, tmp_path):
     )
 
 
-@pytest.mark.parametrize("more", [(), ("--lighter", "lighter.toml")])
-def test_elements_refuse_an_oblique_split(capsys, tmp_path, monkeypatch, more):
-    design = oblique(tmp_path, 45.0)
-    monkeypatch.chdir(tmp_path)
-    code, _, err = run(capsys, "rod", design, "--fea", "--out", "found", *more)
-    assert code == 3
-    assert "rod.split_angle_deg = 45.0: must be 0 for finite elements" in err
-    assert [path.name for path in tmp_path.iterdir()] == ["oblique.toml"]
+@pytest.mark.slow
+def test_an_oblique_split_by_elements(capsys, tmp_path):
+    """Half of the rod, and a surface with both of its sides; points of both ways to mount it."""
+    out = tmp_path / "found"
+    words = ("--fea", "--contact", "--element-size-mm", "5", "--out", str(out))
+    code, text, _ = run(capsys, "rod", oblique(tmp_path, 45.0), *words)
+    assert code == 0
+    assert "By finite elements on a half, rigid pins touch" in text
+    found = json.loads((out / "rod.json").read_text())["elements"]
+    assert found["residual"] < 1e-6
+    surface = meshio.read(next(out.glob("*.vtu")))
+    x, y, _ = surface.points.T
+    assert y[x > 0].min() < y[x < 0].min() - 3.0  # the boss that the split lowers
+    judged = surface.point_data["judged"] == 1
+    told = max(max(place["max_MPa"], -place["min_MPa"]) for place in found["places"])
+    assert surface.point_data["largest_von_mises_MPa"][judged].max() == pytest.approx(told)
+    least = surface.point_data["fatigue_safety"][judged].min()
+    assert least == pytest.approx(found["fatigue_safety"])
 
 
 def test_a_big_end_wider_than_the_cylinder_is_said(capsys, tmp_path):

@@ -1,12 +1,18 @@
-"""Quadratic tetrahedra on a quarter of the rod: x >= 0 in the plane of motion, z >= 0 along the pins."""
+"""Quadratic tetrahedra on a quarter of the rod: x >= 0 in the plane of motion, z >= 0 along the pins.
+
+An oblique split leaves one of both mirrors: its rod is a half, z >= 0.
+"""
 
 from __future__ import annotations
+
+from typing import Any
 
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.memory import check_mesh_memory
 from cranktopo.bodies.mesh.solid_mesh import NoMeshError, generate, positive_x
 from cranktopo.bodies.solid.rod import add_rod
-from cranktopo.design.checks.rod import check_square_split, rod_of
+from cranktopo.bodies.solid.shapes import DimTags
+from cranktopo.design.checks.rod import rod_of
 from cranktopo.design.rod_body import rod_mass
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
@@ -35,14 +41,12 @@ def default_rod_element_mm(scene: Scene) -> float:
 
 
 def mesh_rod(scene: Scene, element_size_mm: float) -> TetMesh:
-    """Return the mesh of a quarter of a design's rod with its cap, in the frame of its solid.
+    """Return the mesh of a quarter or half of a design's rod with its cap, in the frame of its solid.
 
     Raises:
-        CranktopoError: no rod, an oblique split, impossible geometry, elements too fine for the memory, or no
-            valid mesh.
+        CranktopoError: no rod, impossible geometry, elements too fine for the memory, or no valid mesh.
     """
-    check_square_split(scene)
-    check_mesh_memory(rod_volume_mm3(scene) / 4, element_size_mm)
+    check_mesh_memory(rod_volume_mm3(scene) / (4 if _is_square(scene) else 2), element_size_mm)
     try:
         return _made(scene, element_size_mm, adapt=False)
     except NoMeshError:
@@ -50,9 +54,10 @@ def mesh_rod(scene: Scene, element_size_mm: float) -> TetMesh:
 
 
 def _made(scene: Scene, size: float, *, adapt: bool) -> TetMesh:
+    square = _is_square(scene)
     with cad_session(f"rod of {scene.name}") as gmsh:
         occ = gmsh.model.occ
-        positive_x(occ, add_rod(occ, scene), rod_of(scene)[1], quarter=True)
+        _cut(occ, add_rod(occ, scene), rod_of(scene)[1], square=square)
         occ.synchronize()
         for option, value in (
             ("MeshSizeMax", size),
@@ -61,4 +66,19 @@ def _made(scene: Scene, size: float, *, adapt: bool) -> TetMesh:
             ("MeshSizeFromCurvature", _AROUND),
         ):
             gmsh.option.setNumber(f"Mesh.{option}", value)
-        return generate(gmsh, size, mirrored=True, stresses=True, regular=True, adapt=adapt)
+        return generate(gmsh, size, mirrored=square, stresses=True, regular=True, adapt=adapt)
+
+
+def _is_square(scene: Scene) -> bool:
+    return not rod_of(scene)[0].split_angle_deg
+
+
+def _cut(occ: Any, body: DimTags, reach: float, *, square: bool) -> None:
+    """Leave the quarter of a rod, or its half in two parts that meet in x = 0: bores of both have no seam."""
+    if square:
+        positive_x(occ, body, reach, quarter=True)
+        return
+    size = 20 * reach
+    left = [(3, occ.addBox(-size, -size, 0, size, 2 * size, size))]
+    others, _ = occ.intersect(body, left, removeObject=False)
+    occ.fragment(positive_x(occ, body, reach, quarter=True), others)

@@ -26,17 +26,6 @@ def rod_of(scene: Scene) -> tuple[Rod, float]:
     return scene.rod, scene.engine.rod_length_mm
 
 
-def check_square_split(scene: Scene) -> None:
-    """Check that the split is square, as finite elements need it; raises CranktopoError."""
-    rod, _ = rod_of(scene)
-    if rod.split_angle_deg:
-        raise scene.invalid(
-            "rod.split_angle_deg",
-            "must be 0 for finite elements: an oblique split has no mirror in the rod's axis",
-            "Leave out --fea: the closed form judges it.",
-        )
-
-
 def check_rod(scene: Scene) -> None:
     """Check that the dimensions of the rod give a body."""
     rod = scene.rod

@@ -66,8 +66,9 @@ def command(
     The rod is [rod]; its masses replace those of [engine.masses] in every command. `export --part rod` writes
     its solid.
 
-    With --fea a quarter of the rod is solved on curved tet10 elements, with pressure by the cosine in both
-    eyes, or with --contact where rigid pins touch. A rod of --lighter is then no less safe by elements, too.
+    With --fea a quarter of the rod, or a half where the split is oblique, is solved on curved tet10 elements,
+    with pressure by the cosine in both eyes, or with --contact where rigid pins touch. A rod of --lighter is
+    then no less safe by elements, too.
 
     Permitted ovalisation of both bores is [rod] small_end_ovalisation_um and big_end_ovalisation_um: a rod of
     --lighter keeps it. A drawing as DXF needs the extra `dxf`.

@@ -23,7 +23,6 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import as_path
 from cranktopo.base.notes import note
-from cranktopo.design.checks.rod import check_square_split
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.rod import Eye
 from cranktopo.design.schema import Scene
@@ -72,7 +71,6 @@ def lighten_rod_by_elements(
         CranktopoError: as `check_rod_elements`, or no lighter rod was found.
     """
     scene, out = as_scene(design), as_path(out)
-    check_square_split(scene)
     if out is not None:
         check_folder(out)
     search = rod_search(scene, method, least_wall_mm)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array, Index
 from cranktopo.design.rod_body import RodMass, fillet
 from cranktopo.design.rod_fitted import bush_kg
+from cranktopo.design.rod_split import in_split
 from cranktopo.engine.rod_forces import RodMotion
 from cranktopo.numerics.tetrahedra.sharp_edges import from_sharp_edges_mm
 from cranktopo.numerics.tetrahedra.stress import (
@@ -23,10 +24,10 @@ from cranktopo.numerics.tetrahedra.stress import (
 )
 from cranktopo.tasks.fatigue.criteria import criterion
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_ranges
-from cranktopo.tasks.rod.unit_fields import ACROSS, ALONG, RodFields
+from cranktopo.tasks.rod.unit_fields import RodFields
+from cranktopo.tasks.rod.unit_loads import ACROSS, ALONG, is_quarter
 
 PLACES = ("small end", "eye to shank", "mid-shank", "shank to big end", "big end", "cap")
-_MIRRORS = ((0, 0.0), (2, 0.0))
 _AT_ONCE = 3
 """Fields whose stresses are held in all elements at a time."""
 _STEP_DEG = 1.0
@@ -87,7 +88,10 @@ def _loads(fields: RodFields, mass: RodMass, motion: RodMotion, bush_pressure_MP
 
 @dataclass(frozen=True)
 class ElementStress:
-    """The cycle on the surface of a quarter of the rod; arrays over both sides x >= 0 and x < 0, (2, n).
+    """The cycle on the surface of a model of the rod; arrays (2, n).
+
+    The first row is that of the nodes; the second is that of their images x < 0 of a quarter, or of the nodes
+    of a half in the rod mounted the other way round.
 
     Attributes:
         edge_distance_mm: distance from sharp inner edges from which nodes are judged.
@@ -124,18 +128,19 @@ class ElementStress:
         return None if self.judged.all() else self._point(-self.largest_MPa, ~self.judged)
 
     def _point(self, values: Array, among: NDArray[np.bool_]) -> WorstPoint:
-        side, node = np.unravel_index(int(np.where(among, values, np.inf).argmin()), values.shape)
+        row, node = np.unravel_index(int(np.where(among, values, np.inf).argmin()), values.shape)
         x, y, z = (float(c) for c in self.surface.points_mm[:, node])
         found = (self.high_MPa, self.low_MPa, self.gradient_per_mm, self.fatigue_safety)
-        return WorstPoint((-x if side else x, y, z), *(float(values[side, node]) for values in found))
+        image = row and is_quarter(self.fields.model)
+        return WorstPoint((-x if image else x, y, z), *(float(values[row, node]) for values in found))
 
 
 def element_stress(fields: RodFields, loads: Array, method: str, edge_distance_mm: float) -> ElementStress:
     """Return the stresses of a rod over the states of its cycle, and their safety by a fatigue method."""
     surface, found = surface_stresses(fields)
     across = np.array([name in ACROSS for name in (*ALONG, *ACROSS)])
-    other_side = np.where(across, -1.0, 1.0)
-    ranges = signed_von_mises_ranges(found, (loads, loads * other_side))
+    turned = np.where(across, -1.0, 1.0)
+    ranges = signed_von_mises_ranges(found, (loads, loads * turned))
     local = [one.local for one in ranges]
     safety = [criterion(method).point_safety(fields.scene, one).safety for one in local]
     return ElementStress(
@@ -150,9 +155,10 @@ def element_stress(fields: RodFields, loads: Array, method: str, edge_distance_m
 
 
 def surface_stresses(fields: RodFields) -> tuple[Surface, SurfaceStress]:
-    """Return the surface of the quarter, and the stresses of the unit loads on it."""
+    """Return the surface of the model, and the stresses of the unit loads on it."""
     model, moved = fields.model, fields.displacement_mm
-    surface = outer_surface(model, model.mesh.dofs.element_dofs, _MIRRORS)
+    mirrors = ((0, 0.0), (2, 0.0)) if is_quarter(model) else ((2, 0.0),)
+    surface = outer_surface(model, model.mesh.dofs.element_dofs, mirrors)
     parts = [
         surface_stress(model, surface, nodal_stress(model, moved[first : first + _AT_ONCE], *fields.elastic))
         for first in range(0, len(moved), _AT_ONCE)
@@ -167,11 +173,13 @@ def surface_stresses(fields: RodFields) -> tuple[Surface, SurfaceStress]:
 def place_of(fields: RodFields, points_mm: Array) -> Index:
     """Return for points (3, n) of the rod which of `PLACES` they belong to."""
     rod, length = fields.rod, fields.length_mm
-    x, y, _ = np.abs(points_mm[0]), points_mm[1], points_mm[2]
+    x, y, _ = points_mm
+    u, v = in_split(rod, x, y)
     arcs = [fillet(rod, length, small) for small in (True, False)]
     top = arcs[0].edge_y_mm if arcs[0] else length - (rod.small_end_diameter_mm + rod.shank_small_mm) / 2
     bottom = arcs[1].edge_y_mm if arcs[1] else (rod.big_end_diameter_mm + rod.shank_big_mm) / 2
     in_small = np.hypot(x, y - length) <= _BEYOND * rod.small_end_diameter_mm / 2
-    in_big = (np.hypot(x, y) <= _BEYOND * rod.big_end_diameter_mm / 2) | (y <= _BEYOND * rod.boss_above_mm)
+    in_boss = (np.abs(u) <= _BEYOND * rod.boss_width_mm / 2) & (v <= _BEYOND * rod.boss_above_mm)
+    in_big = in_boss | (np.hypot(x, y) <= _BEYOND * rod.big_end_diameter_mm / 2)
     along = np.select([y >= top, y > bottom], [1, 2], 3)
-    return np.asarray(np.select([in_small, in_big & (y < 0), in_big], [0, 5, 4], along), dtype=np.intp)
+    return np.asarray(np.select([in_small, in_big & (v < 0), in_big], [0, 5, 4], along), dtype=np.intp)

@@ -19,19 +19,17 @@ from cranktopo.tasks.fea.evaluation import RATIO
 from cranktopo.tasks.rod.contact import contact_deg, cosine
 from cranktopo.tasks.rod.element_stress import ElementStress, WorstPoint, cycle_loads, element_stress
 from cranktopo.tasks.rod.eye import bush_pressure_MPa
-from cranktopo.tasks.rod.ovalisation import eye_shape
+from cranktopo.tasks.rod.ovalisation import DIAMETERS_RAD, eye_shape
 from cranktopo.tasks.rod.result import EyeShape, RodElements, RodPlace, SharpEdge
-from cranktopo.tasks.rod.unit_fields import (
+from cranktopo.tasks.rod.unit_fields import RodFields, contact_pressures, rod_model, solve_rod
+from cranktopo.tasks.rod.unit_loads import (
     ALONG,
     PRESSED,
-    QUARTERS,
     Pressures,
-    RodFields,
     bore_of,
-    contact_pressures,
+    copies,
+    is_quarter,
     rod_material,
-    rod_model,
-    solve_rod,
 )
 
 _EDGE_ELEMENTS = 2.0
@@ -94,7 +92,8 @@ def _told(coarse: ElementStress, fine: ElementStress, loads: Array, size: float)
         element_size_mm=size,
         nodes=fields.model.nodes_mm.shape[1],
         residual=fields.residual,
-        volume_error_percent=100 * (QUARTERS * fields.model.volume_mm3 / rod_volume_mm3(fields.scene) - 1),
+        volume_error_percent=100
+        * (copies(fields.model) * fields.model.volume_mm3 / rod_volume_mm3(fields.scene) - 1),
         edge_distance_mm=fine.edge_distance_mm,
         yield_safety=min(place.yield_safety for place in places),
         fatigue_safety=min(place.fatigue_safety for place in places),
@@ -139,23 +138,35 @@ def eye_shapes(fields: RodFields, loads: Array) -> tuple[EyeShape, ...]:
     found = []
     for number, (eye, side) in enumerate(PRESSED):
         state = int(loads[:, number].argmax())
-        across, along = _diameters_um(fields, loads[state], eye)
+        across, along, oblique = _diameters_um(fields, loads[state], eye)
         load, force = ALONG[number].split()[1], float(loads[state, number])
         pressed = contact_deg(fields.pressures.get((eye, side), cosine))
-        found.append(eye_shape(fields.scene, eye, load, force, pressed, across, along))
+        found.append(eye_shape(fields.scene, eye, load, force, pressed, across, along, oblique))
     return tuple(found)
 
 
-def _diameters_um(fields: RodFields, loads: Array, eye: Eye) -> tuple[float, float]:
-    """Return the changes of a bore's diameter across and along the rod, by waves around it."""
+def _diameters_um(fields: RodFields, loads: Array, eye: Eye) -> tuple[float, float, float]:
+    """Return the changes of a bore's diameter across and along the rod, by waves around it.
+
+    The third is the largest of all directions, on a half; a quarter has none.
+    """
     bore = bore_of(fields.scene, fields.model, eye)
     x, y, _ = np.asarray(bore.faces.global_coordinates()).reshape(3, -1)
     angle, count = np.arctan2(x, y - bore.y_mm), len(ALONG)
     moved = (loads[:count] @ fields.displacement_mm[:count]).reshape(-1, 3)
     at_x, at_y, _ = at_faces(bore.faces, moved).reshape(3, -1)
     outward = at_x * np.sin(angle) + at_y * np.cos(angle)
-    root, waves = np.sqrt(bore.faces.dx.ravel()), np.arange(_HARMONICS + 1)
-    fitted = np.linalg.lstsq(root[:, None] * np.cos(np.outer(angle, waves)), root * outward, rcond=None)[0]
-    even = waves % 2 == 0
-    across, along = (2 * float((fitted * np.cos(waves * at))[even].sum()) for at in (np.pi / 2, 0.0))
-    return across * MM_PER_M, along * MM_PER_M
+    root, quarter = np.sqrt(bore.faces.dx.ravel()), is_quarter(fields.model)
+    fitted = np.linalg.lstsq(root[:, None] * _waves(angle, quarter), root * outward, rcond=None)[0]
+    directions = np.concatenate([[np.pi / 2, 0.0], [] if quarter else DIAMETERS_RAD])
+    # odd waves move a bore and leave its diameters
+    ends = (_waves(directions + turn, quarter) @ fitted for turn in (0.0, np.pi))
+    changes = MM_PER_M * np.sum(list(ends), axis=0)
+    most = 0.0 if quarter else float(np.abs(changes).max())
+    return float(changes[0]), float(changes[1]), most
+
+
+def _waves(angle_rad: Array, alike: bool) -> Array:
+    """Waves around a bore at angles (n,), those of both signs of x alone where both sides are alike."""
+    around = np.outer(angle_rad, np.arange(_HARMONICS + 1))
+    return np.cos(around) if alike else np.hstack([np.cos(around), np.sin(around[:, 1:])])

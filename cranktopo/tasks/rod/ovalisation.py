@@ -28,7 +28,7 @@ from cranktopo.tasks.rod.ring import ClosedRing, Ring
 
 _ANGLES = np.linspace(0.0, np.pi, 181)
 _AROUND = np.linspace(-np.pi, np.pi, 361)
-_DIAMETERS = np.radians(np.arange(0.0, 180.0, 5.0))
+DIAMETERS_RAD = np.radians(np.arange(0.0, 180.0, 5.0))
 """Directions of the diameters of a whole ring that are looked at, from the crown."""
 _REACH = 2.0
 """Radius to which sections of the ring reach, over that of the bore."""
@@ -116,7 +116,7 @@ def _shapes_of_whole(
     scene: Scene, eye: Eye, ring: ClosedRing, forces_N: tuple[float, float]
 ) -> Iterator[EyeShape]:
     for load, force, middle in zip(("push", "pull"), forces_N, (np.pi, 0.0), strict=True):
-        changes = force * MM_PER_M * ring.changes_mm(*cosine_N(ring.angle_rad, middle), _DIAMETERS)
+        changes = force * MM_PER_M * ring.changes_mm(*cosine_N(ring.angle_rad, middle), DIAMETERS_RAD)
         along, across = float(changes[0]), float(changes[len(changes) // 2])
         most = float(np.abs(changes).max())
         yield eye_shape(scene, eye, load, force, _HALF_PRESSED_DEG, across, along, most)

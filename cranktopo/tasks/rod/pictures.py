@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +16,12 @@ from cranktopo.numerics.tetrahedra.stress import outward_faces, turned_faces
 from cranktopo.report.plot import png
 from cranktopo.report.vtu import write_surface_vtu
 from cranktopo.tasks.rod.element_stress import ElementStress, WorstPoint
+from cranktopo.tasks.rod.unit_loads import is_quarter
 
 if TYPE_CHECKING:
     from matplotlib.colors import Colormap, Normalize
 
-_IMAGES = tuple(product((1, -1), (1, -1)))
-"""Signs of x and z of the four quarters."""
+_Worse = Literal["larger", "smaller"]
 _VIEW = (0.0, -0.35, 1.0)
 _TOP = 4.0
 """Safety above which colours stay the same, over the least safety."""
@@ -43,29 +43,37 @@ def write_rod_files(folder: Path, name: str, stress: ElementStress) -> None:
 def write_rod_vtu(path: Path, stress: ElementStress) -> None:
     """Write safety, largest stress and signed extremes over the surface of the whole rod; mm, MPa."""
     points, _, faces = _whole(stress)
-    data = {
-        "largest_von_mises_MPa": stress.largest_MPa,
-        "highest_signed_von_mises_MPa": stress.high_MPa,
-        "lowest_signed_von_mises_MPa": stress.low_MPa,
-        "fatigue_safety": stress.fatigue_safety,
-        "judged": np.tile(stress.judged.astype(float), (2, 1)),
+    fields: dict[str, tuple[Array, _Worse]] = {
+        "largest_von_mises_MPa": (stress.largest_MPa, "larger"),
+        "highest_signed_von_mises_MPa": (stress.high_MPa, "larger"),
+        "lowest_signed_von_mises_MPa": (stress.low_MPa, "smaller"),
+        "fatigue_safety": (stress.fatigue_safety, "smaller"),
+        "judged": (np.tile(stress.judged.astype(float), (2, 1)), "larger"),
     }
-    write_surface_vtu(path, points, faces, {name: _at_images(field) for name, field in data.items()})
+    data = {name: _at_images(stress, field, worse) for name, (field, worse) in fields.items()}
+    write_surface_vtu(path, points, faces, data)
+
+
+def _images(stress: ElementStress) -> tuple[tuple[int, int], ...]:
+    """Signs of x and z of the bodies that make the rod: four quarters or two halves."""
+    return tuple(product((1, -1) if is_quarter(stress.fields.model) else (1,), (1, -1)))
 
 
 def _whole(stress: ElementStress) -> tuple[Array, Array, NDArray[np.intp]]:
-    """Nodes and normals (4 n, 3) and outward six-node faces of the whole rod, quarter by quarter."""
-    surface = stress.surface
+    """Nodes and normals (n, 3) and outward six-node faces of the whole rod, image by image."""
+    surface, images = stress.surface, _images(stress)
     base, count = outward_faces(surface), surface.points_mm.shape[1]
-    signs = [np.array([x, 1.0, z]) for x, z in _IMAGES]
-    faces = [(turned_faces(base) if x != z else base) + image * count for image, (x, z) in enumerate(_IMAGES)]
+    signs = [np.array([x, 1.0, z]) for x, z in images]
+    faces = [(turned_faces(base) if x != z else base) + image * count for image, (x, z) in enumerate(images)]
     points = np.concatenate([surface.points_mm.T * sign for sign in signs])
     return points, np.concatenate([surface.normals * sign for sign in signs]), np.concatenate(faces)
 
 
-def _at_images(field: Array) -> Array:
-    """Values (2, n) of both sides at the nodes of the four quarters."""
-    return np.concatenate([field[0 if x > 0 else 1] for x, _ in _IMAGES])
+def _at_images(stress: ElementStress, field: Array, worse: _Worse) -> Array:
+    """Values (2, n) at the nodes of the whole rod; of a half the worse of both ways to mount it."""
+    if not is_quarter(stress.fields.model):
+        field = (field.max if worse == "larger" else field.min)(axis=0, keepdims=True)
+    return np.concatenate([field[0 if x > 0 else 1] for x, _ in _images(stress)])
 
 
 def save_rod_picture(path: Path, stress: ElementStress) -> None:
@@ -90,13 +98,21 @@ def save_rod_picture(path: Path, stress: ElementStress) -> None:
     _draw(
         (figure, above),
         stress,
-        (stress.largest_MPa, Normalize(0.0, high.largest_MPa, clip=True), colormaps["turbo"]),
+        (
+            _at_images(stress, stress.largest_MPa, "larger"),
+            Normalize(0.0, high.largest_MPa, clip=True),
+            colormaps["turbo"],
+        ),
         (high, f"largest von Mises stress, MPa; ring: {high.largest_MPa:.0f} MPa"),
     )
     _draw(
         (figure, below),
         stress,
-        (stress.fatigue_safety, LogNorm(least, _TOP * least, clip=True), colormaps["turbo_r"]),
+        (
+            _at_images(stress, stress.fatigue_safety, "smaller"),
+            LogNorm(least, _TOP * least, clip=True),
+            colormaps["turbo_r"],
+        ),
         (weak, f"fatigue safety; ring: {least:.2f}"),
     )
     write_bytes(path, png(figure))
@@ -114,8 +130,7 @@ def _draw(
 
     from cranktopo.report.shading import draw, shaded_faces, view_axes
 
-    (figure, axes), (field, norm, colours), (point, label) = place, shown, marked
-    values = _at_images(field)
+    (figure, axes), (values, norm, colours), (point, label) = place, shown, marked
     points, normals, faces = _whole(stress)
     body = shaded_faces(
         points, normals, faces, lambda corners: colours(norm(values[corners].mean(axis=1)))[:, :3]

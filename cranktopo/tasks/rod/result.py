@@ -105,7 +105,7 @@ class LighterRod(Result):
 
 class RodPlace(Result):
     """One place of the rod by finite elements, from sharp inner edges away; von Mises stress with the sign of
-    the first invariant."""
+    the first invariant. With an oblique split each point is judged for the worse way to mount the rod."""
 
     place: str
     point_mm: tuple[float, float, float]
@@ -144,7 +144,8 @@ class EyeShape(Result):
     along_um: float
     """Change of the diameter along the rod."""
     ovalisation_um: float
-    """The larger of both, without its sign."""
+    """The larger of both, without its sign; of an oblique split that of all diameters, in closed form of the
+    big end alone."""
     judged: bool
     """True where a limit is for this load: not for a push by the cosine, which opens a bore by more than any
     clearance, so that the pin leaves the flanks that the cosine presses."""
@@ -160,7 +161,8 @@ class SharpEdge(Result):
 
 
 class RodElements(Result):
-    """The rod by finite elements: a quarter under pressure in both eyes, inertia and press fit."""
+    """The rod by finite elements under pressure in both eyes, inertia and press fit: a quarter, or a half
+    where the split is oblique."""
 
     contact: bool
     """Pressure of the pins where they touch as rigid ones, in place of the cosine over half of each bore."""

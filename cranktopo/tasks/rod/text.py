@@ -181,7 +181,8 @@ def _elements(found: RodElements, rod: RodStrength) -> str:
     )
     size = f"{found.nodes:,} nodes, elements of {found.element_size_mm:.3g} mm"
     pins = "rigid pins touch" if found.contact else "pressure by the cosine"
-    lines = [f"By finite elements on a quarter, {pins}: {size}; von Mises stress, positive in tension"]
+    part = "half" if rod.oblique_split else "quarter"
+    lines = [f"By finite elements on a {part}, {pins}: {size}; von Mises stress, positive in tension"]
     lines.append(terminal(tabulate(columns, found.places)))
     if found.at_sharp_edges is not None:
         x, y, z = found.at_sharp_edges.point_mm

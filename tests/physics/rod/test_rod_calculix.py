@@ -1,4 +1,4 @@
-"""A quarter of the rod by CalculiX: the same elements, its own matrices, pressure and gravity."""
+"""A quarter of the rod, and half of an oblique one, by CalculiX: its own matrices, pressure and gravity."""
 
 import shutil
 
@@ -7,9 +7,11 @@ import pytest
 
 from cranktopo.bodies.mesh.rod_mesh import mesh_rod
 from cranktopo.design.loading import load_scene
+from cranktopo.design.named import with_values
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.numerics.tetrahedra.stress import boundary_faces
-from cranktopo.tasks.rod.unit_fields import ALONG, solve_rod
+from cranktopo.tasks.rod.unit_fields import solve_rod
+from cranktopo.tasks.rod.unit_loads import ALONG
 from tests.physics.fea import calculix
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
@@ -27,25 +29,40 @@ def pressed(mesh, y_mm, radius_mm, pressure):
     return [f"{e + 1}, P{n}, {v:.10e}" for e, n, v in zip(owners[on], numbers, values, strict=True)]
 
 
-@needs_ccx
-@pytest.mark.slow
-def test_press_fit_and_push_against_calculix(tmp_path):
-    """A press fit as pressure on faces, closed in itself; a push by the cosine of the middles of faces.
-
-    Pressure is even on each face there, so that the push differs by the square of the faces' size.
-    """
-    scene = load_scene("mikron-iiic-rod")
+def solved(angle_deg):
+    """A rod with its split at an angle, its mesh and unit loads, and what is held, (node, axis)."""
+    scene = with_values(load_scene("mikron-iiic-rod"), {"rod.split_angle_deg": angle_deg})
     scene = scene.model_copy(update={"material": scene.rod.material})
     mesh = mesh_rod(scene, 5.0)
     fields = solve_rod(scene, assemble(mesh, scene.material.E_GPa * 1e3, scene.material.poisson), {})
     on = np.abs(mesh.points_mm) < 1e-6
-    held = [(int(n), axis) for axis in (0, 2) for n in np.flatnonzero(on[axis])]
-    held.append((int(np.flatnonzero(on[0])[0]), 1))
-    rod, order = scene.rod, nodes_of(mesh, fields.model)
-    even = pressed(mesh, 166.0, rod.small_end_bore_mm / 2, lambda x, y: np.ones_like(x))
+    held = [(int(n), axis) for axis in ((2,) if angle_deg else (0, 2)) for n in np.flatnonzero(on[axis])]
+    ends = [int(mesh.points_mm[1].argmin()), int(mesh.points_mm[1].argmax())] if angle_deg else []
+    return scene, mesh, fields, [*held, *((n, 0) for n in ends), (int(np.flatnonzero(on[0])[0]), 1)]
+
+
+@needs_ccx
+@pytest.mark.slow
+@pytest.mark.parametrize("angle_deg", [0.0, 45.0])
+def test_press_fit_against_calculix(tmp_path, angle_deg):
+    """As pressure on faces, closed in itself."""
+    scene, mesh, fields, held = solved(angle_deg)
+    order, at = nodes_of(mesh, fields.model), mesh.points_mm.T
+    even = pressed(mesh, 166.0, scene.rod.small_end_bore_mm / 2, lambda x, y: np.ones_like(x))
     moved = calculix.of_free_body(tmp_path, mesh, scene, held, ["*DLOAD", *even])
     ours = fields.displacement_mm[ALONG.index("press fit")].reshape(-1, 3)[order]
-    assert not_shifted(ours) == pytest.approx(not_shifted(moved), abs=3e-4 * np.abs(ours).max())
+    assert deformed(ours, at) == pytest.approx(deformed(moved, at), abs=3e-4 * np.abs(ours).max())
+
+
+@needs_ccx
+@pytest.mark.slow
+def test_a_push_against_calculix(tmp_path):
+    """By the cosine of the middles of faces.
+
+    Pressure is even on each face there, so that the push differs by the square of the faces' size.
+    """
+    scene, mesh, fields, held = solved(0.0)
+    rod, order, at = scene.rod, nodes_of(mesh, fields.model), mesh.points_mm.T
     lower = pressed(mesh, 166.0, rod.small_end_bore_mm / 2, lambda _, y: np.maximum(-y, 0.0))
     upper = pressed(mesh, 0.0, rod.big_end_bore_mm / 2, lambda _, y: np.maximum(y, 0.0))
     small = scaled(lower, 1000.0 / (np.pi / 4 * rod.small_end_bore_mm * rod.small_end_width_mm))
@@ -53,7 +70,8 @@ def test_press_fit_and_push_against_calculix(tmp_path):
     moved = calculix.of_free_body(tmp_path, mesh, scene, held, ["*DLOAD", *small, *big])
     ours = 1000 * fields.displacement_mm[[0, 2]].sum(axis=0).reshape(-1, 3)[order]
     free = np.arange(len(ours)) != held[-1][0]  # what the faces' pressures lack pulls at the support
-    assert not_shifted(ours)[free] == pytest.approx(not_shifted(moved)[free], abs=0.02 * np.abs(ours).max())
+    found, wanted = deformed(ours, at)[free], deformed(moved, at)[free]
+    assert found == pytest.approx(wanted, abs=0.02 * np.abs(ours).max())
 
 
 def scaled(lines, factor):
@@ -69,6 +87,10 @@ def nodes_of(mesh, model):
     return order
 
 
-def not_shifted(moved):
-    """Displacements without their mean along the rod, which a support decides."""
-    return moved - np.array([0.0, moved[:, 1].mean(), 0.0])
+def deformed(moved, at_mm):
+    """Displacements without what moves the rod in its plane as a whole, which supports decide."""
+    x, y, _ = at_mm.T
+    none, one = np.zeros_like(x), np.ones_like(x)
+    rigid = np.stack([np.stack(way, axis=1) for way in ((one, none, none), (none, one, none), (-y, x, none))])
+    parts = rigid.reshape(3, -1).T
+    return moved - (parts @ np.linalg.lstsq(parts, moved.ravel(), rcond=None)[0]).reshape(moved.shape)

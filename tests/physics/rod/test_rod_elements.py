@@ -18,15 +18,8 @@ from cranktopo.numerics.tetrahedra.surface_loads import at_faces, face_shares, f
 from cranktopo.tasks.rod.contact import contact_deg, cosine, strips
 from cranktopo.tasks.rod.element_stress import PLACES, cycle_loads, element_stress, place_of, surface_stresses
 from cranktopo.tasks.rod.elements import eye_shapes
-from cranktopo.tasks.rod.unit_fields import (
-    ACROSS,
-    ALONG,
-    PRESSED,
-    bore_of,
-    contact_pressures,
-    rod_model,
-    solve_rod,
-)
+from cranktopo.tasks.rod.unit_fields import contact_pressures, rod_model, solve_rod
+from cranktopo.tasks.rod.unit_loads import ACROSS, ALONG, PRESSED, bore_of
 
 LOADS = (*ALONG, *ACROSS)
 RING_MM = 10.0, 20.0
@@ -220,7 +213,7 @@ def test_a_rigid_pin_touches_where_it_presses(fields):
         x, y, _ = np.asarray(bore.faces.global_coordinates()) / bore.radius_mm
         y = y - bore.y_mm / bore.radius_mm
         angle, outward = np.arctan2(x, side * y), at_x * x + at_y * y
-        weights = np.stack([strip(angle) * bore.faces.dx for strip in strips()])
+        weights = np.stack([strip(angle) * bore.faces.dx for strip in strips(alike=True)])
         weights /= weights.sum(axis=(1, 2), keepdims=True)
         bulged, pin = ((weights * field).sum(axis=(1, 2)) for field in (outward, np.cos(angle)))
         middles = (np.arange(len(pin)) + 0.5) * math.pi / 2 / len(pin)

@@ -1,0 +1,219 @@
+"""Unit loads of the rod on elements: pressures on both bores, inertia of its own mass, press fit of the bush.
+
+The model is a quarter, x >= 0 and z >= 0, or the half z >= 0 of a rod with an oblique split. Each load is
+closed in itself, by even acceleration along the rod and by both eyes across it: supports carry nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.arrays import Array, Index
+from cranktopo.base.units import KG_PER_TONNE, MM_PER_M, density_tonne_per_mm3
+from cranktopo.design.checks.rod import rod_of
+from cranktopo.design.material import Material
+from cranktopo.design.rod import EYES, Eye, Rod
+from cranktopo.design.rod_fitted import bolts_kg
+from cranktopo.design.rod_split import in_split
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mass_matrix
+from cranktopo.numerics.tetrahedra.surface_loads import face_shares, faces_where, pressure_force
+from cranktopo.tasks.rod.contact import Pressure, cosine, strips
+
+ALONG = ("small push", "small pull", "big push", "big pull", "small inertia", "big inertia", "press fit")
+"""Loads that the mirror x -> -x keeps where it is one: 1 N on the lower or upper half of the small end's bore
+and on the upper or lower half of the big end's, by the cosine; the inertia where one end accelerates by
+1 m/s2 toward the big end along the rod and the other does not; 1 MPa in the small end's bore."""
+ACROSS = ("small whip", "big whip")
+"""Loads that the mirror x -> -x turns around: the inertia where one end accelerates by 1 m/s2 across the rod
+and the other does not, carried by both eyes."""
+PRESSED: tuple[tuple[Eye, int], ...] = (("small", -1), ("small", 1), ("big", 1), ("big", -1))
+"""Eyes and sides of the first loads of `ALONG`."""
+Pressures = Mapping[tuple[Eye, int], Pressure]
+"""Pressure on the sides of bores; by the cosine where none is given."""
+Motion = Literal["along", "across", "whole"]
+"""What a quarter does under loads of `ALONG` and of `ACROSS`, and what a half does under either."""
+_RESULTANTS: dict[Motion, list[int]] = {"along": [1], "across": [0, 2], "whole": [0, 1, 2]}
+"""Forces along x and y and moment about the pins' direction that loads of a motion may have."""
+_PLANE_MM = 1e-6
+_ON_BORE = 1e-5
+"""Distance of nodes on a bore from it, over its radius."""
+
+
+def rod_material(scene: Scene) -> Material:
+    """Return the material of the rod, that of the crankshaft where it has none of its own."""
+    return rod_of(scene)[0].material or scene.material
+
+
+def is_quarter(model: Elasticity) -> bool:
+    """Tell whether a model is a quarter of the rod, x >= 0; else it is a half."""
+    return bool(model.nodes_mm[0].min() > -_PLANE_MM)
+
+
+def copies(model: Elasticity) -> int:
+    """Return the number of such bodies in the rod."""
+    return 4 if is_quarter(model) else 2
+
+
+@dataclass(frozen=True)
+class LoadGroup:
+    """Closed loads (unknowns, k) with the unknowns that mirror planes hold, and those of the supports."""
+
+    forces: Array
+    mirrors: Index
+    supports: Index
+
+
+@dataclass(frozen=True)
+class Bore:
+    """A bore of the model: its faces, and pressures on them as nodal forces."""
+
+    model: Elasticity
+    y_mm: float
+    radius_mm: float
+
+    @cached_property
+    def faces(self) -> Any:
+        """Return the basis of the faces on the bore."""
+
+        def on_bore(points: Array) -> NDArray[np.bool_]:
+            away = np.hypot(points[0], points[1] - self.y_mm) / self.radius_mm - 1
+            return np.asarray(np.abs(away) < _ON_BORE)
+
+        return faces_where(self.model, on_bore)
+
+    def _force(self, pressure: Callable[[Array, Array], Array]) -> Array:
+        """Nodal forces of a pressure over x and y from the axis, both over the radius."""
+        x, y, _ = np.asarray(self.faces.global_coordinates())
+        found = pressure(x / self.radius_mm, (y - self.y_mm) / self.radius_mm)
+        return pressure_force(self.model, self.faces, found)
+
+    def pressed(self, side: int, pressure: Pressure) -> Array:
+        """Return a pressure on the half of the bore toward +y or -y, as its side is."""
+        return self._force(lambda x, y: pressure(np.arctan2(x, side * y)))
+
+    def unit(self, side: int, pressure: Pressure) -> Array:
+        """Return 1 N on the rod along +y or -y by such a pressure."""
+        force = self.pressed(side, pressure)
+        return np.asarray(force / abs(force[1::3].sum()) / copies(self.model))
+
+    def across(self) -> Array:
+        """Return 1 N on the rod along x, by the cosine over all of the bore."""
+        force = self._force(lambda x, _: x)
+        return np.asarray(force / force[::3].sum() / copies(self.model))
+
+    def even(self) -> Array:
+        """Return 1 MPa all around."""
+        return self._force(lambda x, _: np.ones_like(x))
+
+
+def bore_of(scene: Scene, model: Elasticity, eye: Eye) -> Bore:
+    """Return the bore of small or big end on a model of the rod."""
+    rod, length = rod_of(scene)
+    if eye == "small":
+        return Bore(model, length, rod.small_end_bore_mm / 2)
+    return Bore(model, 0.0, rod.big_end_bore_mm / 2)
+
+
+class RodLoads:
+    """Unit loads of a design's rod as nodal forces on a model of it."""
+
+    def __init__(self, scene: Scene, model: Elasticity, pressures: Pressures) -> None:
+        """Find the bores and the mass of the nodes, tonne."""
+        rod, self._length = rod_of(scene)
+        self._model = model
+        self._bores = {eye: bore_of(scene, model, eye) for eye in EYES}
+        self._pressures = pressures
+        self._mass = mass_matrix(model, density_tonne_per_mm3(rod_material(scene).density_kg_m3))
+        self._bolts = _bolt_masses(model, rod)
+        self._share = model.nodes_mm[1] / self._length
+
+    def _inertia(self, acceleration_m_s2: Array, axis: int) -> Array:
+        """Nodal forces of what accelerates along -y or +x at the nodes."""
+        force = np.zeros(self._model.nodes_mm.shape)
+        moved = acceleration_m_s2 * MM_PER_M
+        force[axis] = self._mass @ moved + self._bolts * moved
+        return (force if axis == 1 else -force).T.ravel()
+
+    def _of_both_ends(self, axis: int) -> list[Array]:
+        """Inertia where the small end alone accelerates, and where the big end does."""
+        return [self._inertia(share, axis) for share in (self._share, 1 - self._share)]
+
+    @property
+    def inertia_kg(self) -> tuple[float, float]:
+        """Mass of the whole rod that each end's acceleration moves."""
+        small, big = (float(force[1::3].sum()) * copies(self._model) for force in self._of_both_ends(1))
+        return small, big
+
+    def groups(self) -> list[LoadGroup]:
+        """Loads of `ALONG` and `ACROSS` in this order, in one group of a half and in two of a quarter."""
+        pressed = [
+            self._bores[eye].unit(side, self._pressures.get((eye, side), cosine)) for eye, side in PRESSED
+        ]
+        along = np.column_stack([*pressed, *self._of_both_ends(1), self._bores["small"].even()])
+        across = np.column_stack(self._of_both_ends(0))
+        even, eyes = self._inertia(np.ones_like(self._share), 1)[:, None], self._across()
+        if is_quarter(self._model):
+            return [self._group("along", along, even), self._group("across", across, eyes)]
+        return [self._group("whole", np.hstack([along, across]), np.hstack([even, eyes]))]
+
+    def strips(self, eye: Eye, side: int) -> tuple[LoadGroup, Array]:
+        """Pressures on strips of a side, each carried by the other eye; their forces along and across."""
+        quarter = is_quarter(self._model)
+        bore, other = self._bores[eye], self._bores["big" if eye == "small" else "small"]
+        loads = np.column_stack([bore.pressed(side, pressure) for pressure in strips(alike=quarter)])
+        carrier = other.unit(-side, cosine)[:, None]
+        forces = np.stack([side * loads[1::3].sum(axis=0), (not quarter) * loads[::3].sum(axis=0)])
+        if quarter:
+            return self._group("along", loads, carrier), forces
+        return self._group("whole", loads, np.hstack([carrier, self._across()])), forces
+
+    def _across(self) -> Array:
+        """1 N across the rod on either eye, (unknowns, 2)."""
+        return np.column_stack([bore.across() for bore in self._bores.values()])
+
+    def _group(self, motion: Motion, loads: Array, carriers: Array) -> LoadGroup:
+        """Loads of a motion, closed by others."""
+        rows = _RESULTANTS[motion]
+        carried = np.linalg.solve(self._sums(carriers)[rows], self._sums(loads)[rows])
+        return LoadGroup(np.asarray(loads - carriers @ carried), *self._held(motion))
+
+    def _sums(self, forces: Array) -> Array:
+        """Forces along x and y and moment about the pins' direction of nodal forces, (3, k)."""
+        x, y = forces[::3], forces[1::3]
+        at_x, at_y, _ = self._model.nodes_mm[:, :, None]
+        return np.stack([x.sum(axis=0), y.sum(axis=0), (at_x * y - at_y * x).sum(axis=0)])
+
+    def _held(self, motion: Motion) -> tuple[Index, Index]:
+        """Unknowns that the mirrors hold in a motion, and those of its supports at the ends of the rod."""
+        on = np.abs(self._model.nodes_mm) < _PLANE_MM
+        middle = np.flatnonzero(on[0]) if is_quarter(self._model) else np.arange(on.shape[1])
+        y = self._model.nodes_mm[1, middle]
+        ends = 3 * middle[[int(y.argmin()), int(y.argmax())]]
+        across = 3 * np.flatnonzero(on[2]) + 2
+        mirrors = {"along": [3 * middle], "across": [3 * middle + 1, 3 * middle + 2], "whole": []}[motion]
+        supports = {"along": ends[:1] + 1, "across": ends, "whole": np.append(ends, ends[0] + 1)}[motion]
+        return np.unique(np.concatenate([across, *mirrors])), supports
+
+
+def _bolt_masses(model: Elasticity, rod: Rod) -> Array:
+    """Mass of the bolts on the nodes of their holes, (nodes,), tonne, of the model.
+
+    It is given to the cap alone: with their heads below it, bolts have their centre of mass there.
+    """
+    if rod.bolt is None:
+        return np.zeros(model.nodes_mm.shape[1])
+    radius, middle = rod.bolt_hole_mm / 2, rod.bolt_distance_mm / 2
+
+    def in_hole(points: Array) -> NDArray[np.bool_]:
+        u, v = in_split(rod, points[0], points[1])
+        away = np.hypot(np.abs(u) - middle, points[2]) / radius - 1
+        return np.asarray((v <= 0) & (np.abs(away) < _ON_BORE))
+
+    return face_shares(model, faces_where(model, in_hole)) * bolts_kg(rod) / KG_PER_TONNE / copies(model)
