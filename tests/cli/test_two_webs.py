@@ -97,7 +97,7 @@ def test_the_rule_judges_each_web(
     lines = printed(
         capsys, "compare", two, "--baseline", "mikron-iiic-plain", *COARSE, "--fatigue", "m53"
     ).splitlines()
-    rows = [re.split(r"  +", line) for line in lines if line.startswith("two")]
+    rows = [re.split(r"  +", line) for line in lines if line.startswith("two ")]
     worse = min(first["safety"], second["safety"])
     assert rows[1][-1].rstrip("*") == f"{worse:.3f}", "the last column of the values"
 

@@ -19,7 +19,7 @@ from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
 from cranktopo.tasks.shape.result import DimensionSensitivity
 from cranktopo.tasks.shape.rules import ENVELOPE, rules_at
-from cranktopo.tasks.shape.search import multipliers_of
+from cranktopo.tasks.shape.search import prices_of
 from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.tasks.shape.sensitivities import (
     active_constraints,
@@ -147,14 +147,15 @@ def test_with_a_goal_only_what_is_against_it_holds() -> None:
 
 
 def test_a_limit_within_the_reserve_of_a_finish_has_its_price_and_holds() -> None:
-    """A web that weighs by its torsion alone pays for it, also 0.7 % inside the limit; not 3 % inside."""
+    """A web that weighs by its torsion alone pays for it where a millimetre of all dimensions meets the limit."""
     scene, webs, layout, values = plain({})
     web, count = webs.web(layout), len(values)
-    slopes = {"mass": np.full(count, 0.016), "torsion": np.full(count, 2.0)}
+    slope = 2.0 / count
+    slopes = {"mass": np.full(count, 0.016), "torsion": np.full(count, slope)}
     goal = SearchGoal("mass", 1.0, 1.6, (Constraint("torsion", ">=", 100.0),))
-    for reached, price, held in ((100.7, 0.5, True), (103.0, 0.0, False)):
+    for reached, price, held in ((100.7, 1 / slope, True), (103.0, 0.0, False)):
         found = MeshResponses({"mass": 1.6, "torsion": reached}, slopes)
-        paid = multipliers_of(scene, web, values, found, goal)
+        paid = prices_of(scene, web, values, found, goal)
         assert paid.limits == pytest.approx([price], abs=1e-9)
         assert paid.remainder == pytest.approx(0.0 if held else 1.0, abs=1e-9)
         told = holders(scene, web, values, (goal, found, {"mass": 1.6, "torsion": 100.0}))
