@@ -147,7 +147,7 @@ def test_with_a_goal_only_what_is_against_it_holds() -> None:
 
 
 def test_a_limit_within_the_reserve_of_a_finish_has_its_price_and_holds() -> None:
-    """A web that weighs by its torsion alone pays for it where a millimetre of all dimensions meets the limit."""
+    """A web that weighs by its torsion alone pays for it where a millimetre meets the limit."""
     scene, webs, layout, values = plain({})
     web, count = webs.web(layout), len(values)
     slope = 2.0 / count
