@@ -36,6 +36,7 @@ class PlanningContext:
         asymmetry: what is not its own mirror image in x; empty when all is.
         goal: None for the weighted compliance.
         vibrating: whether the torques are those of the vibrating shaft.
+        for_stress: whether loads count by the stress that they add, not by their energy in an objective.
     """
 
     scene: Scene
@@ -43,6 +44,7 @@ class PlanningContext:
     asymmetry: str
     goal: Goal | None = None
     vibrating: bool = False
+    for_stress: bool = False
 
     @cached_property
     def states(self) -> tuple[ExtremeState, ...]:
@@ -97,14 +99,18 @@ class PlanningContext:
     @property
     def centrifugal_N(self) -> tuple[float, float]:
         """Outward force on the pin at the top speed, its own and that of the rods, and of both webs, N."""
-        throw = self.rotating(self.top_speed_rpm).throw_N
-        webs = sum(self.balance.web_kg_mm) / MM_PER_M * angular_speed_rad_s(self.top_speed_rpm) ** 2
-        return self.overspeed_pull_N + throw - webs, webs
+        pin, webs = self.own_centrifugal_N
+        return self.overspeed_pull_N + pin, webs
 
     @property
-    def _centrifugal_Nmm(self) -> float:
-        """Energy of bending by pin and webs, and of webs that their counterweights stretch."""
-        pin, webs = self.centrifugal_N
+    def own_centrifugal_N(self) -> tuple[float, float]:
+        """The same without rods and pistons, whose pull is part of the radial force."""
+        throw = self.rotating(self.top_speed_rpm).throw_N
+        webs = sum(self.balance.web_kg_mm) / MM_PER_M * angular_speed_rad_s(self.top_speed_rpm) ** 2
+        return throw - webs, webs
+
+    def centrifugal_Nmm(self, pin: float, webs: float) -> float:
+        """Energy of bending by pin and webs, N, and of webs that their counterweights stretch."""
         bent = radial_energy_Nmm(without(self.scene, "fillets"), pin, webs / 2)
         per_kg_mm = angular_speed_rad_s(self.top_speed_rpm) ** 2 / MM_PER_M
         own = zip(self.balance.own_counterweights_kg_mm, self.balance.own_counterweights_kg, strict=True)
@@ -131,5 +137,5 @@ class PlanningContext:
             "bending": radial**2 * bend / 2,
             "torsion": torque**2 * self.compliance.torsion_rad_per_Nmm / 2,
             "tangential": tangential**2 * self.compliance.tangential_mm_per_N / 2,
-            "centrifugal": self._centrifugal_Nmm,
+            "centrifugal": self.centrifugal_Nmm(*self.centrifugal_N),
         }

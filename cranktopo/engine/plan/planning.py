@@ -76,8 +76,10 @@ def plan_for_stress(scene: Scene) -> PhysicsPlan:
     """Decide every effect for stress and fatigue, where a load counts by its size.
 
     The weights of the optimiser's objective say nothing about stress: a load of weight 0 acts all the same.
+    The centrifugal load counts by the stress that the throw's own pull adds, of which energy is the square.
     """
-    return plan(scene.with_optimise(weights=dict.fromkeys(LOAD_TYPES, 1.0)))
+    weighted = scene.with_optimise(weights=dict.fromkeys(LOAD_TYPES, 1.0))
+    return _plan(weighted, CostRates(), None, _file_states(scene), for_stress=True)
 
 
 def left_off(scene: Scene, effects: PhysicsPlan) -> str:
@@ -107,8 +109,15 @@ def _file_states(scene: Scene) -> tuple[FileState, ...]:
 
 
 @lru_cache(maxsize=64)
-def _plan(scene: Scene, rates: CostRates, goal: Goal | None, _files: tuple[FileState, ...]) -> PhysicsPlan:
-    context = _context(scene, rates, goal)
+def _plan(
+    scene: Scene,
+    rates: CostRates,
+    goal: Goal | None,
+    _files: tuple[FileState, ...],
+    *,
+    for_stress: bool = False,
+) -> PhysicsPlan:
+    context = replace(_context(scene, rates, goal), for_stress=for_stress)
     vibration = _decide(scene.effects, _VIBRATION, _RULES[_VIBRATION](context))
     context = replace(context, vibrating=vibration.state == "on")
     decided = tuple(

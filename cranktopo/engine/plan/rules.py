@@ -273,11 +273,29 @@ def centrifugal(context: PlanningContext) -> Estimate:
         name for name, there in (("bolted counterweight", weight.bolted), ("plugs", weight.plug)) if there
     ]
     left_out = f", the pull of {' and '.join(fastened)} left out" if fastened else ""
+    if context.for_stress and not context.unit_loads:
+        return _own_stress(context, left_out)
     forces = (
         f"outward {pin:,.0f} N on the pin, rods and pistons at dead centre among them, and {webs:,.0f} N in "
         f"the mid-planes of the webs at {speed:g} rpm{left_out}"
     )
     return _case(context, "centrifugal", forces)
+
+
+def _own_stress(context: PlanningContext, left_out: str) -> Estimate:
+    """Stress by the throw's own centrifugal load over that of the largest load: the root of their energies.
+
+    Rods and pistons are left out: their pull is part of the radial force.
+    """
+    pin, webs = context.own_centrifugal_N
+    energy = context.centrifugal_Nmm(pin, webs)
+    dominant = max(MAIN_KINDS, key=lambda name: context.energy_Nmm[name])
+    percent = 100 * math.sqrt(energy / context.energy_Nmm[dominant])
+    because = (
+        f"outward {pin:,.0f} N of the crankpin and {webs:,.0f} N of the webs at {context.top_speed_rpm:g} rpm"
+        f"{left_out}: stress about {percent:.3g} % of {dominant}'s"
+    )
+    return Estimate(percent, because, f"stress about {percent:.3g} %", context.costing.load_case())
 
 
 def reciprocating_inertia(context: PlanningContext) -> Estimate:
