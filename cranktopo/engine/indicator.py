@@ -26,6 +26,8 @@ TRACE_ENCODING = "cp1252"
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _LARGEST = 1e9
 _HIGHEST_MPA = 50.0
+_SAME_POINT = 0.05
+"""Part of the peak by which begin and end of a cycle may differ: cycles of an engine scatter."""
 _LARGEST_STEP_DEG = 5.0
 
 
@@ -148,6 +150,12 @@ def _one_cycle(angle: Array, pressure: Array, cycle_deg: float, firing_deg: floa
             "Correct the file or engine.strokes.",
         )
     if math.isclose(span, cycle_deg):  # the last point is the first one of the next cycle
+        if abs(pressure[-1] - pressure[0]) > _SAME_POINT * pressure.max():
+            raise UnusableError(
+                f"the rows at {angle[0]:g} and {angle[-1]:g} deg are the same point of the cycle and have "
+                f"{pressure[0]:.4g} and {pressure[-1]:.4g} MPa",
+                "Correct one of them, or leave the last row out.",
+            )
         angle, pressure = angle[:-1], pressure[:-1]
     _check_gaps(angle, np.diff(np.append(angle, angle[0] + cycle_deg)))
     wrapped = np.mod(angle - firing_deg, cycle_deg)

@@ -173,10 +173,18 @@ def _charge_too_low(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
     charge = _pressure_at(cycle, -180.0)
     if not _measured(engine) or charge >= LEAST_CHARGE_MPA:
         return ""
+    found = (
+        f"the trace has {charge:.3g} MPa before compression, less than any engine ({LEAST_CHARGE_MPA:g} MPa)"
+    )
+    exponent = _exponent(cycle, engine, radius_mm)
+    if exponent is not None and EXPONENTS[0] <= exponent <= EXPONENTS[1]:
+        return (
+            f"{found}, and rises in compression as gas does, with the exponent {exponent:.2f}: all its "
+            "pressures are too low by a factor; check the unit in the header"
+        )
     return (
-        f"the trace has {charge:.3g} MPa before compression, less than any engine "
-        f"({LEAST_CHARGE_MPA:g} MPa): its pressures are gauge pressures or offset; add the ambient pressure, "
-        "or what is missing, to all of them, so that they are absolute"
+        f"{found}: its pressures are gauge pressures or offset; add the ambient pressure, or what is "
+        "missing, to all of them, so that they are absolute"
     )
 
 
@@ -208,18 +216,12 @@ def _wrong_exponent(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
 
     Nothing is told beside a charge too low, which raises the exponent by itself.
     """
-    gas = engine.gas
-    if gas is None or gas.indicator_csv is None or "compression_ratio" not in gas.model_fields_set:
+    exponent = _exponent(cycle, engine, radius_mm)
+    if exponent is None or EXPONENTS[0] <= exponent <= EXPONENTS[1]:
         return ""
     if _a_turn_off(_peak_after_firing_deg(cycle, engine), engine) or _charge_too_low(
         cycle, engine, radius_mm
     ):
-        return ""
-    way = exact_motion(np.radians(_COMPRESSION_DEG), radius_mm, engine.rod_length_mm).displacement_mm
-    volume = 2 * radius_mm / (gas.compression_ratio - 1) + way
-    early, late = (_pressure_at(cycle, angle) for angle in _COMPRESSION_DEG)
-    exponent = math.log(late / early) / math.log(volume[0] / volume[1])
-    if EXPONENTS[0] <= exponent <= EXPONENTS[1]:
         return ""
     side, offset = ("late", "high") if exponent < EXPONENTS[0] else ("early", "low")
     return (
@@ -227,6 +229,17 @@ def _wrong_exponent(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
         f"to {EXPONENTS[1]:g}: the trace is {side} by some degrees (engine.gas.firing_deg), its pressures "
         f"are too {offset} (they must be absolute), or engine.gas.compression_ratio is another"
     )
+
+
+def _exponent(cycle: Cycle, engine: Engine, radius_mm: float) -> float | None:
+    """Exponent of the volume in the compression of a trace; None without a trace or its compression ratio."""
+    gas = engine.gas
+    if gas is None or gas.indicator_csv is None or "compression_ratio" not in gas.model_fields_set:
+        return None
+    way = exact_motion(np.radians(_COMPRESSION_DEG), radius_mm, engine.rod_length_mm).displacement_mm
+    volume = 2 * radius_mm / (gas.compression_ratio - 1) + way
+    early, late = (_pressure_at(cycle, angle) for angle in _COMPRESSION_DEG)
+    return math.log(late / early) / math.log(volume[0] / volume[1]) if early > 0 else None
 
 
 def _pressure_at(cycle: Cycle, angle_deg: float) -> float:

@@ -138,10 +138,10 @@ def test_mean_pressure_power_and_the_pistons_motion(capsys, tmp_path):
 def traced(tmp_path):
     """The Mikron with its own pressure as a measured trace, late by some degrees."""
 
-    def write(late_deg, ratio="compression_ratio = 8.0", offset_MPa=0.0):
+    def write(late_deg, ratio="compression_ratio = 8.0", offset_MPa=0.0, factor=1.0):
         curve = pressure_curve(load_scene("mikron-iiic-plain"))
         pressure = np.interp(curve.angle_deg - late_deg, curve.angle_deg, curve.pressure_MPa, period=720.0)
-        pressure = pressure + offset_MPa
+        pressure = factor * pressure + offset_MPa
         rows = np.column_stack([curve.angle_deg, pressure])
         np.savetxt(
             tmp_path / "t.csv", rows, delimiter=",", header="crank_angle_deg,pressure_MPa", comments=""
@@ -198,6 +198,13 @@ def test_offset_pressures_of_a_trace_are_named(capsys, traced, offset_MPa, told)
     assert len(warnings) == len(told)
     assert all(part in line for line, part in zip(warnings, told, strict=True))
     assert not any("intake_pressure" in line for line in warnings)
+
+
+def test_pressures_in_another_unit_than_the_header_says_are_named(capsys, traced):
+    """A factor leaves the exponent of the compression; adding the ambient pressure would not mend it."""
+    warnings = json.loads(run(capsys, "loads", traced(0.0, factor=0.1), "--json")[1])["warnings"]
+    assert any("too low by a factor; check the unit in the header" in line for line in warnings)
+    assert not any("ambient" in line for line in warnings)
 
 
 def test_a_trace_that_counts_from_gas_exchange_is_told_the_key_and_its_value(capsys, traced):

@@ -171,6 +171,11 @@ BAD = {
     "below vacuum": (ANGLE, BAR - 1.2, r"is below vacuum"),
     "MPa called bar": (ANGLE, BAR / 50, r"peak pressure 0\.10.* Check the unit"),
     "bar called MPa": (ANGLE, BAR * 10, r"peak pressure 51 MPa is outside .* Check the unit"),
+    "another closing point": (
+        np.append(ANGLE, 720.0),
+        np.append(BAR, BAR[0] + 0.1 * BAR.max()),
+        r"rows at 0 and 720 deg are the same point of the cycle",
+    ),
     "coarse": (ANGLE[COARSE], BAR[COARSE], r"missing between 100 and 106 deg"),
 }
 
