@@ -151,6 +151,8 @@ beside slivers, and beside long narrow ones such as the chords of a bore."""
 _GRADATION = 1.7
 _SHARP_DEG = 40.0
 _VOLUME_TOLERANCE = 5e-3
+_MEETS = 0.01
+"""Places where a surface meets itself over its triangles, beyond which nothing is filled."""
 _FLATTEST = 1e-5
 """Least volume of an element over that of the regular one with its longest edge; flatter ones leave the
 solver a residual."""
@@ -176,7 +178,7 @@ def _fill(surface: SurfaceMesh, size: float, size_at: _SizeField, name: str) -> 
     for joined, cut, distance in tries:
         try:
             prepared = _prepared(surface, size * joined, size * cut, name)
-            clean = _resurfaced(prepared, size, size * distance)
+            clean = _apart(_resurfaced(prepared, size, size * distance))
             found = _improved(*_inside(clean, size, name), size, size * distance, size_at)
             _check(surface, *found)
         except (CranktopoError, RuntimeError) as error:  # MMG raises the latter
@@ -190,6 +192,14 @@ def _fill(surface: SurfaceMesh, size: float, size_at: _SizeField, name: str) -> 
         f"{name}: the surface cannot be meshed{where}, {len(tries)} tries: {failures[0]}",
         "Choose another element size, or repair thin spots of the surface.",
     )
+
+
+def _apart(surface: SurfaceMesh) -> SurfaceMesh:
+    """Refuse a surface that meets itself at many places: gmsh may not survive it."""
+    meets = len(self_intersections_mm(surface))
+    if meets > _MEETS * len(surface.faces):
+        raise solver_error(f"the remeshed surface meets itself at {meets} places.", "Choose another size.")
+    return surface
 
 
 def _where_it_meets_itself(mesh: SurfaceMesh) -> str:
