@@ -35,7 +35,7 @@ def test_a_design_without_joints_and_a_thread_that_is_none(capsys, tmp_path):
     assert code == 3
     assert "[[bolted_joint]]" in err
     design = tmp_path / "bolted.toml"
-    design.write_text(PLAIN + JOINT.replace("M10", "M11"))
+    design.write_text(PLAIN + JOINT.replace("M10", "M13"))
     code, _, err = run(capsys, str(design))
     assert code == 3
     assert "ISO 261" in err
