@@ -19,7 +19,7 @@ from cranktopo.design.rod_body import RodMass, drilled, fillet, rod_mass, sectio
 from cranktopo.design.rod_split import turns
 from cranktopo.design.schema import Scene
 from cranktopo.engine.rod_forces import RodMotion, rod_bolt_force_N, rod_motions
-from cranktopo.tasks.bolts.stage import check_rod_bolt
+from cranktopo.tasks.bolts.stage import check_rod_bolt, rod_bolt_assumed
 from cranktopo.tasks.fatigue.criteria import criterion
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.needs import check_method
@@ -97,6 +97,7 @@ def strength_of(scene: Scene, loaded: LoadedRod) -> RodStrength:
         eyes=eye_shapes_of(loaded.scene, mass, loaded.motions),
         pin=check_pin(rod, rod.pin, push) if rod.pin else None,
         bolt=bolt,
+        assumed=rod_bolt_assumed(scene),
         passage=passage(scene),
         oblique_split=oblique_split(scene, bolt),
     )
