@@ -107,6 +107,8 @@ def command(
         found = check_rod_strength(scene, method).model_copy(update={"lighter": searched})
     else:
         found = check_rod_strength(scene, method)
+    for remark in found.strength_remarks or ():
+        note(f"{scene.name}: rod: material: {remark}")
     if found.assumed:
         note(assumed_text(found.assumed))
     if lighter:

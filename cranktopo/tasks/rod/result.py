@@ -256,6 +256,8 @@ class RodStrength(Result):
     bolt: JointCheck | None
     assumed: tuple[Assumption, ...]
     """Diameter of the parts that its bolts clamp, where the design leaves it to the boss."""
+    strength_remarks: tuple[str, ...] | None = UNLESS_NONE
+    """Limits of what the strengths of the material hold for, such as the section of the rod."""
     passage: Passage
     oblique_split: ObliqueSplit | None = UNLESS_NONE
     """Of a split that is not square."""
