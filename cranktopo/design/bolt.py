@@ -16,13 +16,13 @@ from pydantic_core import PydanticCustomError
 from cranktopo.base.table import Force, Length, LengthOrZero, SceneTable, Strength
 
 COARSE_PITCH_MM = {
-    3: 0.5, 4: 0.7, 5: 0.8, 6: 1.0, 7: 1.0, 8: 1.25, 10: 1.5, 12: 1.75, 14: 2.0, 16: 2.0, 18: 2.5, 20: 2.5,
-    22: 2.5, 24: 3.0, 27: 3.0, 30: 3.5, 33: 3.5, 36: 4.0, 39: 4.0, 42: 4.5, 45: 4.5, 48: 5.0, 52: 5.0,
-    56: 5.5, 60: 5.5, 64: 6.0,
+    3: 0.5, 4: 0.7, 5: 0.8, 6: 1.0, 7: 1.0, 8: 1.25, 9: 1.25, 10: 1.5, 11: 1.5, 12: 1.75, 14: 2.0, 16: 2.0,
+    18: 2.5, 20: 2.5, 22: 2.5, 24: 3.0, 27: 3.0, 30: 3.5, 33: 3.5, 36: 4.0, 39: 4.0, 42: 4.5, 45: 4.5,
+    48: 5.0, 52: 5.0, 56: 5.5, 60: 5.5, 64: 6.0,
 }  # fmt: skip
 """Coarse pitches by nominal diameter, ISO 261."""
 HOLE_MM = {3: 3.4, 4: 4.5, 5: 5.5, 6: 6.6, 7: 7.6, 8: 9, 10: 11, 12: 13.5, 14: 15.5, 16: 17.5, 18: 20, 20: 22}
-"""Clearance holes, medium, ISO 273; larger ones a tenth above the thread."""
+"""Clearance holes, medium, ISO 273; those of other diameters are a tenth above the thread."""
 
 
 @dataclass(frozen=True)
@@ -88,13 +88,16 @@ _NAME = re.compile(r"M(\d{1,2}(?:\.\d{1,3})?)(?:x(\d(?:\.\d{1,3})?))?")
 
 
 def thread(name: str) -> Thread:
-    """Return the thread of a name such as `M10` or `M10x1`; raises ValueError where ISO 261 has none."""
+    """Return the thread of a name such as `M10` or `M10x1`; raises ValueError where it is none."""
     found = _NAME.fullmatch(name)
     diameter = float(found[1]) if found else 0.0
     pitch = float(found[2]) if found and found[2] else COARSE_PITCH_MM.get(int(diameter), 0.0)
-    known = diameter in COARSE_PITCH_MM
-    if not known or not 0.04 * diameter <= pitch <= COARSE_PITCH_MM[int(diameter)]:
-        raise ValueError("must be such as M10 or M10x1: a diameter of ISO 261, no pitch above the coarse one")
+    if diameter not in COARSE_PITCH_MM:
+        known = ", ".join(map(str, COARSE_PITCH_MM))
+        raise ValueError(f"must be such as M10 or M10x1; diameters known of ISO 261: {known} mm")
+    least, coarse = 0.04 * diameter, COARSE_PITCH_MM[int(diameter)]
+    if not least <= pitch <= coarse:
+        raise ValueError(f"must have a pitch from {least:g} to {coarse:g} mm, the coarse one of ISO 261")
     return Thread(diameter, pitch)
 
 
@@ -137,7 +140,8 @@ class Bolt(SceneTable):
     hole_diameter_mm: Length | None = Field(default=None, examples=[11.0])
     """Hole that it runs through; by default the medium one of ISO 273."""
     member_diameter_mm: Length | None = Field(default=None, examples=[25.0])
-    """Diameter of the clamped parts about it; by default wide enough for the whole cone of pressure."""
+    """Diameter of the clamped parts about it; by default wide enough for the whole cone of pressure, for
+    `[rod.bolt]` what its boss holds."""
     thread_friction: _Friction = 0.12
     """Coefficient of friction in the thread."""
     head_friction: _Friction = 0.12
@@ -190,6 +194,11 @@ class Bolt(SceneTable):
         """Return the length of engaged thread."""
         factor = 0.8 if self.held_in == "nut" else 1.5
         return self.engagement_mm or factor * self.nominal.diameter_mm
+
+
+def least_member_mm(bolt: Bolt) -> float:
+    """Return the least diameter of the parts about a bolt that leaves them a section."""
+    return 1.05 * bolt.hole_mm
 
 
 class BoltedJoint(Bolt):

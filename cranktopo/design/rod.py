@@ -7,7 +7,7 @@ from typing import Annotated, Literal, get_args
 from pydantic import Field
 
 from cranktopo.base.table import Length, LengthOrZero, SceneTable
-from cranktopo.design.bolt import Bolt
+from cranktopo.design.bolt import Bolt, least_member_mm
 from cranktopo.design.material import Material
 
 Eye = Literal["small", "big"]
@@ -96,7 +96,8 @@ class Rod(SceneTable):
     material: Material | None = None
     """Material of rod and cap; by default that of the crankshaft."""
     bolt: Bolt | None = None
-    """Each of the two bolts of the cap; its head lies on the cap."""
+    """Each of the two bolts of the cap; its head lies on the cap. Its `member_diameter_mm` is by default that
+    of the largest cylinder about it within the joint face: between bore and boss, and across the big end."""
     pin: PistonPin | None = None
 
     @property
@@ -108,3 +109,16 @@ class Rod(SceneTable):
     def bolt_hole_mm(self) -> float:
         """Return the diameter of the holes of the bolts; 0 where no bolt is given."""
         return self.bolt.hole_mm if self.bolt else 0.0
+
+    @property
+    def clamping_bolt(self) -> Bolt | None:
+        """Return the bolt with the diameter of the parts that it clamps: its own, or that of its boss."""
+        if self.bolt is None or self.bolt.member_diameter_mm is not None:
+            return self.bolt
+        edges = (
+            (self.boss_width_mm - self.bolt_distance_mm) / 2,
+            (self.bolt_distance_mm - self.big_end_bore_mm) / 2,
+            self.big_end_width_mm / 2,
+        )
+        member = max(2 * min(edges), least_member_mm(self.bolt))
+        return self.bolt.model_copy(update={"member_diameter_mm": member})

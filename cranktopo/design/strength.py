@@ -1,8 +1,9 @@
-"""Worth of the strengths of a material in a crank of this size: remarks beside every safety."""
+"""Worth of the strengths of a material in a part of this size: remarks beside every safety."""
 
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import dataclass
 from math import isclose
 
 from cranktopo.base.notes import note
@@ -18,13 +19,36 @@ from cranktopo.design.schema import Scene
 from cranktopo.throw.journal import Journal
 
 
+@dataclass(frozen=True)
+class RulingSection:
+    """Thickness through which a part is hardened, and where it has it.
+
+    Attributes:
+        part: `crank` or `rod`.
+        table: of the scene with the part's material.
+        place: where in the part; empty where it is not told.
+    """
+
+    thickness_mm: float
+    part: str
+    table: str
+    place: str = ""
+
+
 def strength_remarks(scene: Scene, used: Collection[str] = LIBRARY_STRENGTHS) -> tuple[str, ...]:
     """Return what the library's strengths do not hold for: thicker sections, another tensile strength.
 
     Args:
         used: strengths beside the tensile one on which the judgement rests; others are not told.
     """
-    return tuple(filter(None, (_section_remark(scene), _proportion_remark(scene, used))))
+    return material_remarks(scene.material, _crank_section(scene), used)
+
+
+def material_remarks(
+    material: Material, section: RulingSection, used: Collection[str] = LIBRARY_STRENGTHS
+) -> tuple[str, ...]:
+    """Return the same of a material in any part."""
+    return tuple(filter(None, (_section_remark(material, section), _proportion_remark(material, used))))
 
 
 def strength_notes(scene: Scene) -> list[str]:
@@ -32,22 +56,18 @@ def strength_notes(scene: Scene) -> list[str]:
 
     A strength of the library that holds for thinner sections is no demand that a forge can meet.
     """
-    material = scene.material
-    if _section_remark(scene):
+    return material_notes(scene.material, _crank_section(scene))
+
+
+def material_notes(material: Material, section: RulingSection) -> list[str]:
+    """Return the same of a material in any part."""
+    if _section_remark(material, section):
         return [
-            f"{material.name}: strength to be agreed with the forge for {ruling_section_mm(scene):g} mm;",
+            f"{material.name}: strength to be agreed with the forge for {section.thickness_mm:.4g} mm;",
             f"Rm {material.ultimate_MPa:g} MPa of the design is that of sections to "
             f"{library_section_mm(material.name):g} mm.",
         ]
-    return demanded_strength(material)
-
-
-def demanded_strength(material: Material) -> list[str]:
-    """Return the note on the strength that a material must have; nothing where none is known."""
-    strengths = (("Rm", material.ultimate_MPa), ("Re", material.yield_MPa))
-    told = [f"{name} at least {value:g} MPa" for name, value in strengths if value]
-    told += [material.heat_treatment] if material.heat_treatment else []
-    return [f"{material.name}: {', '.join(told)}."] if told else []
+    return _demanded_strength(material)
 
 
 def note_strength(name: str, scene: Scene, used: Collection[str] = LIBRARY_STRENGTHS) -> None:
@@ -69,23 +89,34 @@ def _through_mm(journal: Journal) -> float:
     return wall if journal.bore_diameter_mm else journal.outer_diameter_mm
 
 
-def _section_remark(scene: Scene) -> str:
-    material = scene.material
+def _demanded_strength(material: Material) -> list[str]:
+    """Return the note on the strength that a material must have; nothing where none is known."""
+    strengths = (("Rm", material.ultimate_MPa), ("Re", material.yield_MPa))
+    told = [f"{name} at least {value:g} MPa" for name, value in strengths if value]
+    told += [material.heat_treatment] if material.heat_treatment else []
+    return [f"{material.name}: {', '.join(told)}."] if told else []
+
+
+def _crank_section(scene: Scene) -> RulingSection:
+    return RulingSection(ruling_section_mm(scene), "crank", "material")
+
+
+def _section_remark(material: Material, ruling: RulingSection) -> str:
     entry, most_mm = material_library().get(material.name, {}), library_section_mm(material.name)
-    section = ruling_section_mm(scene)
+    section = ruling.thickness_mm
     if most_mm is None or section <= most_mm or material.ultimate_MPa != entry["ultimate_MPa"]:
         return ""
     thicker = thicker_MPa(material.name, section)
     less = "less" if thicker is None else "{:g} and a yield strength of {:g} MPa".format(*thicker)
+    place = f" in its {ruling.place}" if ruling.place else ""
     return (
         f"ultimate_MPa = {material.ultimate_MPa:g} of {material.name} is that of sections to {most_mm:g} mm "
-        f"in the library; this crank has {section:g} mm, where the standard asks for {less}. "
-        "Give material.ultimate_MPa and yield_MPa of the forging"
+        f"in the library; this {ruling.part} has {section:.4g} mm{place}, "
+        f"where the standard asks for {less}. Give {ruling.table}.ultimate_MPa and yield_MPa of the forging"
     )
 
 
-def _proportion_remark(scene: Scene, used: Collection[str]) -> str:
-    material = scene.material
+def _proportion_remark(material: Material, used: Collection[str]) -> str:
     entry = material_library().get(material.name)
     if entry is None or material.ultimate_MPa in (None, entry["ultimate_MPa"]):
         return ""

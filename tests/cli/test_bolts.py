@@ -5,14 +5,15 @@ import json
 import pytest
 
 from cranktopo.app.main import main
-from cranktopo.design.loading import designs_folder
+from cranktopo.design.loading import designs_folder, load_scene
 
 PLAIN = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 JOINT = '\n[[bolted_joint]]\nname = "counterweight"\nthread = "M10"\ngrip_mm = 30.0\nmax_force_N = 9000.0\n'
+MEMBER = "member_diameter_mm = 9.9\n"
 
 
-def run(capsys, *args):
-    code = main(["bolts", *args])
+def run(capsys, *args, name="bolts"):
+    code = main([name, *args])
     out = capsys.readouterr()
     return code, out.out, out.err
 
@@ -30,12 +31,50 @@ def test_a_joint_is_told_and_written(capsys, tmp_path):
     assert joint["smallest_safety"] == min(*safeties, joint["vdi_2230"]["head_pressure_safety"])
 
 
+@pytest.mark.parametrize(
+    ("boss_width_mm", "bolt_distance_mm", "width_mm", "edge_mm"),
+    [(82.0, 62.0, 28.0, 6.5), (74.0, 62.0, 28.0, 6.0), (84.0, 66.0, 15.0, 7.5), (82.0, 58.2, 28.0, 4.725)],
+)
+def test_a_rod_bolt_clamps_what_its_boss_holds(boss_width_mm, bolt_distance_mm, width_mm, edge_mm):
+    """Nearest is the bore of 49 mm, the outer face, a face across; the last is 1.05 of the hole of 9 mm."""
+    rod = load_scene("mikron-iiic-rod").rod
+    bolt = {"member_diameter_mm": None, "hole_diameter_mm": 9.0}
+    sizes = {
+        "boss_width_mm": boss_width_mm,
+        "bolt_distance_mm": bolt_distance_mm,
+        "big_end_bore_mm": 49.0,
+        "big_end_width_mm": width_mm,
+        "bolt": rod.bolt.model_copy(update=bolt),
+    }
+    found = rod.model_copy(update=sizes).clamping_bolt
+    assert found.member_diameter_mm == pytest.approx(2 * edge_mm)
+
+
+@pytest.mark.parametrize("name", ["bolts", "rod"])
+def test_what_a_rod_bolt_clamps_is_told_where_it_is_not_given(capsys, tmp_path, name):
+    """Bosses 71.9 mm wide with bolts 62 mm apart: their outer faces are nearer than the bore of 46 mm."""
+    text = (designs_folder() / "mikron-iiic-rod.toml").read_text(encoding="utf-8")
+    line, found = "member_diameter_mm = 16.0\n", {}
+    assert text.count(line) == 1
+    for which, own in (("left out", ""), ("given", MEMBER), ("wide", "member_diameter_mm = 60.0\n")):
+        design = tmp_path / f"{which}.toml"
+        design.write_text(text.replace(line, own))
+        code, out, err = run(capsys, str(design), "--json", name=name)
+        assert code == 0, err
+        data = json.loads(out)
+        assert ("assumed:" in err) == bool(data["assumed"]) == (which == "left out")
+        assert (f"rod.bolt.{MEMBER.strip()} (the largest cylinder" in err) == (which == "left out")
+        found[which] = (data["bolt"] if name == "rod" else data["joints"][0])["vdi_2230"]
+    assert found["left out"] == pytest.approx(found["given"])
+    assert found["left out"]["amplitude_MPa"] > 1.3 * found["wide"]["amplitude_MPa"]
+
+
 def test_a_design_without_joints_and_a_thread_that_is_none(capsys, tmp_path):
     code, _, err = run(capsys, "mikron-iiic-plain")
     assert code == 3
     assert "[[bolted_joint]]" in err
     design = tmp_path / "bolted.toml"
-    design.write_text(PLAIN + JOINT.replace("M10", "M11"))
+    design.write_text(PLAIN + JOINT.replace("M10", "M13"))
     code, _, err = run(capsys, str(design))
     assert code == 3
     assert "ISO 261" in err

@@ -39,7 +39,25 @@ def test_diameters_of_iso_724():
     assert m10.nut_core_diameter_mm == pytest.approx(8.376, abs=5e-4)
 
 
-@pytest.mark.parametrize("name", ["M9", "M10x2", "M10x0.1", "10", "M"])
+@pytest.mark.parametrize(
+    ("name", "pitch_diameter", "core_diameter"),
+    [("M9", 8.188, 7.647), ("M9x1", 8.350, 7.917), ("M11", 10.026, 9.376), ("M11x1", 10.350, 9.917)],
+)
+def test_third_choices_of_iso_261_have_the_diameters_of_iso_724(name, pitch_diameter, core_diameter):
+    """D2 and D1 as the table prints them; bolts of rods have these threads."""
+    found = thread(name)
+    assert found.pitch_diameter_mm == pytest.approx(pitch_diameter, abs=5e-4)
+    assert found.nut_core_diameter_mm == pytest.approx(core_diameter, abs=5.1e-4)
+
+
+def test_a_thread_that_is_none_is_told_which_are():
+    with pytest.raises(ValueError, match=r"8, 9, 10, 11, 12, 14, 16"):
+        thread("M13")
+    with pytest.raises(ValueError, match=r"from 0\.36 to 1\.25 mm"):
+        thread("M9x1.5")
+
+
+@pytest.mark.parametrize("name", ["M13", "M9.5", "M10x2", "M10x0.1", "10", "M"])
 def test_threads_that_are_none(name):
     with pytest.raises(ValueError, match="ISO 261"):
         thread(name)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cranktopo.design.bolt import LOST_TURNS, Bolt
+from cranktopo.design.bolt import LOST_TURNS, Bolt, least_member_mm
 from cranktopo.design.schema import Scene
 
 
@@ -19,7 +19,7 @@ def check_bolt_dimensions(scene: Scene) -> None:
         diameter = bolt.nominal.diameter_mm
         least = (
             ("hole_diameter_mm", bolt.hole_diameter_mm, diameter),
-            ("member_diameter_mm", bolt.member_diameter_mm, 1.05 * bolt.hole_mm),
+            ("member_diameter_mm", bolt.member_diameter_mm, least_member_mm(bolt)),
             ("grip_mm", bolt.grip_mm, bolt.shank_mm),
             ("engagement_mm", bolt.engagement_mm, (LOST_TURNS + 1) * bolt.nominal.pitch_mm),
         )

@@ -9,6 +9,7 @@ import json
 
 import click
 
+from cranktopo.base.notes import note
 from cranktopo.cli.options import designs
 from cranktopo.cli.verbosity import verbosity_options
 
@@ -26,9 +27,12 @@ def command(design: str, as_json: bool) -> None:
 
     Example: cranktopo bolts mikron-iiic-rod
     """
+    from cranktopo.design.assumed import assumed_text
     from cranktopo.design.loading import load_scene
     from cranktopo.tasks.bolts.stage import check_bolts
     from cranktopo.tasks.bolts.text import bolts_text
 
     checks = check_bolts(load_scene(design, whole=True))
+    if checks.assumed:
+        note(assumed_text(checks.assumed))
     click.echo(json.dumps(checks.as_json(), indent=2) if as_json else bolts_text(checks))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cranktopo.base.result import Result
+from cranktopo.design.assumed import Assumption
 from cranktopo.tasks.bolts.joint import Shigley, Vdi
 
 
@@ -30,3 +31,5 @@ class BoltChecks(Result):
     schema_version: int = 1
     design: str
     joints: tuple[JointCheck, ...]
+    assumed: tuple[Assumption, ...]
+    """Diameter of the parts that the rod's bolt clamps, where the design leaves it to the boss."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.design.assumed import Assumption
 from cranktopo.design.bolt import Bolt
 from cranktopo.design.material import Material
 from cranktopo.design.named import DesignLike, as_scene
@@ -37,7 +38,7 @@ def check_bolts(design: DesignLike) -> BoltChecks:
             f"{scene.name}: has no bolted joint.",
             hint="Add [[bolted_joint]], one for each kind of bolt, or [rod.bolt].",
         )
-    return BoltChecks(design=scene.name, joints=tuple(found))
+    return BoltChecks(design=scene.name, joints=tuple(found), assumed=rod_bolt_assumed(scene))
 
 
 def check_rod_bolt(scene: Scene) -> JointCheck | None:
@@ -45,11 +46,24 @@ def check_rod_bolt(scene: Scene) -> JointCheck | None:
 
     With an oblique split it is the one that carries more, under its largest force of the cycle.
     """
-    if scene.rod is None or scene.rod.bolt is None:
+    bolt = scene.rod.clamping_bolt if scene.rod else None
+    if scene.rod is None or bolt is None:
         return None
     oblique = scene.rod.split_angle_deg > 0
     most, least = (oblique_bolt_force_N(scene), 0.0) if oblique else rod_bolt_force_N(scene)
-    return check_joint("rod", scene.rod.bolt, JointLoads(most, least), scene.rod.material or scene.material)
+    return check_joint("rod", bolt, JointLoads(most, least), scene.rod.material or scene.material)
+
+
+def rod_bolt_assumed(scene: Scene) -> tuple[Assumption, ...]:
+    """Return the diameter of the parts that the rod's bolt clamps, where the design leaves it to the boss."""
+    rod = scene.rod
+    if rod is None or rod.bolt is None or rod.bolt == rod.clamping_bolt:
+        return ()
+    assert rod.clamping_bolt is not None
+    member = rod.clamping_bolt.member_diameter_mm
+    assert member is not None
+    meaning = "the largest cylinder about the bolt that the boss holds at the split"
+    return (Assumption("rod.bolt.member_diameter_mm", member, meaning),)
 
 
 def check_joint(

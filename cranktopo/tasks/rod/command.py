@@ -75,6 +75,7 @@ def command(
 
     Example: cranktopo rod mikron-iiic-rod-h --lighter lighter.toml
     """
+    from cranktopo.design.assumed import assumed_text
     from cranktopo.design.loading import load_scene
     from cranktopo.design.writing import design_name, save_scene
     from cranktopo.report.dxf import check_dxf
@@ -106,6 +107,10 @@ def command(
         found = check_rod_strength(scene, method).model_copy(update={"lighter": searched})
     else:
         found = check_rod_strength(scene, method)
+    for remark in found.strength_remarks or ():
+        note(f"{scene.name}: rod: material: {remark}")
+    if found.assumed:
+        note(assumed_text(found.assumed))
     if lighter:
         scene = scene.model_copy(update={"name": design_name(lighter)})
         save_scene(scene, lighter)

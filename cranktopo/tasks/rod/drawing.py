@@ -13,8 +13,8 @@ from cranktopo.design.checks.rod import rod_of
 from cranktopo.design.fit import hole_limits_text
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.rod_body import rod_mass
+from cranktopo.design.rod_strength import rod_strength_notes
 from cranktopo.design.schema import Scene
-from cranktopo.design.strength import demanded_strength
 from cranktopo.tasks.bolts.stage import check_rod_bolt
 from cranktopo.tasks.drawing.sheet import SheetPage, write_pages
 from cranktopo.tasks.rod.drawing_views import RodViews
@@ -44,7 +44,7 @@ def rod_page(scene: Scene) -> SheetPage:
         title=f"{scene.name}: connecting rod",
         material=material.name,
         mass=f"{mass.total_kg:.3f} kg with all fitted parts, {mass.body_kg:.3f} kg without",
-        notes=[*_notes(scene), *demanded_strength(material), *scene.drawing.notes],
+        notes=[*_notes(scene), *rod_strength_notes(views.rod, scene), *scene.drawing.notes],
         in_row=True,
     )
 

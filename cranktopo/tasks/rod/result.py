@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.design.assumed import Assumption
 from cranktopo.tasks.bolts.result import JointCheck
 from cranktopo.tasks.rod.pin import PinCheck
 
@@ -253,6 +254,10 @@ class RodStrength(Result):
     """Change of both bores in closed form, pressed by the cosine."""
     pin: PinCheck | None
     bolt: JointCheck | None
+    assumed: tuple[Assumption, ...]
+    """Diameter of the parts that its bolts clamp, where the design leaves it to the boss."""
+    strength_remarks: tuple[str, ...] | None = UNLESS_NONE
+    """Limits of what the strengths of the material hold for, such as the section of the rod."""
     passage: Passage
     oblique_split: ObliqueSplit | None = UNLESS_NONE
     """Of a split that is not square."""

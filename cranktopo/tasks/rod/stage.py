@@ -17,10 +17,11 @@ from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.rod import Rod
 from cranktopo.design.rod_body import RodMass, drilled, fillet, rod_mass, section
 from cranktopo.design.rod_split import turns
+from cranktopo.design.rod_strength import rod_strength_remarks
 from cranktopo.design.schema import Scene
 from cranktopo.engine.rod_forces import RodMotion, rod_bolt_force_N, rod_motions
-from cranktopo.tasks.bolts.stage import check_rod_bolt
-from cranktopo.tasks.fatigue.criteria import criterion
+from cranktopo.tasks.bolts.stage import check_rod_bolt, rod_bolt_assumed
+from cranktopo.tasks.fatigue.criteria import criterion, strengths_of
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.needs import check_method
 from cranktopo.tasks.rod.eye import (
@@ -97,6 +98,8 @@ def strength_of(scene: Scene, loaded: LoadedRod) -> RodStrength:
         eyes=eye_shapes_of(loaded.scene, mass, loaded.motions),
         pin=check_pin(rod, rod.pin, push) if rod.pin else None,
         bolt=bolt,
+        assumed=rod_bolt_assumed(scene),
+        strength_remarks=rod_strength_remarks(rod, scene, strengths_of([loaded.method])) or None,
         passage=passage(scene),
         oblique_split=oblique_split(scene, bolt),
     )

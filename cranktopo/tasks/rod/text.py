@@ -95,7 +95,7 @@ def rod_text(rod: RodStrength) -> str:
     parts += [_elements(rod.elements, rod)] if rod.elements else []
     parts += [_pin(rod.pin)] if rod.pin else []
     if rod.bolt:
-        parts.append(bolts_text(BoltChecks(design=rod.design, joints=(rod.bolt,))))
+        parts.append(bolts_text(BoltChecks(design=rod.design, joints=(rod.bolt,), assumed=rod.assumed)))
     return "\n\n".join(parts)
 
 
