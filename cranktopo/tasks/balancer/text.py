@@ -90,7 +90,7 @@ def balancer_text(shaft: BalancerStrength) -> str:
             terminal(tabulate(_NOTCHES, shaft.notches)),
         ]
     if shaft.joints:
-        parts.append(bolts_text(BoltChecks(design=shaft.design, joints=shaft.joints)))
+        parts.append(bolts_text(BoltChecks(design=shaft.design, joints=shaft.joints, assumed=())))
     return "\n\n".join(filter(None, parts))
 
 
