@@ -123,6 +123,7 @@ def test_speeds_without_forces_on_bearings_are_wrong_use(capsys: pytest.CaptureF
     assert "must be FROM:TO:NUMBER" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_shaft_in_its_oil_films(capsys: pytest.CaptureFixture[str]) -> None:
     """The stiffness is that in rigid bearings; the second bearing carries less; every journal gives way."""
     words = ["shaft", "car-diesel", "--element-size-mm", "14", "--json", "--quiet"]
@@ -317,6 +318,7 @@ def test_films_beyond_the_permitted_are_told(bored: dict[str, Any]) -> None:
     assert "films_hold" not in bored
 
 
+@pytest.mark.slow
 def test_the_worst_speed_of_a_vibrating_shaft_is_added_to_those_asked_for() -> None:
     """A six of 750 rpm was judged at four speeds between which its largest torque lay, and was 5 % safer."""
     line = "[shaft]\ncylinder_damping_Nms_per_rad = 0.2\n[shaft.propeller]\ninertia_kg_m2 = 0.6\n\n[engine]\n"

@@ -321,6 +321,7 @@ def test_a_pin_of_two_faces_is_one_pin(tmp_path: Path) -> None:
     assert len(crank.halves) == 2
 
 
+@pytest.mark.slow
 def test_outlets_over_the_middle_of_a_pin_leave_no_sliver(tmp_path: Path) -> None:
     """Both drillings lean otherwise, as the webs are not alike; a half of each would end in a step."""
     place = {"angle_deg": 0.0, "place_mm": 3.0}

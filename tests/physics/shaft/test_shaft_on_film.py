@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
+import pytest
 
 from cranktopo import load_scene, with_values
 from cranktopo.base.arrays import Array
@@ -82,6 +83,7 @@ def test_bearings_far_from_rigid_give_way_to_the_bent_shaft() -> None:
     assert np.linalg.eigvalsh((bent + bent.T) / 2).min() > -1e-8 * size
 
 
+@pytest.mark.slow
 def test_little_clearance_is_a_rigid_bearing() -> None:
     rigid, film, _ = on_film(FOUR)
     tight = with_values(FOUR, {"bearings.clearance_mm": 0.004})
