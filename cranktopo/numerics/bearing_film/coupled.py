@@ -58,6 +58,8 @@ def coupled_orbits(
     for _ in range(_CYCLES):
         steps = {"max_step": step, "rtol": _TOLERANCE, "atol": _TOLERANCE}
         found = solve_ivp(slope, (0.0, angles[-1]), at, method="LSODA", t_eval=angles, **steps)
+        if not found.success:
+            raise solver_error(f"oil film: {found.message}", "Take rigid bearings, or a larger clearance.")
         path = found.y[:count].T + 1j * found.y[count:].T
         before, least = least, np.maximum(1 - np.abs(path).max(axis=0), LEAST_SHARE)
         at = found.y[:, -1]
