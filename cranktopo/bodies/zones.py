@@ -17,6 +17,7 @@ from cranktopo.bodies.solid.files import kernel_surface_of
 from cranktopo.design.halves import has_zones
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import solid_of
+from cranktopo.throw.feature import DrilledBody
 from cranktopo.throw.web import web_bodies, web_spans
 from cranktopo.throw.zone import BodyZone, BoxZone, CylinderZone, Zone
 
@@ -52,7 +53,7 @@ def own_section(scene: Scene, z_mm: float) -> Section:
     """Return the scene's own web, or that of its original's file, at a height."""
     if scene.original is not None:
         return _slice(_original(scene), z_mm)
-    bodies = [body for body in web_bodies(scene) if not body.drilled]
+    bodies = [body for body in web_bodies(scene) if not isinstance(body, DrilledBody)]
     return lambda y_mm, z: list(zip(*web_spans(bodies, y_mm, z), strict=True))
 
 
@@ -95,7 +96,7 @@ def zone_heights_mm(scene: Scene) -> list[float]:
 def zones_change(scene: Scene, z_mm: float) -> bool:
     """Tell whether the web that stays in zones changes along the crank axis at a height."""
     bodies = web_bodies(scene) if has_zones(scene) and scene.original is None else []
-    ranges = (ends for body in bodies if not body.drilled for ends in body.changing_z_mm)
+    ranges = (ends for body in bodies if not isinstance(body, DrilledBody) for ends in body.changing_z_mm)
     return any(low < z_mm < high for low, high in ranges)
 
 

@@ -117,8 +117,6 @@ class Body(ABC):
     z_mm: tuple[float, float]
     adds: ClassVar[bool] = False
     kept: ClassVar[bool] = False
-    drilled: ClassVar[bool] = False
-    """True of a cut that lies wholly in material and changes along the crank axis: cells are cut with it."""
     oblique: ClassVar[bool] = False
     """True of a cut whose edge moves across the web with the height, and so over the edges of other cuts."""
 
@@ -155,10 +153,6 @@ class Body(ABC):
         With a height, weighted by the distance before it, mm.
         """
         return None
-
-    def bounds_mm(self, z_mm: tuple[float, float]) -> tuple[Array, Array]:
-        """Least and largest x, y and z between two heights of a body that cells are cut with."""
-        raise NotImplementedError
 
     @property
     def changing_z_mm(self) -> tuple[tuple[float, float], ...]:
@@ -206,6 +200,14 @@ class Body(ABC):
     def continued(self, z_mm: tuple[float, float]) -> tuple[Solid, ...]:
         """A prism of its section at the face it opens at, over an axial range from there; none by default."""
         return ()
+
+
+class DrilledBody(Body):
+    """A cut that lies wholly in material and changes along the crank axis: cells are cut with it."""
+
+    @abstractmethod
+    def bounds_mm(self, z_mm: tuple[float, float]) -> tuple[Array, Array]:
+        """Least and largest x, y and z between two heights."""
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from cranktopo.bodies.envelope_file import envelope_section
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.table import drill_bores
-from cranktopo.throw.feature import Body
+from cranktopo.throw.feature import DrilledBody
 from cranktopo.throw.moments import gauss_rule
 from cranktopo.throw.web import web_bodies
 
@@ -128,7 +128,7 @@ def drill_cells(
 ) -> dict[str, Array]:
     """Return the cells' fractions after drilling; raises CranktopoError where one leaves the envelope."""
     bores = drill_bores(scene)
-    holes = [body for body in web_bodies(scene) if body.drilled]
+    holes = [body for body in web_bodies(scene) if isinstance(body, DrilledBody)]
     if not bores and not holes:
         return fractions
     if any(layer.design for layer in layers):
@@ -164,7 +164,7 @@ def _tool_of_bore(bore: DrillBore) -> _Tool:
     return _Tool(hole, wall, tuple(partial(bore.box_mm, radius) for radius in radii))
 
 
-def _tool_of_hole(hole: Body) -> _Tool:
+def _tool_of_hole(hole: DrilledBody) -> _Tool:
     return _Tool(hole.spans, hole.spans, (hole.bounds_mm,))
 
 

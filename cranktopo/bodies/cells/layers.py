@@ -24,7 +24,7 @@ from cranktopo.bodies.zones import frozen_at, staying_at, zone_heights_mm, zones
 from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.schema import Scene
 from cranktopo.throw.envelope import Envelope
-from cranktopo.throw.feature import Body
+from cranktopo.throw.feature import Body, DrilledBody
 from cranktopo.throw.journal import Journal
 from cranktopo.throw.web import check_inside, kept_bodies, kept_holes, web_bodies, web_spans
 
@@ -78,7 +78,7 @@ def _annulus(journal: Journal, y_mm: float) -> Section:
 def _own_web(scene: Scene) -> list[AxialLayer]:
     if scene.original is not None:
         return _body_from_file(scene, envelope_from_file(Path(scene.original.file), key=ORIGINAL_KEY))
-    bodies = [body for body in web_bodies(scene) if not body.drilled]
+    bodies = [body for body in web_bodies(scene) if not isinstance(body, DrilledBody)]
     section, changing = _section(bodies), [ends for body in bodies for ends in body.changing_z_mm]
     cuts = [z for ends in (*changing, *(body.z_mm for body in bodies)) for z in ends]
     return [
@@ -126,7 +126,11 @@ def _design_layers(scene: Scene, z_mm: tuple[float, float], bores: Sequence[Sect
     middle = sum(z_mm) / 2
 
     def here(bodies: Sequence[Body]) -> list[Body]:
-        return [body for body in bodies if body.z_mm[0] < middle < body.z_mm[1] and not body.drilled]
+        return [
+            body
+            for body in bodies
+            if body.z_mm[0] < middle < body.z_mm[1] and not isinstance(body, DrilledBody)
+        ]
 
     outline = _turning_free(scene, envelope_section(design_envelope(scene), middle))
     check_inside(scene, outline, middle)

@@ -21,7 +21,7 @@ from cranktopo.base.spans import Span
 from cranktopo.base.table import Length, SceneTable
 from cranktopo.throw.counterweight.sector import Sector
 from cranktopo.throw.counterweight.tangent_circle import flank_directions
-from cranktopo.throw.feature import Body, ExactMoments, ThrowView, least_shoulder_mm
+from cranktopo.throw.feature import DrilledBody, ExactMoments, ThrowView, least_shoulder_mm
 from cranktopo.throw.primitives import (
     DimensionLine,
     Extrusion,
@@ -48,7 +48,7 @@ _MIRRORED = {"leading": "trailing", "trailing": "leading", "both": "both"}
 
 
 @dataclass(frozen=True)
-class EdgeCut(Body):
+class EdgeCut(DrilledBody):
     """Cut along one flank of a counterweight, from one of its faces.
 
     In front of the flank it goes on as far as it is wide, and beyond the rim, so that nothing covers it.
@@ -63,7 +63,6 @@ class EdgeCut(Body):
     """
 
     kept: ClassVar[bool] = True
-    drilled: ClassVar[bool] = True
     sector: Sector
     side: float
     face_mm: float

@@ -20,7 +20,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.spans import Span
 from cranktopo.base.table import Length, Place, SceneTable
 from cranktopo.throw.counterweight.sector import Sector
-from cranktopo.throw.feature import Body, ExactMoments, Face
+from cranktopo.throw.feature import DrilledBody, ExactMoments, Face
 from cranktopo.throw.hole import RoundHole
 from cranktopo.throw.primitives import Circle, Cylinder, Point, Polyline, Solid, number_lines
 
@@ -61,7 +61,7 @@ class AxialHole(RoundHole):
 
 
 @dataclass(frozen=True)
-class RadialHole(Body):
+class RadialHole(DrilledBody):
     """A hole from the rim toward the crank axis, its axis at an angle to the line away from the crankpin.
 
     Attributes:
@@ -71,7 +71,6 @@ class RadialHole(Body):
     """
 
     kept: ClassVar[bool] = True
-    drilled: ClassVar[bool] = True
     angle: float
     radius_mm: float
     inner_mm: float
