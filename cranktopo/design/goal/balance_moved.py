@@ -23,7 +23,7 @@ class MovedBalance(Result):
 
     @property
     def words(self) -> str:
-        """What got worse, without the remedy."""
+        """Both factors in words, without the remedy."""
         return balance_words(self.balance_factor_percent, self.original_percent)
 
 

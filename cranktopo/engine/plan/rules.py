@@ -266,8 +266,6 @@ def centrifugal(context: PlanningContext) -> Estimate:
     """Pull of pistons and rods at overspeed and of the crankpin on the pin, of each web in its mid-plane."""
     if context.scene.engine is None or context.top_speed_rpm == 0:
         return Estimate(0.0, "the throw does not turn", "nothing", absent="no speed in the scene")
-    speed = context.top_speed_rpm
-    pin, webs = context.centrifugal_N
     weight = context.scene.web.counterweight
     fastened = weight is not None and [
         name for name, there in (("bolted counterweight", weight.bolted), ("plugs", weight.plug)) if there
@@ -275,6 +273,7 @@ def centrifugal(context: PlanningContext) -> Estimate:
     left_out = f", the pull of {' and '.join(fastened)} left out" if fastened else ""
     if context.for_stress and not context.unit_loads:
         return _own_stress(context, left_out)
+    speed, (pin, webs) = context.top_speed_rpm, context.centrifugal_N
     forces = (
         f"outward {pin:,.0f} N on the pin, rods and pistons at dead centre among them, and {webs:,.0f} N in "
         f"the mid-planes of the webs at {speed:g} rpm{left_out}"

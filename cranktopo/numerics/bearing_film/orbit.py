@@ -152,7 +152,7 @@ class _Motion:
 
 @dataclass(frozen=True)
 class Films:
-    """What the oil of bearings lets loads do.
+    """Motion that loads give to the journals of several bearings in their oil.
 
     Attributes:
         per_load: of each bearing, change of the eccentricity over a radian by a unit load and mobility.

@@ -1,4 +1,4 @@
-"""What counterweights and balancer shafts make of the free forces and moments, order by order."""
+"""Changes that counterweights and balancer shafts make to the free forces and moments, order by order."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cranktopo.tasks.balance.result import Balance, StateForces
 
 Vector = Literal["force", "moment"]
 VECTORS: dict[Vector, str] = {"force": "N", "moment": "N m"}
-"""What an order leaves free, with its unit."""
+"""Free forces and moments of an order, with their units."""
 _COUNTS = 0.01
 """Change that is told, over the largest value of any order and state."""
 

@@ -156,6 +156,5 @@ def _weighted(scene: Scene, radius_mm: float, angle_deg: float) -> Scene:
         sizes = {"outer_radius_mm": radius_mm, "half_angle_deg": angle_deg}
         weight = scene.web.counterweight.model_copy(update=sizes)
     web = scene.web.model_copy(update={"counterweight": weight})
-    return scene.model_copy(
-        update={"web": web, "shape": ShapeTable()}
-    )  # ranges of a search refuse nothing here
+    without_ranges = ShapeTable()  # which would refuse sizes beyond them
+    return scene.model_copy(update={"web": web, "shape": without_ranges})

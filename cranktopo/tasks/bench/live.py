@@ -46,8 +46,8 @@ _CLOSED_FORM = {
     "m53_pin": _SOFT,
     "m53_journal": _SOFT,
 }
-_OF_FEW_THROWS = f"; disks of so few throws: up to {TOO_HIGH_PERCENT} % too high"
 """Throws by elements are 1.0 to 1.56 times as stiff as in closed form, on the engines that were measured."""
+_OF_FEW_THROWS = f"; disks of so few throws: up to {TOO_HIGH_PERCENT} % too high"
 _AS_SETTLED = "live, stiffness of a throw as it settled last"
 _GAS_GAUGES = ("gas_force", "pin_force", "mean_torque", "mean_pressure", "power")
 _BROKEN = re.compile(r"(?:^|(?<=[\s:]))((?:[a-z_]\w*(?:\[\d+\])*\.)*[a-z_]\w*(?:\[\d+\])*) = ")

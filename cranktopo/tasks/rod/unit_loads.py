@@ -38,7 +38,7 @@ PRESSED: tuple[tuple[Eye, int], ...] = (("small", -1), ("small", 1), ("big", 1),
 Pressures = Mapping[tuple[Eye, int], Pressure]
 """Pressure on the sides of bores; by the cosine where none is given."""
 Motion = Literal["along", "across", "whole"]
-"""What a quarter does under loads of `ALONG` and of `ACROSS`, and what a half does under either."""
+"""Motions of a quarter under loads of `ALONG` and of `ACROSS`, and of a half under either."""
 _RESULTANTS: dict[Motion, list[int]] = {"along": [1], "across": [0, 2], "whole": [0, 1, 2]}
 """Forces along x and y and moment about the pins' direction that loads of a motion may have."""
 _PLANE_MM = 1e-6

@@ -1,4 +1,4 @@
-"""What webs and bearings of a shaft carry over the cycle, beside throws that stand alone."""
+"""Loads of the webs and bearings of a whole shaft over the cycle, beside throws that stand alone."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from cranktopo.tasks.shaft.cycle import (
     CycleForces,
     ShaftCycle,
     cycle_forces,
-    loads_on_bearings_N,
+    journal_loads_N,
     shaft_cycle,
     web_moments_Nmm,
 )
@@ -149,12 +149,9 @@ def _with_films(
 
 
 def _loaded(shaft: ContinuousShaft, cycle: ShaftCycle, scene: Scene) -> list[LoadedBearing]:
-    loads, still = loads_on_bearings_N(cycle), np.zeros_like(cycle.angle_deg)
+    loads, still = journal_loads_N(cycle), np.zeros_like(cycle.angle_deg)
     numbers = [one.bearing for one in shaft.main_bearings]
-    return [  # the shaft turns from y to x
-        LoadedBearing(f"main {n}", main_bearing(scene, n - 1), loads[n - 1][1] + 1j * loads[n - 1][0], still)
-        for n in numbers
-    ]
+    return [LoadedBearing(f"main {n}", main_bearing(scene, n - 1), loads[n - 1], still) for n in numbers]
 
 
 def _filled(shaft: ContinuousShaft, films: Sequence[BearingFilm]) -> ContinuousShaft:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.errors import invalid
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.units import NMM_PER_NM, angular_speed_rad_s
@@ -218,6 +218,12 @@ def loads_on_bearings_N(cycle: ShaftCycle) -> Array:
     turn = np.radians([about_z_deg(angle) for angle in cycle.angle_deg])
     x, y = -cycle.bearing_N[:, 0], -cycle.bearing_N[:, 1]
     return np.stack([np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y], axis=1)
+
+
+def journal_loads_N(cycle: ShaftCycle) -> Complex:
+    """Return the same forces as y + i x: the way journals in films are turned, (sections, states)."""
+    loads = loads_on_bearings_N(cycle)
+    return np.asarray(loads[:, 1] + 1j * loads[:, 0])  # the shaft turns from y to x
 
 
 def web_moments_Nmm(cycle: ShaftCycle, scenes: Sequence[Scene]) -> Array:

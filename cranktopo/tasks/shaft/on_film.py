@@ -25,7 +25,7 @@ from cranktopo.tasks.shaft.cycle import (
     CycleForces,
     ShaftCycle,
     bent_into_bearings_N_per_mm,
-    loads_on_bearings_N,
+    journal_loads_N,
     shaft_cycle,
 )
 from cranktopo.tasks.shaft.loaded_throw import LoadedThrow
@@ -75,8 +75,7 @@ def film_offsets_mm(throws: Sequence[LoadedThrow], scene: Scene, rigid: ShaftCyc
     bearings = [main_bearing(scene, number) for number in numbers]
     clearance = np.array([bearing.clearance_mm for bearing in bearings])
     bent = bent_into_bearings_N_per_mm(throws, scene.shaft_angles_deg, numbers)
-    loads = loads_on_bearings_N(rigid)[list(numbers)]
-    held = loads[:, 1] + 1j * loads[:, 0]  # the shaft turns from y to x
+    held = journal_loads_N(rigid)[list(numbers)]
     states, cycle_rad = held.shape[1], np.radians(engine_of(scene).cycle_deg)
 
     def load_N(angle_rad: float, eccentricity: Complex) -> Complex:

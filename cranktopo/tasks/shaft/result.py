@@ -131,7 +131,7 @@ class ShaftEvaluation(Result):
     permitted_pressure_MPa: float | None = UNLESS_NONE
     """Largest pressure of a film that `[bearings]` permits, where they have."""
     films_hold: bool | None = UNLESS_NONE
-    """Whether the films of all main bearings are within that at all speeds."""
+    """True where the films of all main bearings are within that at all speeds."""
     misfire: tuple[int, ...] | None = UNLESS_NONE
     """Cylinders that do not fire in them, where there are any."""
     assumed: tuple[Assumption, ...]

@@ -85,7 +85,7 @@ def too_fast_percent(scene: Scene, size_mm: float = SIZE_MM) -> float:
 
 
 def test_disks_of_one_throw_swing_too_fast() -> None:
-    """What pulls at its crankpin bends it; the note of `vibration` told of frequencies too low alone."""
+    """Pulls at its crankpin bend it; the note of `vibration` told of frequencies too low alone."""
     scene = short(1)
     assert few_throws(scene)
     assert 4.0 < too_fast_percent(scene) < TOO_HIGH_PERCENT

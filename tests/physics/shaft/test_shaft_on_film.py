@@ -73,7 +73,7 @@ def test_forces_and_moments_stay_in_balance() -> None:
 
 
 def test_bearings_far_from_rigid_give_way_to_the_bent_shaft() -> None:
-    """What a motion of the journals costs: nothing for a rigid motion, symmetric, never a gain."""
+    """Energy of a motion of the journals: nothing for a rigid motion, symmetric, never a gain."""
     bent = bent_into_bearings_N_per_mm([THROW] * 4, FOUR.shaft_angles_deg, range(5))
     size = np.abs(bent).max()
     along = np.arange(5.0)

@@ -34,6 +34,7 @@ from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.mesh_model import MeshModel
 from cranktopo.tasks.shape.start import scene_start
 from cranktopo.tasks.shape.web_faces import web_faces
+from cranktopo.throw.primitives import Polyline
 from tests.step_volume import step_volume_mm3
 from tests.unit.throw.counterweight_cases import DISC, OUTLINES, PLAIN, THIN, roomy_scene, weighted
 
@@ -203,9 +204,10 @@ def test_the_drawing_shows_them(roomy: Scene) -> None:
     assert "   depth 5.00" in drawn.lines
     assert len(drawn.front) == 2  # one stroke for each flank
     for stroke in drawn.front:
-        (x, y), *_ = stroke.points  # type: ignore[union-attr]
+        assert isinstance(stroke, Polyline)
+        (x, y), *_ = stroke.points
         assert math.hypot(x, y) == pytest.approx(42.0)
-        assert math.hypot(*stroke.points[-1]) == pytest.approx(62.0)  # type: ignore[union-attr]
+        assert math.hypot(*stroke.points[-1]) == pytest.approx(62.0)
 
 
 def test_shape_knows_its_faces(roomy: Scene) -> None:
