@@ -5,7 +5,7 @@ Distances from the body to its dimension lines are millimetres of paper, so that
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -29,6 +29,13 @@ from cranktopo.report.drafting import (
     hatched,
     leader,
 )
+from cranktopo.tasks.drawing.point_texts import (
+    PLACE_MM,
+    NamedPoint,
+    running_dimensions,
+    text_column,
+    texts_about,
+)
 from cranktopo.throw.primitives import Circle, DimensionLine, FeatureDrawing, Polyline
 from cranktopo.throw.profile import ProfileWeb
 
@@ -42,12 +49,8 @@ _OUTLET_MM = 3.0
 """Paper from a journal to the dimension of an outlet along it."""
 _SLIT_MM = 1e-3
 """Width of a slit, and height of a corner, that no drawing shows."""
-_PLACE_MM = 15.0
-"""Paper for running dimensions of places."""
 _TEXT_MM = 46.0
 """Paper beside the front view for the stations of the outline."""
-_Named = tuple[tuple[float, float], str]
-"""A point of a view and the text about it."""
 
 
 @dataclass(frozen=True)
@@ -141,7 +144,7 @@ class Sheet:
             half = wide
         text = _TEXT_MM if isinstance(self.scene.web, ProfileWeb) else _GAP_MM
         above = 8.0 * any(round(x, 2) for x, _ in self.places)
-        text += _PLACE_MM * bool(self.places)
+        text += PLACE_MM * bool(self.places)
         left, side, beside = (_GAP_MM + lines * _LINE_MM for lines in (2.5, 3.5, 1.5))
         under = 2.2 * _GAP_MM
         return (
@@ -185,96 +188,19 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
     named = [one for feature in sheet.features for one in feature.named]
     taken: list[float] = []
     if isinstance(web, ProfileWeb):  # its stations fill the paper right of the body
-        _column(axes, [*_stations(axes, web), *named], beside, 1 / scale)
+        text_column(axes, [*_stations(axes, web), *named], beside, 1 / scale)
     else:
-        taken = _named(axes, named, gap)
+        taken = texts_about(axes, named, gap)
     across = beside + _TEXT_MM / scale if isinstance(web, ProfileWeb) else beside
-    _placed(axes, sheet.places, (across, sheet.y_range_mm[1]), 1 / scale, taken)
+    running_dimensions(axes, sheet.places, (across, sheet.y_range_mm[1]), 1 / scale, taken)
     finish(axes, "Front, from the crankpin side")
 
 
-def _stations(axes: Any, web: ProfileWeb) -> Iterator[_Named]:
+def _stations(axes: Any, web: ProfileWeb) -> Iterator[NamedPoint]:
     """Mark the stations of the outline; yield each with its number and place."""
     for number, (y, x) in enumerate(zip(web.stations_mm, web.half_widths_mm, strict=True), 1):
         axes.plot(x, y, "o", ms=3.0, color=INK)
         yield (x, y), f"{number}:  y {y:.2f}, x {x:.2f}"
-
-
-def _column(axes: Any, named: Sequence[_Named], beside: float, paper_mm: float) -> None:
-    """Write texts of points in a column right of all that is `beside` the axis, clear of each other."""
-    ordered = sorted(named, key=lambda one: one[0][1])
-    levels = _spread([y for (_, y), _ in ordered], 3.4 * paper_mm)
-    for ((x, y), text), (_, level) in zip(ordered, levels, strict=True):
-        bend = beside + 2.5 * paper_mm
-        axes.plot([x, beside, bend, beside + 4 * paper_mm], [y, y, level, level], color=THIN, lw=0.4)
-        white = {"fc": "white", "ec": "none", "pad": 0.4}  # lines of places pass under the column
-        axes.text(beside + 5 * paper_mm, level, text, fontsize=TEXT_SIZE, va="center", bbox=white)
-
-
-def _named(axes: Any, named: Sequence[_Named], gap: float) -> list[float]:
-    """Write texts about points of the outline: on the right outward of them, on the left upon the body.
-
-    Left of the body dimensions stand. Return the heights of the texts on the right.
-    """
-    right = []
-    for tip, text in named:
-        outward = tip[0] > 0
-        away = 1 + (0.6 if outward else -1.6) * gap / np.hypot(*tip)
-        leader(axes, tip, (tip[0] * away, tip[1] * away), text, "left")
-        if outward:
-            right.append(tip[1] * away)
-    return right
-
-
-def _placed(
-    axes: Any,
-    places: Sequence[tuple[float, float]],
-    corner_mm: tuple[float, float],
-    paper_mm: float,
-    taken: Sequence[float],
-) -> None:
-    """Dimension points from both axes by running dimensions (ISO 129-1), beside and above the body.
-
-    They stand right of and above a corner, clear of texts at the `taken` heights.
-    """
-    if not places:
-        return
-    right, top = corner_mm
-    line, over = right + 5 * paper_mm, top + 4 * paper_mm
-    for y, level in _spread({round(y, 2) + 0.0 for _, y in places}, 3.4 * paper_mm, taken):
-        start = max(x for x, at in places if round(at, 2) + 0.0 == y)
-        corner = line + 2.5 * paper_mm
-        axes.plot(
-            [start, line, corner, line + _PLACE_MM * paper_mm], [y, y, level, level], color=THIN, lw=0.4
-        )
-        axes.text(corner, level + 0.3 * paper_mm, f"{y:.2f}", fontsize=TEXT_SIZE, va="bottom")
-    axes.plot([0.0, line, line + 2.5 * paper_mm], [0.0, 0.0, 0.0], color=THIN, lw=0.4)
-    circle(axes, 0.8 * paper_mm, 0.0, "-", 0.6, "white", x=line)
-    beside = {round(x, 2) for x, _ in places if round(x, 2)}
-    for x, level in _spread(beside, 3.4 * paper_mm):
-        start = max(at for across, at in places if round(across, 2) == x)
-        axes.plot([x, x, level], [start, over, over + 2.5 * paper_mm], color=THIN, lw=0.4)
-        axes.text(
-            level, over + 3 * paper_mm, f"{x:.2f}", fontsize=TEXT_SIZE, ha="center", va="bottom", rotation=90
-        )
-    if beside:
-        circle(axes, 0.8 * paper_mm, over, "-", 0.6, "white")
-
-
-def _spread(values: Iterable[float], least: float, taken: Sequence[float] = ()) -> list[tuple[float, float]]:
-    """Return each value with the place of its text, apart from the others, in order.
-
-    It stands clear of texts whose middles are at `taken` places.
-    """
-    found: list[tuple[float, float]] = []
-    for value in sorted(values):
-        level = max(value, found[-1][1] + least) if found else value
-        for place in sorted(taken):
-            low, high = place - 1.6 * least, place + 0.6 * least  # a text stands on its line
-            if low < level < high:
-                level = low if level < place and not (found and low < found[-1][1] + least) else high
-        found.append((value, level))
-    return found
 
 
 def lengthwise_body(axes: Any, sheet: Sheet, over_mm: float) -> None:

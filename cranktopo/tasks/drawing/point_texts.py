@@ -1,0 +1,93 @@
+"""Texts and running dimensions of points of a view, clear of each other.
+
+`paper_mm` is a millimetre of paper in millimetres of the view.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from cranktopo.report.drafting import TEXT_SIZE, THIN, circle, leader
+
+PLACE_MM = 15.0
+"""Paper for running dimensions of places."""
+NamedPoint = tuple[tuple[float, float], str]
+"""A point of a view and the text about it."""
+
+
+def text_column(axes: Any, named: Sequence[NamedPoint], beside: float, paper_mm: float) -> None:
+    """Write texts of points in a column right of all that is `beside` the axis, clear of each other."""
+    ordered = sorted(named, key=lambda one: one[0][1])
+    levels = _spread([y for (_, y), _ in ordered], 3.4 * paper_mm)
+    for ((x, y), text), (_, level) in zip(ordered, levels, strict=True):
+        bend = beside + 2.5 * paper_mm
+        axes.plot([x, beside, bend, beside + 4 * paper_mm], [y, y, level, level], color=THIN, lw=0.4)
+        white = {"fc": "white", "ec": "none", "pad": 0.4}  # lines of places pass under the column
+        axes.text(beside + 5 * paper_mm, level, text, fontsize=TEXT_SIZE, va="center", bbox=white)
+
+
+def texts_about(axes: Any, named: Sequence[NamedPoint], gap: float) -> list[float]:
+    """Write texts about points of the outline: on the right outward of them, on the left upon the body.
+
+    Left of the body dimensions stand. Return the heights of the texts on the right.
+    """
+    right = []
+    for tip, text in named:
+        outward = tip[0] > 0
+        away = 1 + (0.6 if outward else -1.6) * gap / np.hypot(*tip)
+        leader(axes, tip, (tip[0] * away, tip[1] * away), text, "left")
+        if outward:
+            right.append(tip[1] * away)
+    return right
+
+
+def running_dimensions(
+    axes: Any,
+    places: Sequence[tuple[float, float]],
+    corner_mm: tuple[float, float],
+    paper_mm: float,
+    taken: Sequence[float],
+) -> None:
+    """Dimension points from both axes by running dimensions (ISO 129-1), beside and above the body.
+
+    They stand right of and above a corner, clear of texts at the `taken` heights.
+    """
+    if not places:
+        return
+    right, top = corner_mm
+    line, over = right + 5 * paper_mm, top + 4 * paper_mm
+    for y, level in _spread({round(y, 2) + 0.0 for _, y in places}, 3.4 * paper_mm, taken):
+        start = max(x for x, at in places if round(at, 2) + 0.0 == y)
+        corner = line + 2.5 * paper_mm
+        axes.plot([start, line, corner, line + PLACE_MM * paper_mm], [y, y, level, level], color=THIN, lw=0.4)
+        axes.text(corner, level + 0.3 * paper_mm, f"{y:.2f}", fontsize=TEXT_SIZE, va="bottom")
+    axes.plot([0.0, line, line + 2.5 * paper_mm], [0.0, 0.0, 0.0], color=THIN, lw=0.4)
+    circle(axes, 0.8 * paper_mm, 0.0, "-", 0.6, "white", x=line)
+    beside = {round(x, 2) for x, _ in places if round(x, 2)}
+    for x, level in _spread(beside, 3.4 * paper_mm):
+        start = max(at for across, at in places if round(across, 2) == x)
+        axes.plot([x, x, level], [start, over, over + 2.5 * paper_mm], color=THIN, lw=0.4)
+        axes.text(
+            level, over + 3 * paper_mm, f"{x:.2f}", fontsize=TEXT_SIZE, ha="center", va="bottom", rotation=90
+        )
+    if beside:
+        circle(axes, 0.8 * paper_mm, over, "-", 0.6, "white")
+
+
+def _spread(values: Iterable[float], least: float, taken: Sequence[float] = ()) -> list[tuple[float, float]]:
+    """Return each value with the place of its text, apart from the others, in order.
+
+    It stands clear of texts whose middles are at `taken` places.
+    """
+    found: list[tuple[float, float]] = []
+    for value in sorted(values):
+        level = max(value, found[-1][1] + least) if found else value
+        for place in sorted(taken):
+            low, high = place - 1.6 * least, place + 0.6 * least  # a text stands on its line
+            if low < level < high:
+                level = low if level < place and not (found and low < found[-1][1] + least) else high
+        found.append((value, level))
+    return found
