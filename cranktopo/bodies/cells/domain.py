@@ -159,10 +159,9 @@ def _filled(grid: CellGrid, layer: AxialLayer, section: Section) -> Array:
     if not layer.changes:
         middle = np.array([sum(layer.z_mm) / 2])
         return plane_fractions(grid.x_mm, grid.y_mm, middle, section) * shares
-    result = np.zeros(grid.cells)
-    for cells in np.flatnonzero(shares):
-        slab = float(low[cells]), float(high[cells])
-        result[:, :, cells] = slab_fractions(grid.x_mm, grid.y_mm, slab, section) * shares[cells]
+    result, cells = np.zeros(grid.cells), np.flatnonzero(shares)
+    slabs = np.array([low[cells], high[cells]])
+    result[:, :, cells] = slab_fractions(grid.x_mm, grid.y_mm, slabs, section) * shares[cells]
     return result
 
 

@@ -48,34 +48,44 @@ _THINNEST = 12
 """Halvings of a slab."""
 
 
-def slab_fractions(x_mm: Array, y_mm: Array, z_mm: tuple[float, float], section: Section) -> Array:
-    """Return the filled fraction (nx, ny) of the cells between nodes along x and y and two heights.
+def slab_fractions(x_mm: Array, y_mm: Array, z_mm: Array, section: Section) -> Array:
+    """Return the filled fractions (nx, ny, slabs) of the cells between nodes along x and y.
 
-    Gauss quadrature goes through the slab; parts of it are halved until the areas in both halves add up.
+    Gauss quadrature goes through each slab; parts of it are halved until the areas in both halves add up.
+
+    Args:
+        z_mm: lower and upper heights (2, slabs).
     """
-    low, high = (np.array([end]) for end in z_mm)
-    total, whole = np.zeros((len(x_mm) - 1, len(y_mm) - 1)), _through(x_mm, y_mm, low, high, section)
+    low, high = z_mm
+    size, slab = high - low, np.arange(len(low))
+    total, whole = (
+        np.zeros((len(slab), len(x_mm) - 1, len(y_mm) - 1)),
+        _through(x_mm, y_mm, low, high, section),
+    )
     for _ in range(_THINNEST):
         middle = (low + high) / 2
-        below = _through(x_mm, y_mm, low, middle, section)
-        above = _through(x_mm, y_mm, middle, high, section)
-        change = np.abs((below + above - whole).sum(axis=(0, 1)))
-        open_ = change > _SLAB_TOLERANCE * (z_mm[1] - z_mm[0])
-        total += (below + above)[..., ~open_].sum(axis=-1)
+        below, above = np.split(
+            _through(x_mm, y_mm, np.append(low, middle), np.append(middle, high), section), 2
+        )
+        change = np.abs((below + above - whole).sum(axis=(1, 2)))
+        open_ = change > _SLAB_TOLERANCE * size[slab]
+        np.add.at(total, slab[~open_], (below + above)[~open_])
         low, high = (np.concatenate([a[open_], b[open_]]) for a, b in ((low, middle), (middle, high)))
-        whole = np.concatenate([below[..., open_], above[..., open_]], axis=-1)
+        whole, slab = np.concatenate([below[open_], above[open_]]), np.tile(slab[open_], 2)
         if not len(low):
             break
-    return np.asarray((total + whole.sum(axis=-1)) / (z_mm[1] - z_mm[0]))
+    np.add.at(total, slab, whole)
+    return np.asarray(total.transpose(1, 2, 0) / size)
 
 
 def _through(x_mm: Array, y_mm: Array, low: Array, high: Array, section: Section) -> Array:
-    """Fractions times the heights of parts of a slab, (nx, ny, parts), mm."""
+    """Fractions times the heights of parts of slabs, (parts, nx, ny), mm."""
     shares, weights = gauss_rule(_HEIGHTS)
     size = high - low
     heights = low[:, None] + size[:, None] * shares
     planes = plane_fractions(x_mm, y_mm, heights.ravel(), section)
-    return np.asarray(planes.reshape(*planes.shape[:2], *heights.shape) @ weights * size)
+    mean = planes.reshape(*planes.shape[:2], *heights.shape) @ weights
+    return np.asarray((mean * size).transpose(2, 0, 1))
 
 
 def plane_fractions(x_mm: Array, y_mm: Array, z_mm: Array, section: Section) -> Array:
@@ -105,16 +115,27 @@ def plane_fractions(x_mm: Array, y_mm: Array, z_mm: Array, section: Section) -> 
 
 
 def _areas(x_mm: Array, low: Array, high: Array, z_mm: Array, section: Section) -> Array:
-    """Areas (parts, nx) that a section fills between places along the throw at heights, mm2."""
-    size, (left, right) = high - low, (x_mm[:-1], x_mm[1:])
+    """Areas (parts, nx) that a section fills between places along the throw at heights, mm2.
+
+    What is filled before a lateral end is 1 in the columns before it, a share of its own and 0 behind: two
+    steps, of which the sum along a row is taken once for all ends.
+    """
+    size, columns = high - low, len(x_mm)
     places = low[:, None] + size[:, None] * _SHARES
-    lengths = np.zeros((places.size, len(left)))
-    for start, end in section(places.ravel(), np.repeat(z_mm, len(_SHARES))):
-        filled = np.flatnonzero(end > start)  # most sections are empty at most places
-        parts = np.minimum(right, end[filled, None])
-        parts -= np.maximum(left, start[filled, None])
-        lengths[filled] += np.maximum(parts, 0.0, out=parts)
-    return np.einsum("pgx,g,p->px", lengths.reshape(*places.shape, -1), _WEIGHTS, size)
+    spans = section(places.ravel(), np.repeat(z_mm, len(_SHARES)))
+    filled = [np.flatnonzero(end > start) for start, end in spans]  # most sections are empty at most places
+    starts, stops = (
+        np.concatenate([span[side][at] for span, at in zip(spans, filled, strict=True)]) for side in (0, 1)
+    )
+    place, ends = np.concatenate(filled * 2), np.concatenate([starts, stops])
+    sign = np.repeat([-1.0, 1.0], len(starts))
+    column = np.clip(np.searchsorted(x_mm, ends, side="right") - 1, 0, columns - 2)
+    share = np.clip((ends - x_mm[column]) / np.diff(x_mm)[column], 0.0, 1.0)
+    weight = sign * (size[:, None] * _WEIGHTS).ravel()[place]
+    at = place // len(_SHARES) * columns + column
+    steps = np.bincount(at, weight * (share - 1), len(low) * columns)
+    steps -= np.bincount(at + 1, weight * share, len(low) * columns)
+    return np.asarray(steps.reshape(-1, columns)[:, :-1].cumsum(axis=1) * np.diff(x_mm))
 
 
 _ROUNDING = 1e-6
@@ -193,7 +214,7 @@ class _Slab:
 
     def _fractions(self, grid: CellGrid, section: Section) -> Array:
         x, y = (nodes[s.start : s.stop + 1] for nodes, s in ((grid.x_mm, self.x), (grid.y_mm, self.y)))
-        return slab_fractions(x, y, self.z_mm, section) * self.share
+        return slab_fractions(x, y, np.array(self.z_mm)[:, None], section)[..., 0] * self.share
 
 
 def _slabs(grid: CellGrid, found: Sequence[_Tool], z_mm: tuple[float, float]) -> Iterator[_Slab]:
