@@ -32,7 +32,7 @@ _ALONE = threading.RLock()
 def cad_session(what: str) -> Iterator[Any]:
     """Yield gmsh with a fresh model, which is gone afterwards; errors of gmsh become CranktopoError.
 
-    Single-threaded, so that the same input gives the same mesh; sessions of other threads wait.
+    Meshes are made by one thread, so that the same input gives the same mesh; sessions of other threads wait.
     """
     with _ALONE, at_work(f"CAD kernel: {what}"):
         yield from _session(what)
@@ -46,6 +46,7 @@ def _session(what: str) -> Iterator[Any]:
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("General.NumThreads", 1)
+        gmsh.option.setNumber("Geometry.OCCParallel", 1)  # booleans alone, which end the same
         gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
         gmsh.model.add(what)
         yield gmsh
