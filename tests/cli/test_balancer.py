@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from datetime import datetime
 
 import pytest
@@ -57,6 +58,20 @@ def test_shafts_that_are_none(capsys, tmp_path, old, new, line):
     code, _, err = run(capsys, str(design))
     assert code == 3
     assert line in err
+
+
+def test_the_strength_of_thin_sections_is_told_of_a_thick_shaft(capsys, tmp_path):
+    """By the shaft's own thickness, not that of the crank: a bored shaft has its wall."""
+    _, _, err = run(capsys)
+    assert "balancer shaft: material: ultimate_MPa = 900 of 16MnCr5 is that of sections to 40 mm" in err
+    assert "this shaft has 60 mm" in err
+    design = tmp_path / "b.toml"
+    design.write_text(re.sub(r"(\ndiameter_mm = (?:45|60)\.0)", r"\1\nbore_mm = 8.0", TEXT))
+    _, _, err = run(capsys, str(design))
+    assert "material: ultimate_MPa" not in err
+    assert not [
+        note for note in balancer_page(load_scene(str(design))).notes if "agreed with the forge" in note
+    ]
 
 
 def test_a_design_without_a_balancer_shaft(capsys):

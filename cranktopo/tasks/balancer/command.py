@@ -65,6 +65,8 @@ def command(design: str, redesign: Path | None, drawing: Path | None, as_json: b
         found = check_balancer(scene)
     else:
         scene, found = _redesigned(design, scene, redesign)
+    for remark in found.strength_remarks or ():
+        note(f"{scene.name}: balancer shaft: material: {remark}")
     if drawing is not None:
         draw_balancer(scene, drawing)
         note(str(drawing))

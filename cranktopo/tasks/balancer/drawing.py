@@ -20,7 +20,7 @@ from cranktopo.design.balancer import BalancerPart, ShaftNotch
 from cranktopo.design.fit import limits_text
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
-from cranktopo.design.strength import strength_notes
+from cranktopo.design.strength import material_notes
 from cranktopo.report.drafting import (
     DROP_MM,
     INK,
@@ -35,7 +35,13 @@ from cranktopo.report.drafting import (
     hatched,
     leader,
 )
-from cranktopo.tasks.balancer.stage import check_balancer, is_thrust, part_material, section_at
+from cranktopo.tasks.balancer.stage import (
+    check_balancer,
+    is_thrust,
+    part_material,
+    ruling_section,
+    section_at,
+)
 from cranktopo.tasks.drawing.sheet import SheetPage, write_pages
 from cranktopo.tasks.drawing.views import Room
 
@@ -78,7 +84,7 @@ def balancer_page(scene: Scene) -> SheetPage:
             f"General tolerances {scene.drawing.general_tolerances} unless stated.",
             f"Seats ground, Ra {scene.drawing.journal_roughness_um:g} µm; bores Ra "
             f"{scene.drawing.bore_roughness_um:g} µm; grooves Ra {scene.drawing.fillet_roughness_um:g} µm.",
-            *strength_notes(scene.model_copy(update={"material": material})),
+            *material_notes(material, ruling_section(scene.balancer)),
         ],
     )
 

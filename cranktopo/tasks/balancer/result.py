@@ -126,5 +126,7 @@ class BalancerStrength(Result):
     notches: tuple[NotchCheck, ...]
     joints: tuple[JointCheck, ...]
     """Bolts of the masses."""
+    strength_remarks: tuple[str, ...] | None = UNLESS_NONE
+    """Limits of what the strengths of the material hold for, such as the section of the shaft."""
     redesign: Redesign | None = UNLESS_NONE
     """With `--redesign`; the strength is then that of the new shaft."""

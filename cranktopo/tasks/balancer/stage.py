@@ -15,6 +15,7 @@ from cranktopo.design.balancer import BalancerBearing, BalancerPart, ShaftNotch
 from cranktopo.design.material import Material
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
+from cranktopo.design.strength import RulingSection, material_remarks
 from cranktopo.engine.balance.balancer_shafts import GearForces, gear_forces
 from cranktopo.engine.bearings import equivalent_load_N, rating_life_h, roller_spring_N_per_mm
 from cranktopo.numerics.stepped_beam import Beam, BentBeam, bend, round_beam
@@ -29,10 +30,12 @@ from cranktopo.tasks.balancer.result import (
 from cranktopo.tasks.bolts.joint import JointLoads
 from cranktopo.tasks.bolts.result import JointCheck
 from cranktopo.tasks.bolts.stage import check_joint
+from cranktopo.tasks.fatigue.criteria import strengths_of
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa, lsa_strength
 from cranktopo.tasks.fatigue.needs import check_method
 
+_METHOD = "lsa"
 _TURN_POINTS = 360
 _PLACES = 2
 """Decimals of a millimetre to which places along the shaft count: shorter steps would be ill-conditioned."""
@@ -94,6 +97,7 @@ def strength_of(scene: Scene, part: BalancerPart) -> BalancerStrength:
         ),
         notches=tuple(_notch(loaded, notch) for notch in part.notch),
         joints=tuple(_joints(loaded)),
+        strength_remarks=_remarks(loaded) if part.notch else None,
     )
 
 
@@ -129,13 +133,24 @@ def checked_part(scene: Scene) -> BalancerPart:
         if notch_stress(notch, outer, bore)[0] <= 0:
             raise scene.invalid(f"balancer.notch[{number}].diameter_mm", "leaves nothing of the hollow shaft")
     if part.notch:
-        check_method(_of_its_material(scene, part), "lsa")
+        check_method(_of_its_material(scene, part), _METHOD)
     return part
 
 
 def part_material(scene: Scene, part: BalancerPart) -> Material:
     """Return the material of a shaft."""
     return part.material or scene.material
+
+
+def _remarks(loaded: _LoadedShaft) -> tuple[str, ...] | None:
+    """Return what the library's strengths do not hold for in a shaft that is judged by them."""
+    return material_remarks(loaded.material, ruling_section(loaded.part), strengths_of([_METHOD])) or None
+
+
+def ruling_section(part: BalancerPart) -> RulingSection:
+    """Return the largest thickness through which the shaft is hardened: of a bored step that of its wall."""
+    walls = [(s.diameter_mm - s.bore_mm) / 2 if s.bore_mm else s.diameter_mm for s in part.step]
+    return RulingSection(max(walls), "shaft", "balancer.material" if part.material else "material")
 
 
 def _of_its_material(scene: Scene, part: BalancerPart) -> Scene:
