@@ -111,6 +111,9 @@ _FEASIBLE = 1e-6
 _FAR = 5.0
 """Violation of a rule that a search may be too short for, mm or what the rule is told in."""
 _RESTORED, _RESTORE_EVALUATIONS = 1e-3, 100
+_VALUE_DIGITS, _SLOPE_DIGITS = 7, 6
+"""Digits of values and slopes that a search sees. The last bits of sums depend on the machine, and on where in
+memory an array lies; a search that saw them would end with another web."""
 
 
 def minimise(
@@ -124,20 +127,22 @@ def minimise(
 ) -> Array:
     """Minimise an objective under constraints; what rounding stops ends at the start, clipped to the bounds.
 
-    A change of a parameter by `step`, or of the objective by its share `flat`, ends the search.
+    A change of a parameter by `step`, or of the objective by its share `flat`, ends the search. Values and
+    slopes are rounded, so that it goes the same way where their last bits differ.
     """
     import nlopt
 
     def value(values: Array, gradient: Array) -> float:
         result, by_values = objective(values)
         if gradient.size:
-            gradient[:] = by_values
-        return result
+            gradient[:] = _rounded(by_values, _SLOPE_DIGITS)
+        return float(_rounded(np.array([result]), _VALUE_DIGITS)[0])
 
     def constrain(result: Array, values: Array, gradient: Array) -> None:
-        result[:], by_values = constraints(values)
+        found, by_values = constraints(values)
+        result[:] = np.round(found, _VALUE_DIGITS)
         if gradient.size:
-            gradient[:] = by_values
+            gradient[:] = _rounded(by_values, _SLOPE_DIGITS)
 
     first = np.clip(start, *bounds)
     optimiser = nlopt.opt(nlopt.LD_SLSQP, len(first))
@@ -151,6 +156,13 @@ def minimise(
     with suppress(nlopt.RoundoffLimited):
         return np.asarray(optimiser.optimize(first))
     return first
+
+
+def _rounded(rows: Array, digits: int) -> Array:
+    """Return rows rounded to so many digits of their largest entries."""
+    largest = np.abs(rows).max(axis=-1, keepdims=True, initial=0.0)
+    unit = 10.0 ** (np.floor(np.log10(np.where(largest > 0, largest, 1.0))) - digits)
+    return np.asarray(np.round(rows / unit) * unit)
 
 
 def minimise_violation(

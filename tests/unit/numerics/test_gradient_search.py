@@ -1,12 +1,13 @@
-"""Sequential quadratic programming where constraints contradict each other within the bounds."""
+"""Sequential quadratic programming: limits that contradict each other, numbers that differ in last bits."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.optimize import rosen, rosen_der
 
 from cranktopo.base.arrays import Array
-from cranktopo.numerics.optimisers.gradient_search import minimise_violation
+from cranktopo.numerics.optimisers.gradient_search import Constraints, Objective, minimise, minimise_violation
 
 HARD = 0.8
 """Most sum of both numbers, a rule that is not to be broken."""
@@ -49,3 +50,27 @@ def test_the_objective_decides_where_all_hold() -> None:
     bounds = np.zeros(2), np.full(2, 5.0)
     found = minimise_violation(objective, two, 2, 100.0, bounds, np.array([0.5, 0.5]), 1e-7, 200)
     assert found == pytest.approx([3.0, 3.0], abs=1e-5)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_last_bits_do_not_lead_a_search_elsewhere(seed: int) -> None:
+    """A valley that bends, beside a limit: sums that differ by 1e-13 from one computer to another."""
+    there = minimise(*_bending_valley(None), (np.full(6, -2.0), np.full(6, 2.0)), np.full(6, -1.0), 1e-6, 60)
+    noise = np.random.default_rng(seed)
+    here = minimise(*_bending_valley(noise), (np.full(6, -2.0), np.full(6, 2.0)), np.full(6, -1.0), 1e-6, 60)
+    assert (here == there).all()
+
+
+def _bending_valley(noise: np.random.Generator | None) -> tuple[Objective, Constraints]:
+    """Return Rosenbrock's function of many variables, and a ball that leaves its lowest place out."""
+
+    def seen(numbers: Array) -> Array:
+        return numbers if noise is None else numbers * (1 + 1e-13 * noise.standard_normal(numbers.shape))
+
+    def height(at: Array) -> tuple[float, Array]:
+        return float(seen(np.array([rosen(at)]))[0]), seen(rosen_der(at))
+
+    def ball(at: Array) -> tuple[Array, Array]:
+        return seen(np.array([at @ at - 4.0])), seen(2 * at[None])
+
+    return height, ball
