@@ -195,7 +195,7 @@ class Engine(SceneTable):
     speed_rpm: Speed = Field(examples=[2100.0])
     """Speed at which the gas and inertia forces are taken."""
     overspeed_rpm: Speed | None = Field(default=None, examples=[2800.0])
-    """Highest speed, for centrifugal loads; at least `speed_rpm`."""
+    """Highest speed, at least `speed_rpm`: of centrifugal loads, and safety counts there as well."""
     strokes: Literal[2, 4] = 4
     """Strokes of a working cycle."""
     cylinders: int = Field(default=1, ge=1, le=48)

@@ -14,7 +14,7 @@ from cranktopo.base.units import NMM_PER_NM, angular_speed_rad_s
 from cranktopo.design.engine import Engine
 from cranktopo.design.misfire import all_firing
 from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import Cycle, LoadAnalysis, analyse, at_worst_speed, engine_of
+from cranktopo.engine.analysis import Cycle, LoadAnalysis, analyse, at_speed, at_worst_speed, engine_of
 from cranktopo.engine.forces import ThrowForces
 from cranktopo.engine.load_case import LOAD_TYPES
 from cranktopo.engine.states import ExtremeState, extreme_states
@@ -76,12 +76,47 @@ def loads_name(loads: Loads) -> LoadsName:
 def histories_of(scene: Scene, loads: Loads, enabled: frozenset[str]) -> Sequence[LoadHistory]:
     """Return the load histories that are judged one by one; errors as of `load_history`.
 
-    Over the cycle these are each throw's own, and each speed's where the shaft vibrates: no throw passes
-    through the states of another one, and no cycle through those of two speeds.
+    They are those of the engine's speed, and of its overspeed where it has one: the pull of the masses grows
+    with the square of the speed. The rule of a classification society judges the first alone.
     """
     if isinstance(loads, WebLoads):
         return loads.histories
-    return cycle_histories(scene, enabled) if loads == "cycle" else (load_history(scene, loads, enabled),)
+    rated = rated_histories(scene, loads, enabled)
+    engine = engine_of(scene)
+    if engine.overspeed_rpm is None or engine.overspeed_rpm == engine.speed_rpm:
+        return rated
+    return [*rated, *_at_overspeed(scene, engine.overspeed_rpm, loads, enabled)]
+
+
+def rated_histories(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> Sequence[LoadHistory]:
+    """Return the histories of the engine's speed, and of a vibrating shaft of its worst speed too.
+
+    Over the cycle these are each throw's own, and each speed's where the shaft vibrates: no throw passes
+    through the states of another one, and no cycle through those of two speeds.
+    """
+    return cycle_histories(scene, enabled) if kind == "cycle" else (load_history(scene, kind, enabled),)
+
+
+def speed_words(speed_rpm: float) -> str:
+    """Return the end of the label of a load state that tells its speed."""
+    return f", {speed_rpm:.0f} rpm"
+
+
+def _at_overspeed(
+    scene: Scene, speed_rpm: float, kind: HistoryKind, enabled: frozenset[str]
+) -> list[LoadHistory]:
+    """Return the histories of the highest speed; torques of a vibrating shaft are the worst of all speeds."""
+    at = at_speed(all_firing(scene), speed_rpm)
+    if kind == "cycle":
+        found = throw_histories(at, enabled)
+    else:
+        told = scene if "torsional_vibration" in enabled else at
+        extremes = extreme_states(all_firing(told), enabled)
+        found = [_without(joined_extremes(analyse(at, enabled), extremes), enabled)]
+    return [
+        replace(one, labels=tuple(f"{label}{speed_words(speed_rpm)}" for label in one.labels))
+        for one in found
+    ]
 
 
 def load_history(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> LoadHistory:
@@ -112,7 +147,7 @@ def cycle_histories(scene: Scene, enabled: frozenset[str]) -> list[LoadHistory]:
     scene = all_firing(scene)
     speeds = scene, at_worst_speed(scene, enabled)
     return [
-        replace(one, labels=tuple(f"{label}, {engine_of(at).speed_rpm:.0f} rpm" for label in one.labels))
+        replace(one, labels=tuple(f"{label}{speed_words(engine_of(at).speed_rpm)}" for label in one.labels))
         for at in speeds
         for one in throw_histories(at, enabled)
     ]
@@ -143,7 +178,7 @@ def radial_amplitude_N(scene: Scene, kind: HistoryKind, enabled: frozenset[str])
 
     Joined extremes have one amplitude, which no web exceeds.
     """
-    return max(float(np.ptp(one.radial_N)) for one in histories_of(scene, kind, enabled)) / 2
+    return max(float(np.ptp(one.radial_N)) for one in rated_histories(scene, kind, enabled)) / 2
 
 
 def torque_amplitude_Nm(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> float:

@@ -112,8 +112,8 @@ _FAR = 5.0
 """Violation of a rule that a search may be too short for, mm or what the rule is told in."""
 _RESTORED, _RESTORE_EVALUATIONS = 1e-3, 100
 _VALUE_DIGITS, _SLOPE_DIGITS = 7, 6
-"""Digits of values and slopes that a search sees. The last bits of sums depend on the machine, and on where in
-memory an array lies; a search that saw them would end with another web."""
+"""Digits of values and slopes that a search sees. The last bits of sums depend on the machine, and on where
+in memory an array lies; a search that saw them would end with another web."""
 
 
 def minimise(

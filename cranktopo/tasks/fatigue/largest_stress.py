@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
-from cranktopo.engine.histories import HistoryKind, load_history
+from cranktopo.engine.histories import HistoryKind, histories_of
 from cranktopo.tasks.fatigue.criterion import larger_end_MPa
 from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.safety_field import FatigueField, unit_loads
@@ -24,10 +24,14 @@ def largest_stress_MPa(
         CranktopoError: missing loads, sharp fillets, or a failed solve.
     """
     enabled, kinds = load_kinds(target.scene, kind)
-    loads = unit_loads(load_history(target.scene, kind, enabled), kinds)
+    histories = [unit_loads(one, kinds) for one in histories_of(target.scene, kind, enabled)]
     model = solve_stresses(target, kinds, fillet_fraction)
-    found = signed_von_mises_ranges(model.stress, [loads * image.signs for image in model.images])
-    return max(_largest(one.local.amplitude_MPa, one.local.mean_MPa, model.judged) for one in found)
+    ranges = (
+        one.local
+        for loads in histories
+        for one in signed_von_mises_ranges(model.stress, [loads * image.signs for image in model.images])
+    )
+    return max(_largest(local.amplitude_MPa, local.mean_MPa, model.judged) for local in ranges)
 
 
 def largest_of_field_MPa(field: FatigueField) -> float:

@@ -16,7 +16,7 @@ import numpy as np
 
 from cranktopo.design.material import M53Factors
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import HistoryKind, LoadHistory, histories_of, tangential_range_N
+from cranktopo.engine.histories import HistoryKind, LoadHistory, rated_histories, tangential_range_N
 from cranktopo.tasks.fatigue.m53 import FilletCheck, fatigue_strength_MPa
 from cranktopo.tasks.fatigue.outlet_elements import OutletFactors, element_outlet_factors
 from cranktopo.tasks.fatigue.stress_model import StressModel
@@ -180,7 +180,7 @@ def check_outlets(
     outlets = pin_outlets(half)
     if not outlets:
         return ()
-    histories = histories_of(scene, kind, enabled | {"tangential"})
+    histories = rated_histories(scene, kind, enabled | {"tangential"})
     tangential = tangential_range_N(scene, enabled) if kind == "extremes" else None
     found = (
         _check(half, share, channel, mouth, (histories, tangential), torque_Nmm) for channel, mouth in outlets

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from cranktopo.base.units import change_text
+from cranktopo.engine.histories import speed_words
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR
 from cranktopo.tasks.fatigue.result import FatigueResult, FatigueShare, PartLife, RuleFatigue
@@ -212,8 +213,8 @@ def _outlet_remarks(check: RuleCheck) -> list[str]:
 
 
 def field_remarks(fields: Sequence[FatigueField]) -> list[str]:
-    """Return what the tables do not say: failures, hardened fillets, lives, probabilities of failure."""
-    remarks = _failures, _hardening_remarks, _life_remarks, _scatter_remarks
+    """Return what the tables do not say: failures, speeds, hardened fillets, lives, chances of failure."""
+    remarks = _failures, _overspeed_remarks, _hardening_remarks, _life_remarks, _scatter_remarks
     return [line for of_kind in remarks for line in of_kind(fields)]
 
 
@@ -223,6 +224,18 @@ def _failures(fields: Sequence[FatigueField]) -> list[str]:
         f"{field.model.name}: safety {field.critical.safety:.3f} is below 1: by this method it fails."
         for field in fields
         if field.critical.safety < 1
+    ]
+
+
+def _overspeed_remarks(fields: Sequence[FatigueField]) -> list[str]:
+    """Return one line for each target whose least safety is that at its overspeed."""
+    engines = [(field, field.model.scene.engine) for field in fields]
+    return [
+        f"{field.model.name}: the least safety is that at the overspeed of {engine.overspeed_rpm:g} rpm."
+        for field, engine in engines
+        if engine
+        and engine.overspeed_rpm
+        and field.critical.states[0].endswith(speed_words(engine.overspeed_rpm))
     ]
 
 
