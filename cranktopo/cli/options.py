@@ -202,8 +202,8 @@ loads_option = click.option(
     type=Choice(["extremes", "cycle"]),
     default="extremes",
     show_default=True,
-    help="Of fatigue: extremes of radial force and torque joined (bounds the cycle), or every angle of the "
-    "cycle.",
+    help="Of fatigue: extremes of radial force and torque joined, which bounds these, or every angle of the "
+    "cycle, with the tangential force too.",
 )
 
 

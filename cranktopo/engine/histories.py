@@ -122,12 +122,12 @@ def _at_overspeed(
 def load_history(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> LoadHistory:
     """Return the load states of a scene; raises CranktopoError where the scene does not tell the loads.
 
-    "extremes" joins the largest and the smallest radial force with the largest and the smallest torque of the
-    shaft: four states that bound the cycle and never occur themselves. A smallest value that the scene does
-    not tell, or a computed one above zero, counts as zero, and so does a largest one below it. "cycle" joins
-    `cycle_histories`. With `torsional_vibration` the torques are those of the vibrating shaft, at its worst
-    speed too. A load whose effect is not enabled stays zero. All cylinders fire, also where `engine.misfire`
-    names some that do not.
+    "extremes" joins the largest and the smallest radial force with the largest and the smallest torque of
+    the shaft: four states that bound both over the cycle and never occur themselves. A smallest value that
+    the scene does not tell, or a computed one above zero, counts as zero, and so does a largest one below
+    it. "cycle" joins `cycle_histories`. With `torsional_vibration` the torques are those of the vibrating
+    shaft, at its worst speed too. A load whose effect is not enabled stays zero. All cylinders fire, also
+    where `engine.misfire` names some that do not.
     """
     if kind == "cycle":
         return _joined(cycle_histories(scene, enabled))

@@ -16,7 +16,7 @@ from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.performance import mean_pressure_MPa, power_kW
 
 _USUAL = 9.0
-_OF_CHARGE = 4.5, 14.0
+_OF_CHARGE = 4.5, 16.0
 """Mean pressure over that before compression: usual, and the range that a proposal keeps to."""
 _MOST_OF_CHARGE = 12.0
 """The same where the peak is not known: more is charged."""
@@ -24,9 +24,13 @@ _COMPRESSION = (9.0, 11.0, 13.0, 15.0, 17.0)
 _BURN_DEG = (60.0, 45.0, 30.0)
 _INTAKE_MPA = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6)
 _PEAK_MPA = 1.5, 40.0
+_CHARGED = 1.05
+"""Intake pressure over that of the air from which an engine counts as charged."""
 _EXHAUST_SHARE = 0.8
 """Pressure behind a charged engine over that before it."""
 _HALVINGS = 14
+_NEARER = 1.01
+"""Ratio of peak pressures that are tried one after another where one does not give the power."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +89,9 @@ def gas_line(scene: Scene) -> str:
 def _of_charge_words(scene: Scene) -> str:
     """Return that an intake is that of a charged engine, and what the peak gives without a charge."""
     engine = scene.engine
-    if engine is None or engine.gas is None or engine.gas.intake_MPa <= engine.gas.ambient_pressure_MPa:
+    if engine is None or engine.gas is None:
+        return ""
+    if engine.gas.intake_MPa <= _CHARGED * engine.gas.ambient_pressure_MPa:
         return ""
     uncharged = {"intake_pressure_MPa": None, "exhaust_pressure_MPa": None}
     gas = engine.gas.model_copy(update=uncharged)
@@ -126,9 +132,9 @@ def _at_peak(scene: Scene, mean: float, peak: float, ratios: Sequence[float]) ->
         fits = []
         for ratio in ratios:
             fixed = {"peak_pressure_MPa": peak, "compression_ratio": ratio, "burn_duration_deg": burn}
-            found = [one for one in _over_intake(scene, fixed) if _plausible(one)]
-            seen += [one.mean_MPa for one in found]
-            fits += list(_between(scene, fixed, found, mean))
+            found = list(_over_intake(scene, fixed))
+            seen += [one.mean_MPa for one in found if _plausible(one)]
+            fits += [one for one in _between(scene, fixed, found, mean) if _plausible(one)]
             if fits and (burn, ratio) == (_BURN_DEG[0], ratios[0]):
                 return fits[0].keys  # nothing but the intake is proposed
         if fits:
@@ -138,7 +144,7 @@ def _at_peak(scene: Scene, mean: float, peak: float, ratios: Sequence[float]) ->
 
 def _over_intake(scene: Scene, fixed: dict[str, float]) -> Iterator[_Proposal]:
     """Yield what intake pressures give, the least first; none where compression alone reaches the peak."""
-    for intake in _INTAKE_MPA:
+    for intake in sorted({*_INTAKE_MPA, _ambient(scene)}):
         keys = {**fixed, **_charged(intake, _ambient(scene))}
         mean = _mean_MPa(scene, keys)
         if mean is not None:
@@ -211,6 +217,19 @@ def _work_J(scene: Scene) -> float:
     return indicated_work_J(curve, scene.engine, scene.throw.radius_mm)
 
 
+def _nearest_peak(
+    scene: Scene, mean: float, peak: float, found: _Range, ratios: Sequence[float]
+) -> float | None:
+    """Return the nearest peak with which a power is proposed, of two digits or three; None where none is."""
+    way = _NEARER if mean > found.most_MPa else 1 / _NEARER
+    tried = peak
+    while _PEAK_MPA[0] <= (tried := tried * way) <= _PEAK_MPA[1]:
+        told = float(f"{tried:.3g}")
+        if not isinstance(_at_peak(scene, mean, told, ratios), _Range):
+            return told
+    return None
+
+
 def _refused(
     scene: Scene,
     wanted_kW: float,
@@ -230,11 +249,9 @@ def _refused(
         assumed += f" to {ratios[-1]:g}" if len(ratios) > 1 else ""
         assumed += f", burn duration {_BURN_DEG[-1]:g} to {_BURN_DEG[0]:g} deg"
         at = f"the peak pressure of {peak:g} MPa"
-        near = found.most_MPa if mean > found.most_MPa else found.least_MPa
-        needed = peak * mean / near if near else math.inf
         hint = f"It is indicated, before friction: that at the shaft over 0.8 to 0.9. {hint}"
-        if _PEAK_MPA[0] <= needed <= _PEAK_MPA[1]:
-            hint += f" A peak pressure of about {needed:.2g} MPa would do; or leave it out."
+        if needed := _nearest_peak(scene, mean, peak, found, ratios):
+            hint += f" A peak pressure of {needed:g} MPa would do; or leave it out."
     return invalid(
         "power_kW",
         wanted_kW,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 from dataclasses import dataclass, field
 
@@ -14,6 +13,7 @@ from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import Damper, Propeller, Rotor, ShaftTable
 from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.kinematics import exact_motion
 from cranktopo.engine.throw_compliance import (
     first_half_share,
     journal_torsion_modulus_mm3,
@@ -21,6 +21,8 @@ from cranktopo.engine.throw_compliance import (
 )
 from cranktopo.engine.vibration.end_chain import EndChain, end_chain
 from cranktopo.numerics.disk_chain import DiskChain
+
+_TURN_POINTS = 720
 
 
 @dataclass(frozen=True)
@@ -118,17 +120,22 @@ def lossy_factor(scene: Scene) -> complex:
 
 
 def varying_inertia_percent(scene: Scene, throw_inertia_kg_mm2: float) -> float:
-    """Return the second harmonic of a throw's inertia over a turn, in percent of its mean.
+    """Return half the range of a throw's inertia over a turn, in percent of its mean.
 
-    Each reciprocating mass swings by half of itself at the throw radius, twice a turn.
+    Each reciprocating mass counts by the square of its velocity over that of the crankpin, which swings twice
+    a turn, and once and thrice because its rod is finite: rods of two banks may cancel the first of these.
     """
     engine = scene.engine
     if engine is None:
         return 0.0
+    angle, radius = np.linspace(0.0, 2 * math.pi, _TURN_POINTS, endpoint=False), scene.throw.radius_mm
     banks = {engine.axis_deg(c) for c in range(1, engine.cylinders + 1) if engine.throw_of(c) == 0}
-    together = abs(sum(cmath.exp(2j * math.radians(bank)) for bank in sorted(banks)))
-    swing = together * engine.reciprocating_kg / 2 * scene.throw.radius_mm**2
-    return 100 * swing / (throw_inertia_kg_mm2 + moving_inertia_kg_mm2(scene))
+    swing = sum(
+        exact_motion(angle - math.radians(bank), radius, engine.rod_length_mm).velocity_ratio ** 2
+        for bank in sorted(banks)
+    )
+    half_range = engine.reciprocating_kg * radius**2 * float(np.ptp(swing)) / 2
+    return 100 * half_range / (throw_inertia_kg_mm2 + moving_inertia_kg_mm2(scene))
 
 
 def estimated_chain(scene: Scene) -> ShaftChain:

@@ -178,7 +178,7 @@ class VibrationStudy:
 
     Attributes:
         critical: crossings of orders and natural frequencies in the range.
-        varying_inertia_percent: second harmonic of a throw's inertia over its mean.
+        varying_inertia_percent: half the range of a throw's inertia over a turn, over its mean.
         mean_response: the response with the mean inertia alone, at the speeds where it is largest.
         barred_rpm: ranges above the permitted stress; None where no stress is given.
         warnings: what the shaft leaves out, one line each.

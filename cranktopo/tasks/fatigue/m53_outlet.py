@@ -119,6 +119,11 @@ class OutletCheck:
         return {"polynomials": self.check, "elements": self.by_elements, None: None}[self.governed_by]
 
     @property
+    def told(self) -> FilletCheck:
+        """The outlet with the factors that govern; where none does, with those that are valid there."""
+        return self.judged or (self.by_elements if self.outside else None) or self.check
+
+    @property
     def not_judged(self) -> str:
         """Reason why the outlet is not judged, with what the elements say; empty where it is."""
         if self.judged is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.notes import note
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import Loads, WebLoads, histories_of
 from cranktopo.engine.load_case import LoadKind
@@ -65,7 +66,7 @@ def check_loads(target: Target, kind: Loads) -> None:
 def load_kinds(scene: Scene, kind: Loads) -> tuple[frozenset[str], tuple[FieldKind, ...]]:
     """Effects that the plan of a scene switches on for stress, and the loads to be solved.
 
-    The extreme states hold radial force and torque; the tangential force only acts in the cycle. A web in
+    The extreme states hold radial force and torque; the tangential force acts in the cycle alone. A web in
     its shaft has every load, and moments of its neighbours.
     """
     if isinstance(kind, WebLoads):
@@ -75,3 +76,12 @@ def load_kinds(scene: Scene, kind: Loads) -> tuple[frozenset[str], tuple[FieldKi
     if kind == "cycle":
         possible = _EVERY
     return enabled, tuple(k for k in possible if k in enabled)
+
+
+def note_tangential(name: str, scene: Scene, kind: Loads) -> None:
+    """Tell that joined extremes leave out a tangential force that the plan has on: some places have less."""
+    if kind == "extremes" and "tangential" in plan_for_stress(scene).enabled:
+        note(
+            f"{name}: joined extremes leave out the tangential force, which the plan has on: with it, places "
+            "may have less than is told (--loads cycle)"
+        )

@@ -318,7 +318,7 @@ class OutletAcceptance(Result):
     torsion_MPa: float
     """Nominal alternating torsional stress."""
     equivalent_MPa: float
-    """Equivalent alternating stress."""
+    """Equivalent alternating stress with these factors, valid or not."""
     strength_MPa: float
     """Fatigue strength."""
     acceptability: float | None

@@ -93,6 +93,11 @@ class RuleCheck:
         """
         return {fillet: self._governing(fillet) for fillet in self.fem_checks}
 
+    @property
+    def governed(self) -> dict[str, GoverningFactors | None]:
+        """The same of every place, outlets too."""
+        return self.governing | {outlet.place: outlet.governed_by for outlet in self.outlets}
+
     def _governing(self, fillet: str) -> GoverningFactors | None:
         chosen = self._chosen(fillet)
         if chosen == "polynomials" or self.quality.within_limits:

@@ -153,9 +153,7 @@ def _strength(record: RuleRecord) -> list[str]:
 def _factors_at(check: RuleCheck, place: str) -> str:
     by: dict[str | None, str] = {"polynomials": "polynomials of the rule", "elements": "finite elements"}
     by[None] = "finite elements that prove nothing"
-    return (
-        f"concentration factors from {by[check.governing[place]] if place in check.governing else 'the rule'}"
-    )
+    return f"concentration factors from {by[check.governed[place]]}"
 
 
 def _facts(check: RuleCheck) -> tuple[Fact, ...]:

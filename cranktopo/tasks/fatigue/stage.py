@@ -17,7 +17,7 @@ from cranktopo.engine.plan.planning import note_left_off, plan_for_stress
 from cranktopo.runs.destination import check_folder
 from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
 from cranktopo.tasks.fatigue.criteria import safety_method, strengths_of
-from cranktopo.tasks.fatigue.needs import check_inputs
+from cranktopo.tasks.fatigue.needs import check_inputs, note_tangential
 from cranktopo.tasks.fatigue.picture import save_fatigue_picture
 from cranktopo.tasks.fatigue.remarks import note_quality, note_yielding
 from cranktopo.tasks.fatigue.rule_check import check_rule
@@ -48,7 +48,8 @@ def assess_fatigue(
 
     Args:
         targets: scenes, paths or names as the user types them, or targets with their fillets.
-        loads: extremes of the loads joined, which bounds the cycle, or every angle of the cycle.
+        loads: extremes of radial force and torque joined, which bounds these over the cycle, or every angle
+            of the cycle, with the tangential force too.
         baseline: position of the target that counts as 100 %.
         fillet_fraction: element size in a fillet over its radius.
         out: folder for fatigue.json, and VTU and picture of each target.
@@ -91,6 +92,7 @@ def assess_by_methods(
     print_assumed(resolved, USED)
     for target in resolved:
         note_left_off(target.name, target.scene, plan_for_stress(target.scene))
+        note_tangential(target.name, target.scene, loads)
         note_strength(target.name, target.scene, strengths_of(methods))
         note_pressure(target.name, target.scene)
         spectrum = target.scene.fatigue.spectrum

@@ -128,7 +128,7 @@ def rule_table(checks: Sequence[RuleCheck], baseline: int | None) -> ResultTable
 def outlet_table(checks: Sequence[RuleCheck]) -> ResultTable:
     """Outlets of oil bores by the rule, one row each; no rows where there are none.
 
-    Equivalent stresses are those with the rule's own factors, FE those of elements.
+    Equivalent stresses are those with the factors that govern, FE those of elements.
     """
     rows: tuple[dict[str, Cell], ...] = tuple(
         {
@@ -141,8 +141,8 @@ def outlet_table(checks: Sequence[RuleCheck]) -> ResultTable:
             "gamma_T_FE": outlet.elements.gamma_torsion if outlet.elements else None,
             "bending_MPa": outlet.bending_MPa,
             "torsion_MPa": outlet.torsion_MPa,
-            "equivalent_MPa": outlet.check.equivalent_MPa,
-            "strength_MPa": outlet.check.strength_MPa,
+            "equivalent_MPa": outlet.told.equivalent_MPa,
+            "strength_MPa": outlet.told.strength_MPa,
             "Q": outlet.acceptability,
             "Q_FE": outlet.by_elements.acceptability if outlet.by_elements else None,
             "governed_by": outlet.governed_by or "not judged",

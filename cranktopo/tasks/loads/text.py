@@ -32,12 +32,13 @@ def loads_text(loads: Loads) -> str:
 
 
 def sweep_text(sweep: Sequence[Loads]) -> str:
-    """Return one row per speed."""
+    """Return one row per speed; the pull of the masses, which grows with it, is the least web force."""
     header = [
         "speed\nrpm",
         "small end\nN",
         "piston inertia\nN",
-        "radial\nN",
+        "web max\nN",
+        "web min\nN",
         "tangential\nN",
         "main journal\nN",
     ]
@@ -46,9 +47,8 @@ def sweep_text(sweep: Sequence[Loads]) -> str:
     for loads in sweep:
         extremes, torque = loads.extremes, loads.engine_torque_Nm
         forces = [extremes["small_end_force_N"].max.value, extremes["inertia_force_N"].min.value]
-        forces += [
-            extremes[name].max.value for name in ("web_force_N", "tangential_force_N", "main_journal_force_N")
-        ]
+        forces += [extremes["web_force_N"].max.value, extremes["web_force_N"].min.value]
+        forces += [extremes[name].max.value for name in ("tangential_force_N", "main_journal_force_N")]
         values.append([*forces, torque.mean, torque.max, torque.min])
     columns = [[f"{loads.speed_rpm:g}" for loads in sweep], *map(_numbers, zip(*values, strict=True))]
     table = text_table("r" * len(header), header, list(zip(*columns, strict=True)))

@@ -62,6 +62,7 @@ from cranktopo.tasks.bound.stage import bound_for_goal
 from cranktopo.tasks.drawing.raw_sheet import raw_pages
 from cranktopo.tasks.drawing.sheet import export_drawing, throw_sheets
 from cranktopo.tasks.extraction.release import shaped_undercuts
+from cranktopo.tasks.fatigue.needs import note_tangential
 from cranktopo.tasks.film.stage import film_change
 from cranktopo.tasks.importing.imported_body import half_throw_surface
 from cranktopo.tasks.importing.original import check_original, original_file
@@ -154,6 +155,8 @@ def shape_design(
     assumed = assumptions(scene, TABLES)
     if not isinstance(settings.loads, WebLoads):  # of the webs of a shaft it is told once
         note_loads(scene, stress, assumed)
+        if stresses_in(goal.quantities):
+            note_tangential(scene.name, scene, settings.loads)
         if "continuous_shaft" in stress.enabled:
             counts = "effect continuous_shaft counts in `fatigue` and `compare`"
             note(f"{scene.name}: {counts}; here a throw is alone")

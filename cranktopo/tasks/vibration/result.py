@@ -136,6 +136,7 @@ class ShaftVibration(Result):
     damping: dict[str, Any]
     """Values of the shaft table that damp, by key."""
     varying_inertia_percent: float
+    """Half the range of a throw's inertia over a turn, of its mean."""
     varying_inertia: VaryingInertia
     critical_speeds: tuple[CriticalSpeed, ...]
     barred_ranges: tuple[tuple[float, float], ...] | None
