@@ -11,6 +11,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -163,6 +164,16 @@ def test_commands_exist() -> None:
     used = set(re.findall(r"(?:^\$ |^|`)cranktopo ([a-z]+)", TEXT, re.M))
     assert used <= set(COMMANDS)
     assert len(used) > 12
+
+
+IMPORTED = re.findall(r"(?m)^from (cranktopo[\w.]*) import (\([^)]*\)|[\w, ]+)$", TEXT)
+"""Of the examples, slow ones too."""
+
+
+@pytest.mark.parametrize(("module", "names"), IMPORTED, ids=[module for module, _ in IMPORTED])
+def test_what_the_examples_import_exists(module: str, names: str) -> None:
+    found = import_module(module)
+    assert [name for name in re.findall(r"\w+", names) if not hasattr(found, name)] == []
 
 
 @pytest.mark.parametrize("path", sorted(set(re.findall(r"`((?:\w+/)+\w+\.py)`", TEXT))))
