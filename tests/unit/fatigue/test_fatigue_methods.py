@@ -141,7 +141,7 @@ def test_a_safety_below_one_is_called_a_failure() -> None:
     """As safe as another that fails is no comfort: a comparison alone does not say it."""
     fields = [
         SimpleNamespace(
-            model=SimpleNamespace(name=name),
+            model=SimpleNamespace(name=name, scene=SimpleNamespace(engine=None)),
             critical=SimpleNamespace(safety=safety),
             hardening={},
             lives={},
