@@ -151,6 +151,10 @@ def _fractions(grid: CellGrid, layers: Sequence[AxialLayer]) -> dict[str, Array]
     return result
 
 
+_ROWS_AT_ONCE = 2000
+"""Rows of cells that are filled together, which bounds the memory: some 100 MiB."""
+
+
 def _filled(grid: CellGrid, layer: AxialLayer, section: Section) -> Array:
     low, high = (np.clip(grid.z_mm[cells], *layer.z_mm) for cells in (slice(-1), slice(1, None)))
     shares = (high - low) / np.diff(grid.z_mm)
@@ -159,9 +163,10 @@ def _filled(grid: CellGrid, layer: AxialLayer, section: Section) -> Array:
     if not layer.changes:
         middle = np.array([sum(layer.z_mm) / 2])
         return plane_fractions(grid.x_mm, grid.y_mm, middle, section) * shares
-    result, cells = np.zeros(grid.cells), np.flatnonzero(shares)
-    slabs = np.array([low[cells], high[cells]])
-    result[:, :, cells] = slab_fractions(grid.x_mm, grid.y_mm, slabs, section) * shares[cells]
+    result, changing = np.zeros(grid.cells), np.flatnonzero(shares)
+    for cells in np.array_split(changing, -(-len(changing) * grid.cells[1] // _ROWS_AT_ONCE)):
+        slabs = np.array([low[cells], high[cells]])
+        result[:, :, cells] = slab_fractions(grid.x_mm, grid.y_mm, slabs, section) * shares[cells]
     return result
 
 
