@@ -3,12 +3,17 @@
 import json
 import math
 import re
+from dataclasses import replace
 
 import pytest
 
 from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder, load_scene
+from cranktopo.engine.balance.whole_engine import engine_balance
+from cranktopo.tasks.balance.needed import counterweight_words
+from cranktopo.tasks.balance.result import balance_result
 from tests.engine_arrangements import MIKRON
+from tests.page_text import typed_page
 
 V2 = (
     MIKRON.replace("cylinders = 4", "cylinders = 2")
@@ -313,6 +318,7 @@ def test_what_a_proposal_prints_makes_both_commands_agree(capsys, tmp_path, perc
     assert found["balance_factor_percent"] == pytest.approx(percent, abs=0.05)
     assert main(["loads", str(design)]) == 0
     assert "counterweights as needed, inertia" in capsys.readouterr().out
+    assert told_of_counterweights(capsys, design) == ("as needed", "as needed")
     force = {
         state: max(e["force_N"] for e in found["free"] if (e["state"], e["order"]) == (state, 1))
         for state in ("as it is", "with counterweights")
@@ -320,6 +326,59 @@ def test_what_a_proposal_prints_makes_both_commands_agree(capsys, tmp_path, perc
     assert force["as it is"] == pytest.approx(force["with counterweights"], rel=2e-3)
     oscillating = scene.engine.reciprocating_kg * 1e-3 * scene.throw.radius_mm * (2100 * math.pi / 30) ** 2
     assert force["as it is"] == pytest.approx(oscillating * max(percent, 100 - percent) / 100, rel=2e-3)
+
+
+def told_of_counterweights(capsys, design):
+    """What the terminal says of the counterweights of each throw, and the card of the page."""
+    page = design.parent / "b.html"
+    code, out, _ = run(capsys, str(design), "--report", str(page))
+    assert code == 0
+    text = typed_page(page)
+    line = re.search(r"Counterweights of each throw: (.*)\.\n", out)
+    card = re.search(r'Counterweights of a throw</dt><dd class="value">(.*?)</dd>', text)
+    assert line is None or f"Counterweights of each throw: {line[1]}." in text
+    return line and line[1], card[1]
+
+
+@pytest.mark.parametrize("layout", ["in line", "V"])
+def test_too_heavy_counterweights_are_told_as_too_heavy(capsys, tmp_path, weighted_vee, layout):
+    """By as much as `loads` tells; a counterweight that lacks something is a bare number, as ever."""
+    design, angle = tmp_path / "heavy.toml", "half_angle_deg = 70.0"
+    text = MIKRON[: MIKRON.index("[envelope]")].replace("[material]", f"{BALANCED}[material]", 1)
+    text = weighted_vee.read_text() if layout == "V" else text
+    design.write_text(text.replace("outer_radius_mm = 60.0", "outer_radius_mm = 95.0"))
+    line, card = told_of_counterweights(capsys, design)
+    assert line == card
+    assert main(["loads", str(design)]) == 0
+    of_loads = re.search(r"too heavy by ([\d.]+) kg mm", capsys.readouterr().out)
+    assert float(re.fullmatch(r"too heavy by ([\d.]+) kg mm", card)[1]) == pytest.approx(
+        float(of_loads[1]), rel=1e-3
+    )
+    design.write_text(text.replace(angle, "half_angle_deg = 20.0"))
+    line, card = told_of_counterweights(capsys, design)
+    assert line is None
+    assert re.fullmatch(r"[\d.]+ kg mm", card)
+
+
+def test_throws_whose_counterweights_differ_are_told_apart():
+    """The first throw has too much, the second lacks something, the third has what it needs."""
+    data = balance_result(engine_balance("mikron-iiic-plain"))
+    directions = dict(enumerate(data.arrangement.throw_angles_deg, start=1))
+    of_throws = {1: (3.0, 0.0), 2: (2.0, 180.0), 3: (0.01, 0.0), 4: (0.01, 180.0)}
+    webs = tuple(
+        replace(
+            one,
+            own_kg_mm=40.0,
+            unbalance_kg_mm=of_throws[one.throw][0],
+            deg=directions[one.throw] + of_throws[one.throw][1],
+        )
+        for one in data.counterweights
+    )
+    told = counterweight_words(data.model_copy(update={"counterweights": webs}))
+    assert told == (
+        "Counterweights: throw 1 too heavy by 6 kg mm; throw 2 4 kg mm needed beyond what it has; "
+        "throws 3 and 4 as needed."
+    )
 
 
 def test_another_half_angle_is_proposed_where_that_of_the_web_does_not_fit(capsys, tmp_path):

@@ -246,6 +246,8 @@ def test_markdown(tmp_path: Path) -> None:
     assert len(names) >= 3
     assert all((tmp_path / name).is_file() for name in names)
     assert "| opposed-piston-casting | 1.500* | 90.00 |" in text
+    assert "optimise.process is forged; a die that parts" in text
+    assert "set on in the scene" not in text
 
 
 def test_plot_in_capitals(tmp_path: Path) -> None:

@@ -72,6 +72,7 @@ def test_a_dossier_says_first_that_a_throw_is_not_accepted(tmp_path: Path) -> No
     assert row(text, "fatigue.additional_stress_MPa")[1] == "10 MPa"
     assert row(text, "alpha B")[1:] == ["bending at the crankpin fillet", "2.763", "2.763", "0.0"]
     assert row(text, "torsional vibration")[1] == "off"
+    assert row(text, "manufacturing constraint")[3].startswith("optimise.process is forged; a die that")
     assert "signature" in text
     assert list((tmp_path / "dossier-pictures").glob("drawing.png"))
 

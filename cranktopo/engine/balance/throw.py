@@ -23,6 +23,9 @@ from cranktopo.throw.journal import Journal
 from cranktopo.throw.moments import Moments, body_moments
 from cranktopo.throw.web import web_bodies
 
+_AS_NEEDED = 2e-3
+"""Share of its counterweights to which a throw is balanced: what a radius in 0.01 mm leaves."""
+
 
 @dataclass(frozen=True)
 class ThrowBalance:
@@ -64,6 +67,11 @@ class ThrowBalance:
     def own_counterweight_kg_mm(self) -> float:
         """Unbalance that the counterweights of both webs take away, kg mm."""
         return sum(self.own_counterweights_kg_mm)
+
+
+def is_as_needed(needed_kg_mm: float, own_kg_mm: float) -> bool:
+    """Tell whether counterweights differ from what a throw needs by no more than a radius in 0.01 mm does."""
+    return abs(needed_kg_mm) <= _AS_NEEDED * own_kg_mm
 
 
 @lru_cache(maxsize=8)

@@ -34,7 +34,7 @@ from cranktopo.engine.plan.rules import (
     whole_throw,
 )
 from cranktopo.engine.plan.shaft_rule import continuous_shaft
-from cranktopo.engine.plan.simulated import FEATURES, Feature, apply_physics_plan, without
+from cranktopo.engine.plan.simulated import APPLIED, FEATURES, Feature, apply_physics_plan, without
 from cranktopo.engine.plan.vibration_rule import torsional_vibration
 
 _RULES: dict[str, Callable[[PlanningContext], Estimate]] = {
@@ -168,6 +168,24 @@ def _check_cases(scene: Scene, cases: Sequence[str]) -> None:
 def planned_scene(scene: Scene, kept: Collection[Feature] = ()) -> Scene:
     """Return the scene as its own effects plan has it simulated, features that are `kept` left in anyway."""
     return apply_physics_plan(scene, plan(scene), kept)
+
+
+def with_own_reasons(effects: PhysicsPlan, design: Scene | None) -> PhysicsPlan:
+    """Return the plan of a planned scene with the reasons of the design that this was made of.
+
+    What the plan took out or switched looks like the design's own choice in the planned scene: "no bore in
+    the scene", "set on in the scene".
+
+    Args:
+        design: before its plan was applied; None where it is not known, for the plan as it is.
+    """
+    own = {} if design is None else {one.name: one for one in plan(design).effects if one.name in APPLIED}
+    return PhysicsPlan(
+        tuple(
+            own[one.name] if one.name in own and own[one.name].state == one.state else one
+            for one in effects.effects
+        )
+    )
 
 
 def left_out_features(scene: Scene, kept: Collection[Feature] = ()) -> str:

@@ -15,6 +15,8 @@ _WITHOUT: dict[Feature, dict[str, float | None]] = {
     "fillets": {"fillet_mm": 0.0, "fillet_axial_mm": None, "recess_mm": None},
 }
 FEATURES = tuple(_WITHOUT)
+APPLIED = frozenset({*FEATURES, "lateral_symmetry", "manufacturing_constraint"})
+"""Effects that `apply_physics_plan` settles in a scene, where they look like choices of the design."""
 
 
 def apply_physics_plan(scene: Scene, plan: PhysicsPlan, kept: Collection[Feature] = ()) -> Scene:

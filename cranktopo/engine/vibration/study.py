@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +13,7 @@ from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.design.checks.engine import shaft_warnings, speed_range_rpm
 from cranktopo.design.misfire import with_misfire
 from cranktopo.design.schema import Scene
+from cranktopo.engine.vibration.barred import MisfireRange, misfire_ranges, runs_barred
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, varying_inertia_percent
 from cranktopo.engine.vibration.steady import ORDERS, CriticalSpeed, Vibration, vibration
 from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics, VaryingPart, torque_harmonics
@@ -164,12 +164,14 @@ class Misfire:
         crankshaft: the largest of the crankshaft.
         joined: the largest of every section that is no part of the crankshaft: coupling, damper, line.
         joined_own: the same at the engine's own speed; empty where that is outside of the range.
+        barred_rpm: ranges above the permitted stress; None where no stress is given.
     """
 
     cylinder: int
     crankshaft: Swing
     joined: tuple[Swing, ...]
     joined_own: tuple[Swing, ...]
+    barred_rpm: tuple[tuple[float, float], ...] | None
 
 
 @dataclass(frozen=True)
@@ -180,7 +182,8 @@ class VibrationStudy:
         critical: crossings of orders and natural frequencies in the range.
         varying_inertia_percent: half the range of a throw's inertia over a turn, over its mean.
         mean_response: the response with the mean inertia alone, at the speeds where it is largest.
-        barred_rpm: ranges above the permitted stress; None where no stress is given.
+        barred_rpm: ranges above the permitted stress, of the scene's own firing; None where no stress is
+            given.
         warnings: what the shaft leaves out, one line each.
         run_up: passage through the range in a given time, if one was asked for; with the mean inertia.
         misfires: of every cylinder, if asked for.
@@ -209,6 +212,15 @@ class VibrationStudy:
         """That with the largest torque, of equal ones the first; None where it was not asked for."""
         found = self.misfires
         return max(found, key=lambda one: round(one.crankshaft.torque_amplitude_Nm, 6)) if found else None
+
+    @property
+    def misfire_barred(self) -> tuple[MisfireRange, ...]:
+        """Ranges above the permitted stress where one cylinder does not fire; none if not asked for."""
+        return misfire_ranges(
+            MisfireRange(low, high, (one.cylinder,))
+            for one in self.misfires
+            for low, high in one.barred_rpm or ()
+        )
 
     @property
     def joined_sections(self) -> tuple[int, ...]:
@@ -290,8 +302,7 @@ def study_vibration(
     model = vibrating_shaft(scene, shaft, harmonics)
     response = model.over_the_range()
     worst_rpm = float(response.speeds_rpm[response.worst.speed_index])
-    permitted = scene.shaft.permitted_shear_MPa if scene.shaft else None
-    barred = None if permitted is None else response.barred_rpm(permitted)
+    barred = _barred_rpm(scene, response)
     runs_there = runs_barred(scene, barred or ())
     return VibrationStudy(
         scene,
@@ -308,22 +319,9 @@ def study_vibration(
     )
 
 
-def runs_barred(scene: Scene, barred_rpm: Iterable[tuple[float, float]]) -> str:
-    """Return in words which of the engine's speeds lies in a barred range; empty where none does."""
-    engine, shaft = scene.engine, scene.shaft
-    if engine is None or shaft is None:
-        return ""
-    ranges, speeds = tuple(barred_rpm), {"speed": engine.speed_rpm, "overspeed": engine.overspeed_rpm}
-    found = [
-        f"the engine's {name} of {rpm:g} rpm lies in the barred range from {low:.0f} to {high:.0f} rpm"
-        for name, rpm in speeds.items()
-        for low, high in ranges
-        if rpm is not None and low <= rpm <= high
-    ]
-    if not found:
-        return ""
-    permitted = f"shaft.permitted_shear_MPa = {shaft.permitted_shear_MPa:g}"
-    return f"{' and '.join(found)}: nominal shear stress above {permitted}"
+def _barred_rpm(scene: Scene, response: Vibration) -> tuple[tuple[float, float], ...] | None:
+    permitted = scene.shaft.permitted_shear_MPa if scene.shaft else None
+    return None if permitted is None else response.barred_rpm(permitted)
 
 
 def misfires_of_each(study: VibrationStudy) -> tuple[Misfire, ...]:
@@ -336,6 +334,15 @@ def misfires_of_each(study: VibrationStudy) -> tuple[Misfire, ...]:
     return tuple(_misfire(study, cylinder) for cylinder in range(1, study.cylinders + 1))
 
 
+def misfire_warnings(study: VibrationStudy) -> tuple[str, ...]:
+    """Return that the engine runs at a speed that is barred with a misfire alone, in one line; or nothing."""
+    ranges = [(one.low_rpm, one.high_rpm) for one in study.misfire_barred]
+    told = runs_barred(study.scene, ranges)
+    if not told or runs_barred(study.scene, study.barred_rpm or ()):
+        return ()
+    return (f"shaft: with one cylinder misfiring, {told}",)
+
+
 def _misfire(study: VibrationStudy, cylinder: int) -> Misfire:
     harmonics = torque_harmonics(with_misfire(study.scene, [cylinder]))
     assert harmonics is not None
@@ -344,7 +351,8 @@ def _misfire(study: VibrationStudy, cylinder: int) -> Misfire:
     found = vibration(study.shaft, harmonics, speeds, orders, varying)
     joined = tuple(largest_swing(found, section) for section in study.joined_sections)
     crankshaft = largest_swing(found, found.worst.section)
-    return Misfire(cylinder, crankshaft, joined, _own_swings(study, found))
+    barred = _barred_rpm(study.scene, found)
+    return Misfire(cylinder, crankshaft, joined, _own_swings(study, found), barred)
 
 
 def _own_swings(study: VibrationStudy, response: Vibration) -> tuple[Swing, ...]:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from cranktopo.base.units import change_text, number_text
-from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, EngineBalance
 from cranktopo.report.page import Fact, FactStatus, Page, Section, pairs
 from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.balance.changes import VECTORS, Vector, largest_order, order_changes
+from cranktopo.tasks.balance.needed import counterweight_fact, counterweight_words
 from cranktopo.tasks.balance.plot import balance_pictures
 from cranktopo.tasks.balance.proposal import ProposedCounterweight
 from cranktopo.tasks.balance.result import Balance, balance_result
@@ -58,7 +56,7 @@ def balance_page(balance: EngineBalance, written: str, proposal: ProposedCounter
             Section(
                 "counterweights",
                 "Counterweights",
-                f"{_WEBS} {balance_factor_words(data)} {crank_words(data.crank)}".rstrip(),
+                _counterweights_words(data),
                 (
                     *_proposed(data.proposal),
                     (counterweights_caption(data), counterweight_table(data)),
@@ -93,6 +91,11 @@ _WEBS = (
 )
 
 
+def _counterweights_words(data: Balance) -> str:
+    told = _WEBS, counterweight_words(data), balance_factor_words(data), crank_words(data.crank)
+    return " ".join(filter(None, told))
+
+
 def _proposed(found: ProposedCounterweight | None) -> list[tuple[str, ResultTable]]:
     """Return the counterweight that was asked for as a table; none where none was."""
     if found is None:
@@ -119,20 +122,14 @@ def _proposed_fact(found: ProposedCounterweight) -> Fact:
 
 def _facts(balance: EngineBalance, data: Balance) -> tuple[Fact, ...]:
     last, proposal = list(balance.free)[-1], data.proposal
-    bearings, share = balance.bearings, engine_of(balance.scene).arranged.balanced_oscillating_share
+    bearings = balance.bearings
     index = bearings[AS_IT_IS].most_loaded
     plain, weighted = (bearings[state].largest(index)[0] for state in (AS_IT_IS, COUNTERWEIGHTED))
     fits = proposal is None or not proposal.refused
-    oscillating = f" and {100 * share:g} % of the oscillating" if share else ""
     return (
         *([_proposed_fact(proposal)] if proposal else []),
         *(_free_fact(data, name, last, fits) for name in VECTORS),
-        Fact(
-            "Counterweights of a throw",
-            f"{number_text(float(np.abs(balance.masses.counterweight_kg_mm).max()))} kg mm",
-            f"to balance its rotating{oscillating} masses, beyond what it has",
-            "neutral",
-        ),
+        counterweight_fact(data),
         Fact(
             f"Largest load, main bearing {index + 1}",
             f"{number_text(plain)} N",

@@ -12,6 +12,7 @@ from cranktopo.engine.balance.free_forces import NeededCounterweight
 from cranktopo.engine.balance.whole_engine import AS_IT_IS
 from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
 from cranktopo.tasks.balance.changes import VECTORS, largest_order, order_changes
+from cranktopo.tasks.balance.needed import counterweight_words
 from cranktopo.tasks.balance.proposal import OTHER_ANGLES_DEG, ProposedCounterweight
 from cranktopo.tasks.balance.result import (
     Balance,
@@ -275,6 +276,7 @@ def balance_text(data: Balance) -> str:
     told = (
         bearings_words(data),
         crank_words(data.crank),
+        counterweight_words(data),
         balance_factor_words(data),
         proposal_words(data),
     )

@@ -25,7 +25,7 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.histories import HistoryKind
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
-from cranktopo.engine.plan.planning import plan, plan_for_stress
+from cranktopo.engine.plan.planning import plan, plan_for_stress, with_own_reasons
 from cranktopo.engine.plan.simulated import without
 from cranktopo.engine.states import load_cases
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, shell_volumes_mm3
@@ -285,6 +285,7 @@ def report_comparison(
     path = as_path(path)
     check_report_path(path)
     scene, effects = _loaded(found)
+    effects = with_own_reasons(effects, found.targets[found.comparison.baseline].design)
     cases = load_cases(scene, effects.enabled)
     if found.comparison.bare:
         effects = _without_fillets(effects)

@@ -10,7 +10,7 @@ from cranktopo.design.assumed import assumed_json
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.histories import HistoryKind
-from cranktopo.engine.plan.planning import plan_for_stress
+from cranktopo.engine.plan.planning import plan_for_stress, with_own_reasons
 from cranktopo.engine.states import load_cases
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.pdf_file import write_pdf
@@ -66,7 +66,7 @@ def write_dossier(found: FatigueAssessment, path: Path, command: Sequence[str] =
     """
     check_dossier(found.method, len({id(target) for target in found.targets}), path)
     target, scene = found.targets[0], found.targets[0].scene
-    effects = plan_for_stress(scene)
+    effects = with_own_reasons(plan_for_stress(scene), target.design)
     record = RuleRecord(
         name=target.name,
         checks=found.checks,

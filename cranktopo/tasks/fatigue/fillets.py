@@ -96,15 +96,21 @@ def cut_outlet_nodes(half: Scene, points_mm: Array) -> NDArray[np.bool_]:
     That section moves as one rigid body in the model, so that a hole in it has stresses that no shaft has.
     """
     cut = np.zeros(points_mm.shape[1], dtype=bool)
-    for outlet, reach_mm, at in _by_outlet(half, points_mm):
-        cut |= at if abs(outlet.point_mm[2]) < reach_mm else False
+    for bore in drill_bores(half):
+        for outlet in bore.outlets:
+            cut |= at_outlet(bore, outlet, points_mm) if is_cut(bore, outlet) else False
     return cut
+
+
+def is_cut(bore: DrillBore, outlet: DrillOutlet) -> bool:
+    """Tell whether an outlet of a half throw lies across its mid-journal plane."""
+    return not outlet.in_bore and abs(outlet.point_mm[2]) < _reach_mm(bore, outlet)
 
 
 def rounded_outlet_nodes(half: Scene, points_mm: Array) -> NDArray[np.bool_]:
     """Return which points (3, n) of the near half throw lie at a rounded outlet of an oil bore, (n,)."""
     near = np.zeros(points_mm.shape[1], dtype=bool)
-    for outlet, _, at in _by_outlet(half, points_mm):
+    for outlet, at in _by_outlet(half, points_mm):
         near |= at if outlet.rounding_mm else False
     return near
 
@@ -117,18 +123,18 @@ def _outlet(half: Scene, point_mm: Array) -> str:
 def _at_outlets(half: Scene, points_mm: Array) -> dict[str, NDArray[np.bool_]]:
     """Return which points (3, n) lie at outlets, by the journal of these."""
     found: dict[str, NDArray[np.bool_]] = {}
-    for outlet, _, at in _by_outlet(half, points_mm):
+    for outlet, at in _by_outlet(half, points_mm):
         journal = outlet.journal.replace("_", " ")
         found[journal] = found.get(journal, False) | at
     return found
 
 
-def _by_outlet(half: Scene, points_mm: Array) -> Iterator[tuple[DrillOutlet, float, NDArray[np.bool_]]]:
-    """Yield the outlets on journals, how far around each one counts, mm, and which points (3, n) that are."""
+def _by_outlet(half: Scene, points_mm: Array) -> Iterator[tuple[DrillOutlet, NDArray[np.bool_]]]:
+    """Yield the outlets on journals, and which points (3, n) lie at each."""
     for bore in drill_bores(half):
         for outlet in bore.outlets:
             if not outlet.in_bore:
-                yield outlet, _reach_mm(bore, outlet), at_outlet(bore, outlet, points_mm)
+                yield outlet, at_outlet(bore, outlet, points_mm)
 
 
 def at_outlet(bore: DrillBore, outlet: DrillOutlet, points_mm: Array) -> NDArray[np.bool_]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cranktopo.base.notes import note
 from cranktopo.tasks.fatigue.criterion import larger_end_MPa
+from cranktopo.tasks.fatigue.cut_outlets import judged_places
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.stress_model import StressModel
 
@@ -31,7 +32,7 @@ def note_cut_outlets(model: StressModel) -> None:
     if model.at_cut.any():
         note(
             f"note: {model.name}: the oil outlet in the middle of the main journal is not judged: the throw "
-            "is cut there. One whose place_mm is above 1.5 times its radius and its rounding is."
+            f"is cut there. {judged_places(model.scene, model.whole)}"
         )
 
 

@@ -11,7 +11,8 @@ from cranktopo.design.strength import strength_remarks
 from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
-from cranktopo.engine.vibration.study import VibrationStudy, runs_barred
+from cranktopo.engine.vibration.barred import runs_barred
+from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.page import (
     Fact,
     FactStatus,

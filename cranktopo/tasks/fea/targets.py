@@ -45,6 +45,7 @@ class Target:
         file: STL or STEP of the half throw, mm.
         assumed: what the design does not say of throw, engine, supports and fatigue.
         left_out: features that the plan takes out of `scene`, and why; empty where none is.
+        design: before its effects plan was applied; None where only the planned scene is known.
         throw_stiffness_source: where the stiffness in the shaft table comes from, unless the design gives it.
     """
 
@@ -55,6 +56,7 @@ class Target:
     align: bool = False
     assumed: tuple[Assumption, ...] = ()
     left_out: str = ""
+    design: Scene | None = None
     throw_stiffness_source: str = ""
 
     @property
@@ -169,7 +171,7 @@ def _resolved(text: TargetLike, design: str | None, align: bool, kept: _Kept) ->
         )
     scene = load_scene(design)
     body = planned_scene(scene, ("bores", "fillets"))
-    return Target(path.name, body, path, align=align, assumed=assumptions(scene, USED))
+    return Target(path.name, body, path, align=align, assumed=assumptions(scene, USED), design=scene)
 
 
 def _of_scene(scene: Scene, kept: _Kept) -> Target:
@@ -177,9 +179,8 @@ def _of_scene(scene: Scene, kept: _Kept) -> Target:
     if not kept.whole:
         require_equal_halves(taken)
     left_out = left_out_features(taken, _kept_features(kept.fillets))
-    return Target(
-        taken.name, simulated(taken, kept.fillets), assumed=assumptions(scene, USED), left_out=left_out
-    )
+    planned, assumed = simulated(taken, kept.fillets), assumptions(scene, USED)
+    return Target(taken.name, planned, assumed=assumed, left_out=left_out, design=taken)
 
 
 def _run(run: RunStore) -> Target:
@@ -195,7 +196,8 @@ def _run(run: RunStore) -> Target:
     left_out = left_out_features(
         scene, _kept_features(fillets=True)
     )  # of which the surface of a run has none
-    return Target(run.name, planned_scene(scene), surface, run.path, assumed=assumed, left_out=left_out)
+    planned = planned_scene(scene)
+    return Target(run.name, planned, surface, run.path, assumed=assumed, left_out=left_out, design=scene)
 
 
 def unlike_fillet_line(targets: Sequence[Target]) -> str:

@@ -6,14 +6,13 @@ from collections.abc import Mapping, Sequence
 
 from cranktopo.base.units import enough_decimals
 from cranktopo.engine.balance.crank import CrankMass
+from cranktopo.engine.balance.throw import is_as_needed
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.report.result_table import text_table
 from cranktopo.tasks.loads.result import Loads, LoadState, PistonExtremes, Range, ThrowMassProperties
 
 _LABELS = {"inertia_force": "inertia force of piston"}
 """Beside the names of the keys: the rod's oscillating part is in the rod force."""
-_AS_NEEDED = 2e-3
-"""Share of its counterweights to which a throw is balanced: what a radius in 0.01 mm leaves."""
 _WHOLE = 10_000
 """Numbers from which on are told without decimals."""
 
@@ -153,7 +152,7 @@ def _balance(balance: ThrowMassProperties) -> str:
 def _needed_words(balance: ThrowMassProperties, kg_mm: str) -> str:
     """Return what counterweights are needed beside the throw's own."""
     needed = balance.counterweight_kg_mm
-    if abs(needed) < _AS_NEEDED * balance.own_counterweight_kg_mm:
+    if is_as_needed(needed, balance.own_counterweight_kg_mm):
         return "as needed"
     return f"{'needed' if needed >= 0 else 'too heavy by'} {kg_mm} kg mm"
 

@@ -8,12 +8,12 @@ from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT, few_throws
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.report.result_table import ResultTable
+from cranktopo.tasks.vibration.barred import barred_fact, barred_sentence
 from cranktopo.tasks.vibration.plots import vibration_pictures
 from cranktopo.tasks.vibration.text import (
     JOINED,
     ORDER_AND_SUM,
     WEAK,
-    barred_sentence,
     cancelled_sentence,
     critical_table,
     disks_sentence,
@@ -98,10 +98,8 @@ def _facts(study: VibrationStudy) -> tuple[Fact, ...]:
             "neutral",
         ),
     ]
-    if study.barred_rpm is not None:
-        barred = ", ".join(f"{low:.0f} to {high:.0f} rpm" for low, high in study.barred_rpm)
-        facts.append(Fact("Barred", barred or "none", barred_sentence(study), "bad" if barred else "good"))
-    return tuple(facts)
+    barred = barred_fact(study)
+    return tuple(facts) if barred is None else (*facts, barred)
 
 
 def _warned(line: str) -> tuple[str, str]:

@@ -121,6 +121,8 @@ class MisfireWorst(Result):
     """Sections outside the crankshaft, each at its own worst speed."""
     joined_at_engine_speed: tuple[JoinedSwing, ...]
     """The same at the speed of the engine; none where that is outside of the range."""
+    barred_ranges: tuple[tuple[float, float], ...] | None
+    """Ranges of speed above the permitted stress with this misfire; null where no stress is given."""
 
 
 class ShaftVibration(Result):
@@ -140,6 +142,7 @@ class ShaftVibration(Result):
     varying_inertia: VaryingInertia
     critical_speeds: tuple[CriticalSpeed, ...]
     barred_ranges: tuple[tuple[float, float], ...] | None
+    """Ranges of speed above the permitted stress, of the cylinders that fire in `worst` and `speeds`."""
     worst: WorstTorque
     speeds: tuple[AtSpeed, ...]
     run_up: RunUpResult | None
@@ -238,6 +241,7 @@ def _misfires(study: VibrationStudy) -> tuple[MisfireWorst, ...]:
             shear_MPa=study.shaft.shear_MPa(one.crankshaft.torque_amplitude_Nm),
             joined=_joined(study, one.joined),
             joined_at_engine_speed=_joined(study, one.joined_own),
+            barred_ranges=one.barred_rpm,
         )
         for one in study.misfires
     )

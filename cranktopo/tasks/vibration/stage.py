@@ -23,6 +23,7 @@ from cranktopo.engine.vibration.shaft_chain import ShaftChain, estimated_chain, 
 from cranktopo.engine.vibration.study import (
     VibrationStudy,
     check_vibration,
+    misfire_warnings,
     misfires_of_each,
     study_vibration,
 )
@@ -82,7 +83,7 @@ def shaft_vibration(
     study = _studied(resolved, support, element_size_mm, run_up_s)
     if misfire == "worst":
         note(f"{resolved.name}: misfire of each of {study.cylinders} cylinders")
-        study = replace(study, misfires=misfires_of_each(study))
+        study = _with_misfires(study)
     for line in study.warnings:
         note(f"warning: {resolved.name}: {line}")
     if report is not None:
@@ -92,6 +93,12 @@ def shaft_vibration(
         _write_orders(study, csv)
         note(str(csv))
     return study
+
+
+def _with_misfires(study: VibrationStudy) -> VibrationStudy:
+    """Return the study with the misfire of every cylinder, and what these warn of."""
+    found = replace(study, misfires=misfires_of_each(study))
+    return replace(found, warnings=(*found.warnings, *misfire_warnings(found)))
 
 
 def _asked(scene: Scene, misfire: Sequence[int] | Literal["worst"]) -> Scene:

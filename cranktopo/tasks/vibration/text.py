@@ -14,6 +14,7 @@ from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT, few_throws
 from cranktopo.engine.vibration.study import Swing, VibrationStudy, largest_swing
 from cranktopo.report.result_table import Cell, ResultTable, Row, terminal
+from cranktopo.tasks.vibration.barred import barred_sentence
 
 DISKS = (
     "Disks and springs stand for the body, which bends where it twists. Beside one body by finite elements\n"
@@ -208,17 +209,6 @@ def worst_sentence(study: VibrationStudy) -> str:
 def pressure_sentence(study: VibrationStudy) -> str:
     """Return what pressure acts over the range of speeds."""
     return pressure_words(study.scene, study.response.speeds_rpm.tolist())
-
-
-def barred_sentence(study: VibrationStudy) -> str:
-    """Return the barred ranges of speed in one sentence."""
-    permitted = study.scene.shaft.permitted_shear_MPa if study.scene.shaft else None
-    if study.barred_rpm is None:
-        return "No range of speed is barred: shaft.permitted_shear_MPa is not given."
-    if not study.barred_rpm:
-        return f"No range of speed is barred: the stress stays below {permitted:g} MPa."
-    ranges = " and ".join(f"{low:.0f} to {high:.0f} rpm" for low, high in study.barred_rpm)
-    return f"Barred, above {permitted:g} MPa: {ranges}."
 
 
 def varying_sentence(study: VibrationStudy) -> str:

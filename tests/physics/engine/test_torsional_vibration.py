@@ -16,9 +16,10 @@ from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
+from cranktopo.engine.vibration.barred import runs_barred
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.engine.vibration.steady import critical_speeds, speeds_to_solve, vibration
-from cranktopo.engine.vibration.study import run_up, runs_barred
+from cranktopo.engine.vibration.study import run_up
 from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
 from cranktopo.numerics.disk_chain import DiskChain
 from tests.fast_twin import fast_twin

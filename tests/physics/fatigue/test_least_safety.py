@@ -82,6 +82,7 @@ def test_a_cut_outlet_decides_no_safety(caplog: pytest.LogCaptureFixture) -> Non
     with caplog.at_level(logging.INFO, logger="cranktopo.notes"):
         note_quality(field)
     assert "the oil outlet in the middle of the main journal is not judged" in caplog.text
+    assert "It is judged from throw.drilling[0].from.place_mm = 4.9 on." in caplog.text
 
 
 def outlet_safety(size: float) -> float:
