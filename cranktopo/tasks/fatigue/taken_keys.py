@@ -43,4 +43,5 @@ def note_unused(name: str, settings: Fatigue, methods: Sequence[str]) -> None:
     """Say in one line which given keys change nothing; no line where there is none."""
     keys = ", ".join(f"fatigue.{key}" for key in unused_keys(settings, methods))
     if keys:
-        note(f"{name}: not used by method {' and '.join(repr(one) for one in methods)}: {keys}")
+        by = f"method{'s' * (len(methods) > 1)} {' and '.join(repr(one) for one in methods)}"
+        note(f"{name}: not used by {by}: {keys}")

@@ -89,7 +89,9 @@ def test_tables_that_a_method_has_no_use_for_are_not_assumed() -> None:
     assert all(set(safety_method(name).takes) <= set(type(scene.fatigue).model_fields) for name in METHODS)
 
 
-@pytest.mark.parametrize(("methods", "words"), [(["fkm"], "'fkm'"), (["fkm", "m53"], "'fkm' and 'm53'")])
+@pytest.mark.parametrize(
+    ("methods", "words"), [(["fkm"], "method 'fkm'"), (["fkm", "m53"], "methods 'fkm' and 'm53'")]
+)
 def test_one_line_names_the_keys_and_nothing_else_is_assumed(
     methods: list[FatigueMethod],
     words: str,
@@ -106,7 +108,7 @@ def test_one_line_names_the_keys_and_nothing_else_is_assumed(
     target = resolve_target(mikron(size_factor=0.5, survival_factor=0.4), fillets=True)
     with pytest.raises(InterruptedError):
         stage.assess_by_methods([target], methods)
-    line = f"mikron-iiic: not used by method {words}: fatigue.size_factor, fatigue.survival_factor"
+    line = f"mikron-iiic: not used by {words}: fatigue.size_factor, fatigue.survival_factor"
     assert caplog.messages.count(line) == 1
     assumed = next(one for one in caplog.messages if "assumed:" in one)
     assert "fatigue.roughness_um" in assumed
