@@ -1,6 +1,7 @@
 """The command `bolts` as a user runs it."""
 
 import json
+import re
 
 import pytest
 
@@ -29,6 +30,23 @@ def test_a_joint_is_told_and_written(capsys, tmp_path):
     assert joint["vdi_2230"]["torque_Nm"] > 60
     safeties = [joint["vdi_2230"][f"{name}_safety"] for name in ("clamp", "yield", "fatigue", "thread")]
     assert joint["smallest_safety"] == min(*safeties, joint["vdi_2230"]["head_pressure_safety"])
+
+
+def test_the_needed_preload_stands_beside_the_one_that_it_is_compared_with(capsys, tmp_path):
+    """`needed`, which holds the scatter, stood without a word beside `least`, from which it is taken off."""
+    design = tmp_path / "bolted.toml"
+    joint = JOINT.replace("counterweight", "a")  # short, so that no head takes two lines
+    design.write_text(PLAIN + joint)
+    needed = json.loads(run(capsys, str(design), "--json")[1])["joints"][0]["vdi_2230"]["needed_preload_N"]
+    design.write_text(PLAIN + joint + f"preload_N = {needed!r}\n")
+    vdi = json.loads(run(capsys, str(design), "--json")[1])["joints"][0]["vdi_2230"]
+    assert vdi["preload_N"] == vdi["needed_preload_N"] == needed
+    assert vdi["clamp_safety"] == pytest.approx(1.0, rel=1e-12)
+    text = run(capsys, str(design))[1]
+    heads, _, _, row = text.split("\n\n")[1].splitlines()
+    assert re.split(r" {2,}", heads)[3:6] == ["preload", "preload needed", "least"]
+    assert row.split()[4] == row.split()[5] == f"{needed / 1000:.1f}"
+    assert "`preload needed` what it must be for load, scatter and settling" in text
 
 
 @pytest.mark.parametrize(

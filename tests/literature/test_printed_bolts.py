@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from cranktopo.design.bolt import Bolt, strength, thread
@@ -11,6 +12,7 @@ from cranktopo.tasks.bolts.joint import (
     JointLoads,
     assembly_preload_N,
     bolt_compliance_mm_per_N,
+    cut_cones_compliance_mm_per_N,
     part_compliance_mm_per_N,
     shigley,
     tightening_torque_Nm,
@@ -118,6 +120,46 @@ def test_members_by_shigley_agree_with_the_fit_of_wileman():
     screw = bolt(held_in="nut", grip_mm=30.0)
     fit = 210e3 * 10 * 0.78715 * math.exp(0.62873 * 10 / 30)
     assert shigley(screw, JointLoads(1000.0), STEEL).parts_N_per_mm == pytest.approx(fit, rel=0.05)
+
+
+def by_quadrature(width, grip, d=10.0, steps=400_000):
+    """Compliance as the sum of dl / (E A) over slices of cones of 30 deg that the width cuts."""
+    at = (np.arange(steps) + 0.5) * grip / steps
+    diameter = np.minimum(1.5 * d + 2 * 0.5774 * np.minimum(at, grip - at), width)
+    return float(np.sum(grip / steps / (210e3 * math.pi / 4 * (diameter**2 - d**2))))
+
+
+@pytest.mark.parametrize("held_in", ["nut", "tapped_hole"])
+@pytest.mark.parametrize("width", [12.5, 15.0, 16.0, 20.0, 25.0, 31.0, 40.0])
+def test_cones_of_shigley_end_at_the_width_of_the_parts(width, held_in):
+    """A part of 25 mm had the stiffness of one without an end, 1,776,951 N/mm."""
+    screw = bolt(held_in=held_in, grip_mm=30.0, member_diameter_mm=width)
+    grip = 30.0 if held_in == "nut" else 35.0
+    found = cut_cones_compliance_mm_per_N(screw, grip, 210e3)
+    assert found == pytest.approx(by_quadrature(width, grip), rel=1e-8)
+    judged = shigley(screw, JointLoads(1000.0), STEEL)
+    assert judged.parts_N_per_mm == pytest.approx(1 / found, rel=1e-12)
+
+
+@pytest.mark.parametrize("width", [None, 15.0 + 0.5774 * 30.0, 100.0])
+def test_cones_of_shigley_within_the_parts_have_the_printed_form(width):
+    given = {} if width is None else {"member_diameter_mm": width}
+    cone, d, E = 0.5774 * 30.0, 10.0, 210e3
+    printed = 0.5774 * math.pi * E * d / (2 * math.log(5 * (cone + 0.5 * d) / (cone + 2.5 * d)))
+    found = cut_cones_compliance_mm_per_N(bolt(held_in="nut", **given), 30.0, E)
+    assert 1 / found == pytest.approx(printed, rel=1e-12)
+
+
+def test_the_bolt_of_a_narrower_part_takes_more_by_both_methods():
+    loads = JointLoads(5000.0, -2000.0)
+    widths = [bolt(held_in="nut", member_diameter_mm=w) for w in (13.0, 18.0, 25.0, 32.0)]
+    by_shigley = [shigley(one, loads, STEEL) for one in widths]
+    shares = [one.stiffness_share for one in by_shigley]
+    assert shares == sorted(shares, reverse=True)
+    assert len(set(shares)) == len(shares)
+    assert by_shigley[0].fatigue_safety < by_shigley[-1].fatigue_safety
+    factors = [vdi_2230(one, loads, STEEL).load_factor for one in widths]
+    assert factors == sorted(factors, reverse=True)
 
 
 def test_joint_forces_balance():

@@ -23,6 +23,8 @@ _TORSION_LEFT = 0.5
 """Share of the torsion of tightening that counts in service, VDI 2230 (5.5)."""
 _TORQUE_COEFFICIENT = 0.2
 """K of Shigley's T = K F d, for any condition."""
+_SHIGLEY_HEAD, _CONE_TAN = 1.5, 0.5774
+"""Shigley's head over the thread's diameter, and the slope of a cone of 30 deg as printed."""
 
 
 @dataclass(frozen=True)
@@ -219,6 +221,22 @@ class Shigley:
     fatigue_safety: float | None
 
 
+def cut_cones_compliance_mm_per_N(bolt: Bolt, grip_mm: float, E_MPa: float) -> float:
+    """Return the shortening of the clamped parts per newton by Shigley.
+
+    Cones of 30 deg begin 1.5 thread diameters wide at both ends and meet halfway, about a hole as wide as the
+    thread; where the parts are narrower, a cylinder as wide as they are lies between them.
+    """
+    d, outer = bolt.nominal.diameter_mm, bolt.member_diameter_mm
+    widest = _SHIGLEY_HEAD * d + _CONE_TAN * grip_mm
+    edge = widest if outer is None else min(outer, widest)
+    begin = min(_SHIGLEY_HEAD * d, edge)
+    ratio = (begin + d) * (edge - d) / ((begin - d) * (edge + d))
+    cones = 2 * math.log(ratio) / (_CONE_TAN * d)
+    cylinder = 4 / (edge**2 - d**2) * (grip_mm - (edge - begin) / _CONE_TAN)
+    return (cones + cylinder) / (E_MPa * math.pi)
+
+
 def shigley(bolt: Bolt, loads: JointLoads, material: Material) -> Shigley:
     """Return the verification of a joint by Shigley; the preload is 0.75 of the proof load, or that given."""
     nominal, limits = bolt.nominal, strength(bolt.strength_class, bolt.nominal)
@@ -228,8 +246,7 @@ def shigley(bolt: Bolt, loads: JointLoads, material: Material) -> Shigley:
     own = BOLT_E_MPA / (
         bolt.shank_mm / bolt.shank_area_mm2 + (grip - bolt.shank_mm) / nominal.stress_area_mm2
     )
-    cone = 0.5774 * grip
-    parts = 0.5774 * math.pi * E * d / (2 * math.log(5 * (cone + 0.5 * d) / (cone + 2.5 * d)))
+    parts = 1 / cut_cones_compliance_mm_per_N(bolt, grip, E)
     share = own / (own + parts)
     preload = bolt.preload_N or 0.75 * limits.proof_MPa * area
     proof = limits.proof_MPa * area

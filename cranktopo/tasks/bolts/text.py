@@ -8,13 +8,18 @@ from cranktopo.base.units import N_PER_KN
 from cranktopo.report.result_table import Column, tabulate, terminal
 from cranktopo.tasks.bolts.result import BoltChecks, JointCheck
 
+_FORCES_CAPTION = (
+    "VDI 2230: forces of one bolt. `preload` is the largest of the scatter,\n"
+    "`preload needed` what it must be for load, scatter and settling; `least` is the\n"
+    "smallest preload, after settling."
+)
 _FORCES: tuple[Column[JointCheck], ...] = (
     Column("joint", 0, lambda j: j.name),
     Column("bolt", 0, lambda j: f"{j.thread} {j.strength_class}"),
     Column("load_kN", 2, lambda j: j.max_force_N / N_PER_KN),
     Column("preload_kN", 1, lambda j: j.vdi_2230.preload_N / N_PER_KN),
+    Column("preload_needed_kN", 1, lambda j: j.vdi_2230.needed_preload_N / N_PER_KN),
     Column("least_kN", 1, lambda j: j.vdi_2230.least_preload_N / N_PER_KN),
-    Column("needed_kN", 1, lambda j: j.vdi_2230.needed_preload_N / N_PER_KN),
     Column("torque_Nm", 1, lambda j: j.vdi_2230.torque_Nm),
     Column("left_on_split_kN", 1, lambda j: j.vdi_2230.residual_clamp_N / N_PER_KN),
 )
@@ -44,7 +49,7 @@ _SHIGLEY: tuple[Column[JointCheck], ...] = (
 def bolts_text(checks: BoltChecks) -> str:
     """Return what `cranktopo bolts` prints."""
     parts = [
-        "VDI 2230: forces of one bolt; `least` is the preload after scatter and settling",
+        _FORCES_CAPTION,
         _table(_FORCES, checks),
         "VDI 2230: safeties",
         _table(_SAFETIES, checks),

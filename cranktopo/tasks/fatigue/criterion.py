@@ -9,6 +9,10 @@ from typing import TypeVar
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
 
+TREATMENT = ("surface_treatment_factor", "surface_treatment_source")
+"""Keys of `[fatigue]` that every method takes."""
+LAYERS = ("hardening", "journal_hardening")
+"""Tables of `[fatigue]` that methods take which look below the surface."""
 _Stress = TypeVar("_Stress", float, Array)
 
 
@@ -55,6 +59,7 @@ class SafetyMethod:
     Attributes:
         name: in `fatigue --method`, in JSON and in names of files.
         needs: keys of the material that must have a value.
+        takes: keys and tables of `[fatigue]` that its safety depends on.
         load_packages: loads the optional packages that it takes; fails before any solve where one is missing.
         check: checks what else it needs of a scene.
         title: in words, after "by"; its name where it gives none.
@@ -62,6 +67,7 @@ class SafetyMethod:
 
     name: str
     needs: tuple[str, ...]
+    takes: tuple[str, ...] = field(default=TREATMENT, kw_only=True)
     load_packages: Callable[[], object] = field(default=lambda: None, kw_only=True)
     check: Callable[[Scene], None] = field(default=lambda _: None, kw_only=True)
     title: str = field(default="", kw_only=True)

@@ -20,7 +20,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.enclosing_balls import enclosing_balls
 from cranktopo.numerics.tetrahedra.stress import principal_stresses
-from cranktopo.tasks.fatigue.lsa import NEEDS
+from cranktopo.tasks.fatigue.lsa import FACTORS, NEEDS
 from cranktopo.tasks.fatigue.plane_criterion import (
     HistoryBounds,
     PlaneCriterion,
@@ -94,6 +94,7 @@ DANG_VAN = PlaneCriterion(
     _at_most_MPa,
     _diagram,
     "hydrostatic stress",
+    takes=FACTORS,
     check=check_scene,
     title="Dang Van's criterion",
 )

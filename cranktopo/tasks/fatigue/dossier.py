@@ -21,6 +21,7 @@ from cranktopo.runs.manifest import settings_hash, timestamp, versions
 from cranktopo.tasks.drawing.sheet import drawing_figures, throw_sheets
 from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
 from cranktopo.tasks.fatigue.rule_page import RuleRecord, rule_page
+from cranktopo.tasks.fatigue.taken_keys import assumed_by
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.vibration.stage import shaft_vibration
 
@@ -75,7 +76,7 @@ def write_dossier(found: FatigueAssessment, path: Path, command: Sequence[str] =
         cases=load_cases(scene, effects.enabled),
         loads=analyse(scene, effects.enabled),
         history=_HISTORY[found.loads],
-        assumed=tuple(assumed_json(target.assumed)),
+        assumed=tuple(assumed_json(assumed_by(target.assumed, (found.method,)))),
         drawings=() if target.file else _drawings(target),
         scene_sha256=settings_hash(scene.model_dump(mode="json"), {}),
         command=" ".join(command),

@@ -19,7 +19,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.enclosing_balls import enclosing_balls
-from cranktopo.tasks.fatigue.lsa import NEEDS
+from cranktopo.tasks.fatigue.lsa import FACTORS, NEEDS
 from cranktopo.tasks.fatigue.plane_criterion import (
     HistoryBounds,
     PlaneCriterion,
@@ -78,6 +78,7 @@ FINDLEY = PlaneCriterion(
     _at_most_MPa,
     _diagram,
     "normal stress",
+    takes=FACTORS,
     check=check_scene,
     title="Findley's criterion",
 )

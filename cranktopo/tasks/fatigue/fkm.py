@@ -15,7 +15,13 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import packages_of
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fatigue.criterion import FatigueCriterion, LocalStress, PointSafety
+from cranktopo.tasks.fatigue.criterion import (
+    LAYERS,
+    TREATMENT,
+    FatigueCriterion,
+    LocalStress,
+    PointSafety,
+)
 
 _HALVINGS = 60
 
@@ -134,6 +140,7 @@ FKM = FatigueCriterion(
     ("ultimate_MPa",),
     _point_safety,
     _haigh_limit_MPa,
+    takes=(*TREATMENT, *LAYERS, "roughness_um", "spectrum"),
     load_packages=load_rules,
     title="the FKM guideline",
 )

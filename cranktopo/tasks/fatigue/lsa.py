@@ -14,10 +14,18 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fatigue.criterion import FatigueCriterion, LocalStress, PointSafety
+from cranktopo.tasks.fatigue.criterion import (
+    LAYERS,
+    TREATMENT,
+    FatigueCriterion,
+    LocalStress,
+    PointSafety,
+)
 
 NEEDS = ("fatigue_tension_MPa", "fatigue_bending_MPa", "yield_MPa")
 """Keys of the material that the fully reversed strength of a point follows from."""
+FACTORS = (*TREATMENT, "size_factor", "survival_factor", "specimen_diameter_mm")
+"""Keys of `[fatigue]` that it follows from."""
 
 
 @dataclass(frozen=True)
@@ -108,6 +116,7 @@ LSA = FatigueCriterion(
     (*NEEDS, "ultimate_MPa"),
     _point_safety,
     _haigh_limit_MPa,
+    takes=(*FACTORS, *LAYERS, "spectrum", "scatter"),
     title="local stress analysis",
     line_of="Goodman",
 )

@@ -14,7 +14,7 @@ import numpy as np
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.design.free_dimensions import M53_FILLET
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fatigue.criterion import SafetyMethod
+from cranktopo.tasks.fatigue.criterion import LAYERS, TREATMENT, SafetyMethod
 
 RADIUS_EXPONENT = {"pin": 0.5231, "journal": 0.5568}
 """Concentration factors of bending fall by these powers of the fillet's radius (2.1.1 and 2.2.1)."""
@@ -334,4 +334,9 @@ def _check(scene: Scene) -> None:
     _check_treatment(scene)
 
 
-M53 = SafetyMethod("m53", ("ultimate_MPa",), check=_check)
+M53 = SafetyMethod(
+    "m53",
+    ("ultimate_MPa",),
+    takes=(*TREATMENT, *LAYERS, "process_factor", "additional_stress_MPa", "m53_factors"),
+    check=_check,
+)

@@ -40,10 +40,6 @@ _ANSWERS = {
     "accepted": "is accepted",
 }
 """Words of the headline for each verdict, the worst first."""
-_NOT_OF_THE_RULE = {
-    f"fatigue.{key}" for key in ("size_factor", "survival_factor", "specimen_diameter_mm", "roughness_um")
-}
-"""Assumptions of other methods, under which nobody signs."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +52,7 @@ class RuleRecord:
         cases: load cases of the plan.
         loads: None without gas and inertia forces over the cycle.
         history: how the alternating loads follow from the cycle, in words.
-        assumed: what the design does not say, as `assumed` of the JSON.
+        assumed: what the design does not say and the rule takes, as `assumed` of the JSON.
         drawings: of the half throw, or of both; none for a body from CAD.
         scene_sha256: of the resolved scene.
         written: when, ISO 8601.
@@ -288,11 +284,7 @@ def _mesh(check: RuleCheck) -> Section:
 
 
 def _assumptions(record: RuleRecord) -> Section:
-    rows = [
-        {"assumption": entry["key"], "value": assumed_words(entry)}
-        for entry in record.assumed
-        if entry["key"] not in _NOT_OF_THE_RULE
-    ] + [
+    rows = [{"assumption": entry["key"], "value": assumed_words(entry)} for entry in record.assumed] + [
         {"assumption": "loads", "value": record.history},
         {"assumption": "bearings", "value": "rigid, journals free to tilt (Appendix III)"},
     ]

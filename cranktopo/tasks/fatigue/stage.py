@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import product
+from dataclasses import replace
 from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError, ExitCode
@@ -26,6 +26,7 @@ from cranktopo.tasks.fatigue.scatter import counts_scatter
 from cranktopo.tasks.fatigue.shaft_stress import worst_throw
 from cranktopo.tasks.fatigue.spectrum import counts_lives, load_rainflow
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.fatigue.taken_keys import assumed_by, note_unused
 from cranktopo.tasks.fatigue.target_safety import fatigue_fields
 from cranktopo.tasks.fatigue.vtu import write_fatigue_vtu
 from cranktopo.tasks.fea.stage import print_assumed
@@ -87,9 +88,11 @@ def assess_by_methods(
     for target in resolved:
         for method in methods:
             check_inputs(target, method, loads)
-    for target, method in product(resolved, methods):
-        _note_tables(target, method)
-    print_assumed(resolved, USED)
+    for target in resolved:
+        for method in methods:
+            _note_tables(target, method)
+        note_unused(target.name, target.scene.fatigue, methods)
+    print_assumed([replace(one, assumed=assumed_by(one.assumed, methods)) for one in resolved], USED)
     for target in resolved:
         note_left_off(target.name, target.scene, plan_for_stress(target.scene))
         note_tangential(target.name, target.scene, loads)
@@ -101,18 +104,24 @@ def assess_by_methods(
         if target.scene.fatigue.treatment:
             note(f"{target.name}: {target.scene.fatigue.treatment}")
     resolved = [with_throw_stiffness(target) for target in resolved]
-    assumed = tuple(filter_by_table(target.assumed, USED) for target in resolved)
     local = [method for method in methods if method != "m53"]
     solved = [_fields(one, local, loads, fillet_fraction) for one in resolved if local]
     for target, own in zip(resolved, solved, strict=False):
         _note_fields(target, own)
     fields = dict(zip(local, zip(*solved, strict=True), strict=True))
     return [
-        _by_rule(resolved, loads, baseline, fillet_fraction, assumed)
+        _by_rule(resolved, loads, baseline, fillet_fraction)
         if method == "m53"
-        else FatigueAssessment(method, loads, fields[method], (), baseline, assumed, tuple(resolved))
+        else FatigueAssessment(
+            method, loads, fields[method], (), baseline, _assumed(resolved, method), tuple(resolved)
+        )
         for method in methods
     ]
+
+
+def _assumed(targets: Sequence[Target], method: FatigueMethod) -> tuple[tuple[Assumption, ...], ...]:
+    """Return what each target does not say and its safety by a method depends on."""
+    return tuple(assumed_by(filter_by_table(target.assumed, USED), (method,)) for target in targets)
 
 
 def _note_tables(target: Target, method: FatigueMethod) -> None:
@@ -166,7 +175,6 @@ def _by_rule(
     loads: HistoryKind,
     baseline: int | None,
     fillet_fraction: float,
-    assumed: Sequence[tuple[Assumption, ...]],
 ) -> FatigueAssessment:
     """Checks of all targets; one with two different webs has two, and as the baseline it is its worse web."""
     for target in targets:
@@ -177,7 +185,9 @@ def _by_rule(
         before, own = sum(map(len, found[:baseline])), found[baseline]
         baseline = before + min(range(len(own)), key=lambda web: own[web].safety)
     each = [
-        (told, target) for told, target, checks in zip(assumed, targets, found, strict=True) for _ in checks
+        (told, target)
+        for told, target, checks in zip(_assumed(targets, "m53"), targets, found, strict=True)
+        for _ in checks
     ]
     return FatigueAssessment(
         "m53",

@@ -80,6 +80,7 @@ def command(
     from cranktopo.design.writing import design_name, save_scene
     from cranktopo.report.dxf import check_dxf
     from cranktopo.runs.destination import check_file
+    from cranktopo.tasks.fatigue.taken_keys import note_unused
     from cranktopo.tasks.rod.drawing import draw_rod
     from cranktopo.tasks.rod.lighter import lighten_rod
     from cranktopo.tasks.rod.stage import check_rod_strength
@@ -107,6 +108,7 @@ def command(
         found = check_rod_strength(scene, method).model_copy(update={"lighter": searched})
     else:
         found = check_rod_strength(scene, method)
+    note_unused(scene.name, scene.fatigue, (method,))
     for remark in found.strength_remarks or ():
         note(f"{scene.name}: rod: material: {remark}")
     if found.assumed:

@@ -6,6 +6,7 @@ The whole crankshaft: torsional stiffness, frequencies, all its bearings, safety
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
@@ -95,6 +96,7 @@ def command(
     """
     from cranktopo.design.assumed import FATIGUE
     from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
+    from cranktopo.tasks.fatigue.taken_keys import assumed_by, note_unused
     from cranktopo.tasks.fea.stage import print_assumed
     from cranktopo.tasks.fea.targets import resolve_target
     from cranktopo.tasks.shaft.assembly import ShaftBearings
@@ -108,7 +110,10 @@ def command(
     loaded = stands_on_bearings(resolved.scene, support)
     _check_options(loaded, speeds_rpm, method, misfires, element_size_mm, fillet_fraction)
     tables = shaft_tables(resolved.scene, support, loaded=loaded)
-    print_assumed([resolved], (*tables, FATIGUE) if method else tables)
+    if method:
+        note_unused(resolved.name, resolved.scene.fatigue, (method,))
+    taken = assumed_by(resolved.assumed, (method,) if method else ())
+    print_assumed([replace(resolved, assumed=taken)], (*tables, FATIGUE))
     note(f"{resolved.name}: condensing one throw")
     shaft = assess_shaft(
         resolved,

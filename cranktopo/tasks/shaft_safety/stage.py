@@ -29,6 +29,7 @@ from cranktopo.tasks.fatigue.result import JudgedQuality
 from cranktopo.tasks.fatigue.safety_field import FatigueField, field_of_states
 from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, shaft_loads, solve_shaft_stress, solved_cycle
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, check_fillets
+from cranktopo.tasks.fatigue.taken_keys import assumed_by
 from cranktopo.tasks.fea.targets import USED, Target, TargetLike, resolve_target
 from cranktopo.tasks.shaft.assembly import ShaftBearings
 from cranktopo.tasks.shaft.cycle import loads_on_bearings_N
@@ -188,7 +189,7 @@ class JudgedShaft:
             quality=JudgedQuality(**vars(quality), within_rule=quality.within_limits),
             mesh_shortfall=mesh_shortfall(field.model) or None,
             seconds=_seconds(self.throws, solved - begin, finished - solved),
-            assumed=filter_by_table(self.target.assumed, USED),
+            assumed=assumed_by(filter_by_table(self.target.assumed, USED), (self.method,)),
         )
 
     def web_histories(self) -> list[tuple[WebHistory, ...]]:

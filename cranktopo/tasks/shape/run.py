@@ -63,6 +63,7 @@ from cranktopo.tasks.drawing.raw_sheet import raw_pages
 from cranktopo.tasks.drawing.sheet import export_drawing, throw_sheets
 from cranktopo.tasks.extraction.release import shaped_undercuts
 from cranktopo.tasks.fatigue.needs import note_tangential
+from cranktopo.tasks.fatigue.taken_keys import assumed_by, note_unused
 from cranktopo.tasks.film.stage import film_change
 from cranktopo.tasks.importing.imported_body import half_throw_surface
 from cranktopo.tasks.importing.original import check_original, original_file
@@ -91,6 +92,8 @@ from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLim
 
 TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, FATIGUE)
 """Tables of a scene that a shape optimisation uses."""
+_METHODS = ("lsa",)
+"""Methods of the fatigue safety that it uses."""
 _KEPT = "work.json"
 _BEGUN = "begun"
 """Key of the scene whose web the search began with, among the manifest's options."""
@@ -176,8 +179,9 @@ def note_loads(scene: Scene, stress: PhysicsPlan, assumed: Sequence[Assumption])
     note_left_off(scene.name, scene, stress)
     note_strength(scene.name, scene)
     note_pressure(scene.name, scene)
-    if assumed:
-        note(assumed_text(assumed))
+    note_unused(scene.name, scene.fatigue, _METHODS)
+    if taken := assumed_by(assumed, _METHODS):
+        note(assumed_text(taken))
 
 
 def resume_shape(reference: str | Path, loads: WebLoads | None = None) -> ShapedRun:
