@@ -9,6 +9,7 @@ from typing import Any
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.table import SceneTable
 from cranktopo.base.units import plain_number
+from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ROTORS, Rotor
@@ -122,7 +123,8 @@ def _limits(scene: Scene) -> Iterator[Assumption]:
     goal = wanted(scene)
     for limit in goal.limits if goal is not None else ():
         if limit.assumed:
-            meaning = "of the original web" if limit.percent else ""
+            signed = ", with its sign" if QUANTITIES[limit.quantity].signed else ""
+            meaning = f"of the original web{signed}" if limit.percent else ""
             yield Assumption(f"goal.limits.{limit.quantity}", limit.condition, meaning)
 
 

@@ -11,6 +11,7 @@ from cranktopo.design.goal.outcome import (
     LimitEvaluation,
     LimitOutcome,
 )
+from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.report.result_table import Column, ResultTable, tabulate
 
 _SHORT_PERCENT = 0.005
@@ -121,7 +122,12 @@ def _judged(limit: LimitOutcome) -> str:
 
 
 def _shares(limit: LimitOutcome) -> bool:
-    """Tell whether a limit is a share of the original, of which either model has a value of its own."""
+    """Tell whether a limit is a share of the original, of which either model has a value of its own.
+
+    A share of what may be negative says nothing of its sense: such a limit is told by its value.
+    """
+    if QUANTITIES[limit.quantity].signed:
+        return False
     return limit.evaluation is not None and limit.evaluation.required != limit.required
 
 
@@ -135,6 +141,12 @@ def _limit(limit: LimitOutcome) -> str:
 def _reached(entry: GoalOutcome | GoalEvaluation | LimitOutcome | LimitEvaluation, unit: str) -> str:
     percent = entry.reached_percent
     return value_text(entry.reached, unit) if percent is None else f"{percent:.1f} %"
+
+
+def _required_percent(limit: LimitOutcome) -> float | None:
+    """Return what is required as a share of the original; None beside what may be negative and is."""
+    negative = QUANTITIES[limit.quantity].signed and (limit.required or 0.0) < 0
+    return None if negative else limit.required_percent
 
 
 def _holds(limit: LimitOutcome) -> str:
@@ -155,7 +167,7 @@ def _evaluated(limit: LimitOutcome) -> LimitEvaluation:
 _COLUMNS: tuple[Column[LimitOutcome], ...] = (
     Column("limit", 0, _limit),
     Column("reached", 0, lambda limit: value_text(limit.reached, limit.unit)),
-    Column("required_percent", 1, lambda limit: limit.required_percent),
+    Column("required_percent", 1, _required_percent),
     Column("reached_percent", 1, lambda limit: limit.reached_percent),
     Column("holds", 0, _holds),
 )

@@ -144,6 +144,7 @@ def test_two_methods_share_the_unit_loads(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr("cranktopo.tasks.fatigue.target_safety.safety_field", judged)
     monkeypatch.setattr(stage, "with_throw_stiffness", with_stiffness)
     monkeypatch.setattr(stage, "_note_fields", lambda *_: None)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.target_safety.least_field", lambda found: next(iter(found)))
     names = ["mikron-iiic-plain", "opposed-piston"]
     found = stage.assess_by_methods(resolve_targets(names, fillets=True, whole=True), ["lsa", "fkm"])
     assert [name for name, _ in solved] == held == names

@@ -58,6 +58,13 @@ def test_table_front_and_files(scheduler: str, tmp_path: Path, trace: Path) -> N
     assert any(line.startswith("scheduler: tcp") for line in lines)
 
 
+def test_a_balance_that_moved_is_in_the_files(scheduler: str, tmp_path: Path, trace: Path) -> None:
+    swept(scheduler, tmp_path / "out", design="car-diesel", vary={WIDTH: [62, 78]})
+    told = json.loads((tmp_path / "out" / "sweep.json").read_text())["balance"]
+    assert told.startswith("balance factors of ")
+    assert f"B{told[1:]}." in (tmp_path / "out" / "report.html").read_text()
+
+
 def test_resuming_repeats_nothing(scheduler: str, tmp_path: Path, trace: Path) -> None:
     out = tmp_path / "out"
     first = swept(scheduler, out, vary={WIDTH: "48:54:4"})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -35,7 +36,7 @@ from cranktopo.tasks.bound.result import (
     ProvenBound,
     VariableStiffness,
 )
-from cranktopo.tasks.bound.webs import STIFFNESSES
+from cranktopo.tasks.bound.webs import STIFFNESSES, limit_on_cells
 from cranktopo.tasks.density.manufacturing import is_manufactured
 from cranktopo.tasks.density.problem import model_error_percent
 from cranktopo.tasks.refit.family import free_dimensions
@@ -104,8 +105,14 @@ def _result(model: BoundModel, bound: Bound, assumed: list[dict[str, Any]]) -> B
     )
 
 
-def bound_for_goal(scene: Scene, goal: Goal, cell_mm: float) -> BoundStatement | NoBound:
-    """Prove the entry `bound` of shape.json but for what was reached; call inside `double_precision()`."""
+def bound_for_goal(
+    scene: Scene, goal: Goal, cell_mm: float, judged: Mapping[str, float]
+) -> BoundStatement | NoBound:
+    """Prove the entry `bound` of shape.json but for what was reached; call inside `double_precision()`.
+
+    Args:
+        judged: quantities of the original web in the model by which webs keep their limits.
+    """
     free = free_dimensions(scene)
     if move_journals(free):  # a counterweight may have any form within the envelope as it is
         others = ", ".join(name for name in free if not is_of_counterweight(name))
@@ -115,7 +122,9 @@ def bound_for_goal(scene: Scene, goal: Goal, cell_mm: float) -> BoundStatement |
         return NoBound(none=f"{others}: {why}")
     try:
         model = _model(scene, goal, cell_mm)
-        return _statement(model, prove(model, goal))
+        limits = tuple(limit_on_cells(limit, model.original.quantities, judged) for limit in goal.limits)
+        given = dict(zip(limits, goal.limits, strict=True))
+        return _statement(model, prove(model, replace(goal, limits=limits)), given)
     except CranktopoError as error:
         return NoBound(none=error.message)
 
@@ -192,13 +201,14 @@ def _model(scene: Scene, goal: Goal | None, cell_mm: float) -> BoundModel:
     return bound_model(scene.with_optimise(process="free", draft_deg=0.0), cell_mm, goal)
 
 
-def _statement(model: BoundModel, bound: Bound) -> BoundStatement:
+def _statement(model: BoundModel, bound: Bound, given: Mapping[Limit, Limit] | None = None) -> BoundStatement:
+    """Return a bound as it is told; limits that are left out by the words of `given`, where it has them."""
     scene, problem = model.scene, bound.problem
     error = model_error_percent(scene, model.domain.grid.largest_edge_mm)
     return BoundStatement(
         quantity=problem.goal.quantity,
         value=bound.value,
         percent_of_original=bound.percent,
-        dropped=tuple(str(limit) for limit, _ in problem.dropped),
+        dropped=tuple(str((given or {}).get(limit, limit)) for limit, _ in problem.dropped),
         model=BoundCells(cell_mm=scene.optimise.resolution_mm, error_percent=error),
     )

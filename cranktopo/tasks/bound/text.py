@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from cranktopo.bodies.cells.outside import OutsideEnvelope, outside_words
@@ -57,16 +58,21 @@ def _statement_line(bound: BoundStatement | NoBound) -> str:
         return "bound: no web of the envelope keeps these limits in the cells of the bound"
     quantity, most = QUANTITIES[bound.quantity], percent - 100
     name, at = quantity.label, "" if bound.at_mass_percent is None else " at this mass"
-    cell = bound.model.cell_mm
+    cell = f"cells of {bound.model.cell_mm:.3g} mm{_without(bound.dropped)}"
     if (reached - 100 - most) * (1 if quantity.better == "high" else -1) > 0:
         return (
-            f"{name} {reached - 100:+z.1f} %{at}: beyond {most:+z.1f} %, the best that cells of {cell:.3g} "
-            "mm can hold; what is left to gain is less than their error"
+            f"{name} {reached - 100:+z.1f} %{at}: beyond {most:+z.1f} %, the best that {cell} can hold; what "
+            "is left to gain is less than their error"
         )
     return (
         f"{name} {reached - 100:+z.1f} % of at most {most:+z.1f} %{at}, which no web of the envelope can "
-        f"beat, however it is made (proven on cells of {cell:.3g} mm)"
+        f"beat, however it is made (proven on {cell})"
     )
+
+
+def _without(dropped: Sequence[str]) -> str:
+    """Return the limits that a proof leaves out in words."""
+    return f" without the limit{'s' * (len(dropped) > 1)} {', '.join(dropped)}" if dropped else ""
 
 
 def bound_table(bound: BoundStatement) -> ResultTable:

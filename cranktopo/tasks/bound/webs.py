@@ -11,7 +11,7 @@ only adds webs: the bound stays one, but a looser one.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import jax
@@ -105,6 +105,23 @@ def _constraint(limit: Limit, original: Mapping[str, float]) -> Constraint | str
     if limit.quantity in STIFFNESSES and limit.sense == ">=":
         return Constraint(limit.quantity, "<=", 1 / share)
     return "a web may not be too stiff: that is not convex"
+
+
+def limit_on_cells(limit: Limit, cells: Mapping[str, float], judged: Mapping[str, float]) -> Limit:
+    """Return a limit that another model judges as the cells have it; one in percent holds in either.
+
+    Sums over cells err by what they leave out of journals and fillets, which every web has alike: the limit
+    moves by the difference of the original's. A stiffness errs by a factor.
+
+    Args:
+        cells, judged: quantities of the original web in the cells and in the other model.
+    """
+    name = limit.quantity
+    if limit.percent or not {name} <= cells.keys() & judged.keys():
+        return limit
+    if name in LINEAR:
+        return replace(limit, value=limit.value + cells[name] - judged[name])
+    return replace(limit, value=limit.value * cells[name] / judged[name]) if judged[name] else limit
 
 
 _TINY = 1e-300

@@ -12,6 +12,7 @@ from cranktopo.base.units import change_text
 from cranktopo.engine.histories import speed_words
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR
+from cranktopo.tasks.fatigue.remarks import mesh_shortfall
 from cranktopo.tasks.fatigue.result import FatigueResult, FatigueShare, PartLife, RuleFatigue
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.safety_field import FatigueField
@@ -19,6 +20,8 @@ from cranktopo.tasks.fea.quantities import MASS, SAFETY
 
 SAME = 0.02
 """Relative difference of safety below which two variants count as equal: the scatter of the worst node."""
+_SAME_IF_COARSE = 0.04
+"""The same where means over elements of a mesh miss the rule's checks."""
 _OTHER_LOADS = 0.002
 """Relative difference of a load's amplitude from which two variants are judged by different loads."""
 _FatigueResult = FatigueField | RuleCheck
@@ -331,13 +334,25 @@ def verdicts(results: Sequence[_FatigueResult], baseline: int) -> list[str]:
         if index == baseline:
             continue
         ratio = one.safety / base.safety
-        safe = "as safe as" if abs(ratio - 1) <= SAME else "safer than" if ratio > 1 else "less safe than"
         lines.append(
             f"{one.name}: {change_text(100 * (one.mass_kg / base.mass_kg - 1))} mass, "
-            f"{change_text(100 * (ratio - 1))} safety: {safe} {base.name}."
+            f"{change_text(100 * (ratio - 1))} safety: {_as_safe(ratio, one, base)}."
         )
         lines += _other_loads(results[index], results[baseline])
     return lines
+
+
+def _as_safe(ratio: float, one: _Summary, base: _Summary) -> str:
+    """Return whether a target is as safe as the baseline, or that meshes are too coarse to tell."""
+    if abs(ratio - 1) <= SAME:
+        return f"as safe as {base.name}"
+    meshes = " and of ".join(each.name for each in (one, base) if each.coarse)
+    if meshes and abs(ratio - 1) <= _SAME_IF_COARSE:
+        return (
+            f"not told apart from {base.name}: the mesh of {meshes} misses the rule's checks, and safeties "
+            f"scatter by up to {100 * _SAME_IF_COARSE:g} % then; a smaller --fillet-fraction helps"
+        )
+    return f"{'safer' if ratio > 1 else 'less safe'} than {base.name}"
 
 
 def _other_loads(one: _FatigueResult, base: _FatigueResult) -> list[str]:
@@ -373,15 +388,23 @@ def percent_of_baseline(results: Sequence[_FatigueResult], baseline: int) -> tup
 
 @dataclass(frozen=True)
 class _Summary:
+    """What a comparison takes of a result; `coarse`: by means over elements that miss the rule's checks."""
+
     name: str
     mass_kg: float
     safety: float
+    coarse: bool
 
 
 def _summary(result: _FatigueResult) -> _Summary:
     if isinstance(result, FatigueField):
-        return _Summary(result.model.name, result.model.throw_kg, result.critical.safety)
-    return _Summary(result.name, result.throw_kg, result.safety)
+        model = result.model
+        return _Summary(
+            model.name, model.throw_kg, result.critical.safety, coarse=bool(mesh_shortfall(model))
+        )
+    judged = result.judged_safety
+    unproven = judged is None or result.safety < judged
+    return _Summary(result.name, result.throw_kg, result.safety, coarse=unproven)
 
 
 def _governed_by(check: RuleCheck) -> str:

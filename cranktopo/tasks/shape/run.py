@@ -243,7 +243,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         optimum = optimise_shape(scene, goal, settings, work, start)
         judge = sum(web.seconds for web in (optimum.original, *(one.web for one in optimum.rounds)))
         seconds = {"search": time.perf_counter() - began - judge, "judge": judge}
-        bound = _bound(scene, goal, settings.cell_mm, work)
+        bound = _bound(scene, goal, settings.cell_mm, optimum.original.values, work)
         seconds["bound"] = time.perf_counter() - began - sum(seconds.values())
         note("writing the solid and the drawing")
         half = _write(run, scene, optimum)
@@ -269,13 +269,12 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
     return ShapedRun(run.path, found)
 
 
-def _bound(scene: Scene, goal: Goal, cell_mm: float, work: Work) -> BoundStatement | NoBound | None:
+def _bound(
+    scene: Scene, goal: Goal, cell_mm: float, original: Mapping[str, float], work: Work
+) -> BoundStatement | NoBound | None:
     if plan(scene, goal=goal)["bound"].state != "on":
         return None
-    # An unbalance in kg mm is not that of the cells, whose original has another: without it the bound holds.
-    limits = tuple(limit for limit in goal.limits if limit.percent or limit.quantity != "unbalance")
-    proven = replace(goal, limits=limits)
-    kept = work.once("bound", lambda: bound_for_goal(scene, proven, cell_mm).as_json())
+    kept = work.once("bound", lambda: bound_for_goal(scene, goal, cell_mm, original).as_json())
     return (NoBound if "none" in kept else BoundStatement).of_json(kept, "bound")
 
 

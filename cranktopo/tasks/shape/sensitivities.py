@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.design.goal.constraint import ACTIVE
+from cranktopo.design.goal.constraint import ACTIVE, Constraint
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.halves import usual_scale
 from cranktopo.design.schema import Scene
@@ -131,7 +131,13 @@ def _limits(
     gradients = goal.violation_gradients(found.gradients, len(found.gradients[goal.quantity]))
     for limit, over, slope in zip(goal.limits, goal.violations(found.values), gradients, strict=True):
         if over > -ACTIVE and slope[index] * better > _LEAST_SHARE * np.abs(slope).max():
-            name, unit = limit.quantity.replace("_", " "), quantity_named(limit.quantity).unit
-            percent = 100 * limit.bound / original[limit.quantity]
-            told = f"{limit.bound:.4g} %" if unit == "%" else f"{percent:.4g} % of the original"
-            yield f"limit: {name} {limit.sense} {told}"
+            name = limit.quantity.replace("_", " ")
+            yield f"limit: {name} {limit.sense} {_bound_words(limit, original)}"
+
+
+def _bound_words(limit: Constraint, original: Mapping[str, float]) -> str:
+    """Return a bound as a share of the original's, or as it is where the quantity may be negative."""
+    quantity = quantity_named(limit.quantity)
+    if quantity.signed:
+        return f"{limit.bound:.4g} {quantity.unit}"
+    return f"{100 * limit.bound / original[limit.quantity]:.4g} % of the original"

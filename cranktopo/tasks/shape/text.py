@@ -267,14 +267,21 @@ def multiplier_doubt(found: ShapeResult) -> str:
 def _multipliers(found: ShapeResult) -> Iterator[tuple[str, str]]:
     name = found.goal.quantity.name.replace("_", " ")
     for price in found.prices:
-        way, quantity = "less" if price.sense == "<=" else "more", price.quantity.replace("_", " ")
-        named = f"of the {price.side} {quantity}" if _other_side(found, price) else quantity
-        yield f"1 % {way} {named}", _price_effect(found, price, name)
+        yield _moved(found, price), _price_effect(found, price, name)
     rules = [rule for rule in found.rule_prices if rule.goal_percent_per_unit >= MINIMUM_PERCENT]
     better = "less" if found.goal.minimise else "more"
     for rule in sorted(rules, key=lambda rule: (-round(rule.goal_percent_per_unit, 6), rule.name)):
         effect = f"would give {rule.goal_percent_per_unit:.2f} % {better} {name}"
         yield f"{_MOVES[rule.unit]} of '{rule.name}'", effect
+
+
+def _moved(found: ShapeResult, price: LimitPrice) -> str:
+    """Return a limit that is tighter by a percent in words; more of a negative value would be lower."""
+    upper, quantity = price.sense == "<=", price.quantity.replace("_", " ")
+    named = f"the {price.side} {quantity}" if _other_side(found, price) else ""
+    if any((limit.required or 0.0) < 0 for limit in price.outcomes(found.goal.limits)):
+        return f"{named or quantity} {'lower' if upper else 'higher'} by 1 % of its limit"
+    return f"1 % {'less' if upper else 'more'} {named and 'of '}{named or quantity}"
 
 
 def _price_effect(found: ShapeResult, price: LimitPrice, name: str) -> str:

@@ -110,6 +110,8 @@ class SweepResult(Result):
     """Ids of the points that most users look for."""
     operating_conditions: tuple[str, ...] | None = UNLESS_NONE
     """Keys of speed and load that vary: in front and picks a web counts by its condition of least safety."""
+    balance: str | None = UNLESS_NONE
+    """Where points are balanced otherwise than the original with its counterweights: in words, how far."""
     undecided: tuple[str, ...] | None = UNLESS_NONE
     """Ids of coarse points that may be on the front, for which the budget left no time."""
     files: SweepFiles

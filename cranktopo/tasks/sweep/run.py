@@ -136,7 +136,7 @@ def _worked(run: RunStore, plan: SweepPlan, points: Sequence[SweepPoint], place:
     with working_in(run, "finished points are kept") as check:
         found = Session(str(run.path.resolve()), plan, place).computed(points, looks, original)
         check()
-        result = _result(run, plan, found)
+        result = _result(run, plan, found, balance_line(plan, points))
         write_text(run.path / REPORT, sweep_html(result, found.webs))
         seconds = SweepSeconds(total=time.perf_counter() - began)
         result = result.model_copy(update={"seconds": seconds})
@@ -145,7 +145,7 @@ def _worked(run: RunStore, plan: SweepPlan, points: Sequence[SweepPoint], place:
     return SweptRun(run.path, result)
 
 
-def _result(run: RunStore, plan: SweepPlan, found: Computed) -> SweepResult:
+def _result(run: RunStore, plan: SweepPlan, found: Computed, balance: str) -> SweepResult:
     """Return what `sweep.json` holds, its tables written; coarse numbers have no say in front and picks."""
     own, rows = plan.original.model_dump(mode="json"), found.rows
     varied = {variation.key: value_at(own, variation.key) for variation in plan.vary}
@@ -165,6 +165,7 @@ def _result(run: RunStore, plan: SweepPlan, found: Computed) -> SweepResult:
         front=tuple(front),
         picks=picks_of(leading, original if original.status == DONE else None),
         operating_conditions=tuple(conditions_of(varied)) or None,
+        balance=balance or None,
         undecided=found.undecided if plan.refine == "front" else None,
         files=SweepFiles(**write_tables(frame_of(rows, original, front), run.path, TABLE), page=REPORT),
         seconds=SweepSeconds(total=0.0),

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,6 +20,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.bound import stage
+from cranktopo.tasks.bound.lower_bound import bound_model
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
 from cranktopo.tasks.fea.targets import Target
@@ -25,6 +28,7 @@ from cranktopo.tasks.refit.family import Layout, exact_web_of, free_dimensions, 
 from cranktopo.tasks.refit.fit import scene_with_web, usual_limits
 from cranktopo.tasks.refit.model_fill import FILLET, FITS
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
+from cranktopo.tasks.shape import run
 from cranktopo.tasks.shape.mesh_model import MeshModel
 from cranktopo.tasks.shape.rules import rules_at
 from cranktopo.tasks.shape.start import scene_start
@@ -114,24 +118,69 @@ def test_a_free_counterweight_leaves_the_bound_to_the_proof(
         raise CranktopoError("a failed solve")
 
     monkeypatch.setattr(stage, "bound_model", proof)
-    assert stage.bound_for_goal(free, LIGHT, 8.0) == NoBound(none="a failed solve")
+    assert stage.bound_for_goal(free, LIGHT, 8.0, {}) == NoBound(none="a failed solve")
 
 
 @pytest.mark.slow
 def test_the_bound_beside_a_free_counterweight_is_that_of_the_design(free: Scene) -> None:
     with double_precision():
         found, own = (
-            stage.bound_for_goal(scene, LIGHT, 8.0)
+            stage.bound_for_goal(scene, LIGHT, 8.0, {})
             for scene in (free, free.model_copy(update={"shape": type(free.shape)()}))
         )
     assert isinstance(found, BoundStatement)
     assert found == own
 
 
+def of_balance(scene: Scene) -> tuple[Limit, ...]:
+    """Limits that keep a throw's unbalance within 1 kg mm."""
+    own = throw_balance(scene).throw_unbalance_kg_mm
+    return Limit("unbalance", ">=", own - 1.0), Limit("unbalance", "<=", own + 1.0)
+
+
+def test_shape_has_limits_of_the_unbalance_proven(free: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those in kg mm, by which it keeps the balance, were left out without a word."""
+    asked, goal = list[Goal](), replace(LIGHT, limits=(*LIGHT.limits, *of_balance(free)))
+
+    def bound(scene: Scene, goal: Goal, *_: object) -> NoBound:
+        asked.append(goal)
+        return NoBound(none="not asked for")
+
+    monkeypatch.setattr(run, "bound_for_goal", bound)
+    run._bound(free, goal, 8.0, {}, SimpleNamespace(once=lambda _, made: made()))
+    assert asked == [goal]
+
+
+@pytest.mark.slow
+def test_a_kept_balance_makes_the_bound_tighter(free: Scene) -> None:
+    own, found = {"unbalance": throw_balance(free).throw_unbalance_kg_mm}, list[float]()
+    for limits in ((), of_balance(free)):
+        with double_precision():
+            goal = replace(LIGHT, limits=(*LIGHT.limits, *limits))
+            bound = stage.bound_for_goal(free, goal, 8.0, own)
+        assert isinstance(bound, BoundStatement)
+        assert bound.percent_of_original is not None
+        found.append(bound.percent_of_original)
+    assert found[1] > found[0] + 5.0
+
+
+@pytest.mark.slow
+def test_cells_misjudge_the_unbalance_of_every_web_alike(free: Scene) -> None:
+    """What they lack of journals and fillets is the same, whatever the web: a limit moves by it."""
+    errors = []
+    for change in ({}, {"counterweight_radius": 50.0}):
+        scene = with_dimensions(free, change)
+        with double_precision():
+            cells = bound_model(scene, 8.0).original.quantities["unbalance"]
+        errors.append(cells - throw_balance(scene).throw_unbalance_kg_mm)
+    assert abs(errors[0]) > 0.05
+    assert errors[1] == pytest.approx(errors[0], abs=0.01)
+
+
 def test_a_free_thickness_rules_the_bound_out_and_is_named(free: Scene) -> None:
     data = free.model_dump(mode="json", exclude_none=True)
     other = scene_from_dict({**data, "shape": {"free": {**FREE, "web_thickness_mm": [15.0, 20.0]}}}, "other")
-    found = stage.bound_for_goal(other, LIGHT, 8.0)
+    found = stage.bound_for_goal(other, LIGHT, 8.0, {})
     assert isinstance(found, NoBound)
     assert found.none.startswith("web_thickness: free, and the bound is about webs of one thickness")
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cranktopo.bodies.volume import half_throw_volume_mm3
-from cranktopo.design.goal.constraint import Constraint
+from cranktopo.design.goal.constraint import Constraint, LimitSense
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
@@ -160,6 +160,18 @@ def test_a_limit_within_the_reserve_of_a_finish_has_its_price_and_holds() -> Non
         assert paid.remainder == pytest.approx(0.0 if held else 1.0, abs=1e-9)
         told = holders(scene, web, values, (goal, found, {"mass": 1.6, "torsion": 100.0}))
         assert (told["half_width_3"] == ("limit: torsion >= 100 % of the original",)) == held
+
+
+@pytest.mark.parametrize(("sense", "bound"), [(">=", -72.63), ("<=", -69.92)])
+def test_a_limit_of_a_negative_unbalance_is_told_by_its_value(sense: LimitSense, bound: float) -> None:
+    """In percent of the original's -71.27 the words would have the sense of the other limit."""
+    scene, webs, layout, values = plain({})
+    slope = 1.0 if sense == "<=" else -1.0
+    slopes = {"mass": np.full(len(values), -0.01), "unbalance": np.full(len(values), slope)}
+    goal = SearchGoal("mass", 1.0, 6.8, (Constraint("unbalance", sense, bound),))
+    found = MeshResponses({"mass": 6.6, "unbalance": bound}, slopes)
+    told = holders(scene, webs.web(layout), values, (goal, found, {"mass": 6.8, "unbalance": -71.27}))
+    assert told["half_width_3"] == (f"limit: unbalance {sense} {bound:g} kg mm",)
 
 
 @pytest.mark.parametrize(("gain", "held"), [(-0.01, ("least wall beside the groove, 3 mm",)), (0.01, ())])

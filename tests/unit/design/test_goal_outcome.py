@@ -120,6 +120,19 @@ def test_cells_and_evaluation_are_told_by_one_measure() -> None:
     assert broken_limits(missed) == ["torsion >= 98 %: reached 90.0 %"]
 
 
+def test_a_share_of_a_negative_unbalance_is_told_by_its_value() -> None:
+    """-100.4 kg mm keeps "<= 100 %" of -71.3 kg mm, which reads as if it were 140 %."""
+    goal = Goal("minimise", "mass", (Limit("unbalance", "<=", 100.0, percent=True, assumed=True),))
+    how = {"fillets": False, "element_size_mm": 4.2, "error_estimate_percent": {}, "rounds": ()}
+    cells = goal_outcome(goal, {"mass": 1.4, "unbalance": -99.42}, {"mass": 1.6, "unbalance": -71.49})
+    better = {"mass": 1.6, "unbalance": -71.27}
+    found = cells.with_evaluation(goal_outcome(goal, {"mass": 1.4, "unbalance": -100.4}, better), **how)
+    (row,) = limits_table(found).rows
+    assert (row["limit"], row["required_percent"], row["holds"]) == ("unbalance <= -71.27 kg mm", None, "yes")
+    broken = cells.with_evaluation(goal_outcome(goal, {"mass": 1.4, "unbalance": -60.0}, better), **how)
+    assert broken_limits(broken) == ["unbalance <= -71.27 kg mm: reached -60 kg mm"]
+
+
 def test_percent_of_a_balanced_original_is_none() -> None:
     goal = Goal("minimise", "mass", (Limit("unbalance", "<=", 30.0),))
     (limit,) = goal_outcome(goal, {"unbalance": 3.0}, {"unbalance": 0.0}).limits

@@ -206,6 +206,16 @@ def test_a_comparison_says_where_the_loads_differ() -> None:
     ]
 
 
+def test_by_the_rule_a_coarse_mesh_tells_no_small_difference() -> None:
+    """Elements that miss the checks decide both acceptabilities, 3 % apart."""
+    base, other = (
+        replace(check(ALLOWED, FilletCheck(200.0, strength)), name=name, quality=MISSED)
+        for name, strength in (("base", 230.0), ("other", 236.9))
+    )
+    (line,) = verdicts([base, other], 0)
+    assert "+3.0 % safety: not told apart from base: the mesh of other and of base misses" in line
+
+
 def test_an_outlet_outside_the_rule_is_told_by_no_number_and_leaves_the_throw_unjudged() -> None:
     wide = OutletCheck("throw.drilling[0]", 30.0, 3.0, 4.0, 10.0, 5.0, FilletCheck(50.0, 300.0), ("d/D 0.3",))
     found = replace(check(ALLOWED, ALLOWED), outlets=(wide,))

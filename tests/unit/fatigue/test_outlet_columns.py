@@ -1,12 +1,17 @@
-"""The table of `fatigue` tells outlets of oil bores where a throw has them."""
+"""The table of `fatigue` tells outlets of oil bores where a throw has them, verdicts what meshes prove."""
 
 from __future__ import annotations
 
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
+import pytest
+
 from cranktopo.report.result_table import terminal
-from cranktopo.tasks.fatigue.text import field_table
+from cranktopo.tasks.fatigue.result import Quality
+from cranktopo.tasks.fatigue.safety_field import FatigueField
+from cranktopo.tasks.fatigue.text import field_table, verdicts
 
 
 def field(name: str, outlet: float | None) -> Any:
@@ -38,3 +43,28 @@ def test_outlets_stand_behind_the_fillets() -> None:
 
 def test_without_outlets_the_table_is_as_before() -> None:
     assert not [name for name in field_table([field("solid", None)], None).columns if "outlet" in name]
+
+
+def judged(name: str, safety: float, normal_percent: float, fitted: bool = False) -> FatigueField:
+    """A target with a safety, by means over elements or by polynomials that are fitted to them."""
+    quality = Quality(1.0, 0.3, 5000, normal_percent, 2.0, 1.0, 1.0)
+    model: Any = SimpleNamespace(name=name, throw_kg=1.5, quality=quality, fitted=fitted)
+    critical: Any = SimpleNamespace(safety=safety)
+    none = np.zeros(0)
+    return FatigueField(model, "lsa", (), none, none, none, critical, None, {}, {})
+
+
+@pytest.mark.parametrize(
+    ("other", "answer"),
+    [
+        (judged("other", 1.033, 4.0), "not told apart from base: the mesh of other misses the rule's checks"),
+        (judged("other", 1.033, 2.0), "safer than base."),
+        (judged("other", 1.033, 4.0, fitted=True), "safer than base."),
+        (judged("other", 1.01, 4.0), "as safe as base."),
+        (judged("other", 0.9, 4.0), "less safe than base."),
+    ],
+)
+def test_a_coarse_mesh_tells_no_small_difference(other: FatigueField, answer: str) -> None:
+    """Least values of scattered means: 3 % between webs that the default mesh has as safe as each other."""
+    (line,) = verdicts([judged("base", 1.0, 2.0), other], 0)
+    assert f" % safety: {answer}" in line

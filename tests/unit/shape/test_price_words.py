@@ -210,6 +210,15 @@ def _window(data: dict[str, Any], least: float, greatest: float, active: str) ->
     return multiplier_text(_found(data))[:2]
 
 
+def test_a_limit_of_a_negative_unbalance_moves_up_or_down(data: dict[str, Any]) -> None:
+    """1 % more than -72.6 kg mm may be -73.4 or -71.9."""
+    limits = [_limit("unbalance", sense, -72.6, -72.6, True) for sense in (">=", "<=")]
+    for limit, way in zip(limits, ("higher", "lower"), strict=True):
+        price = {"quantity": "unbalance", "sense": limit["sense"], "goal_percent_per_percent": 0.11}
+        told = data | {"goal": {**goal(minimise="mass"), "limits": [limit]}, "prices": [price]}
+        assert multiplier_text(_found(told))[0] == f"unbalance {way} by 1 % of its limit costs 0.11 % mass"
+
+
 def test_both_sides_of_a_limit_are_told_apart(data: dict[str, Any]) -> None:
     more, less = "1 % more of the least balance factor", "1 % less of the greatest balance factor"
     assert _window(data, 0.05, 0.0, ">=") == [

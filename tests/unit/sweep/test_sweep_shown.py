@@ -7,8 +7,11 @@ import re
 from pathlib import Path
 
 from cranktopo.tasks.sweep.page import sweep_html
+from cranktopo.tasks.sweep.plan import sweep_plan
+from cranktopo.tasks.sweep.points import balance_line, points_of
 from cranktopo.tasks.sweep.result import SweepFiles, SweepResult, SweepSeconds
 from cranktopo.tasks.sweep.text import frame_of, sweep_summary
+from cranktopo.tasks.sweep.variation import read_option
 from tests.sweep_cases import point_result
 
 NUMBERS = {
@@ -60,6 +63,18 @@ def test_the_page_has_them_too() -> None:
     assert found["bending_N_per_mm"] == ("kN/mm", 216.3, None)
     assert found["torsion_per_mass_Nm_per_rad_kg"][1] == 67.195
     assert found[KEY][:2] == ("N/mm", 50_000.0)
+
+
+def test_the_page_tells_a_balance_that_moved_above_the_picks() -> None:
+    """The line was on stderr alone, where nobody sees it who opens the page later."""
+    plan = sweep_plan(["car-diesel"], [read_option("web.width_mm=62,70,78")])
+    line = balance_line(plan, points_of(plan))
+    page = sweep_html(sweep().model_copy(update={"balance": line}), {})
+    told = f'<p class="headline">B{line[1:]}.</p>'
+    assert line
+    assert told in page
+    assert page.index(told) < page.index('class="pick"')
+    assert "balance factor" not in sweep_html(sweep(), {})
 
 
 def test_webs_without_fillets_are_told() -> None:
