@@ -11,7 +11,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.design.goal.wanted import with_goal
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import WebHistory, WebLoads, load_history
+from cranktopo.engine.histories import WebHistory, WebLoads, histories_of, load_history
 from cranktopo.numerics.tetrahedra.elasticity import assemble, centrifugal_force
 from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface, surface_stress
@@ -21,6 +21,7 @@ from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.result import Quality
 from cranktopo.tasks.fatigue.safety_field import safety_field
 from cranktopo.tasks.fatigue.stress_model import StressModel, images_of
+from cranktopo.tasks.fatigue.target_safety import least_field
 from cranktopo.tasks.fea.unit_fields import unit_fields
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.shape.mesh_model import MeshModel, MeshResponses
@@ -66,7 +67,8 @@ class Case:
 )
 def case(request: pytest.FixtureRequest) -> Case:
     scene, layout, values = WEBS[request.param]()
-    scene = with_goal(scene, minimise="mass", limits=("natural_frequency >= 90 %", "stress <= 110 %"))
+    swings = ["natural_frequency >= 90 %"] if scene.engine and scene.engine.throws > 1 else []
+    scene = with_goal(scene, minimise="mass", limits=(*swings, "stress <= 110 %"))
     model = MeshModel(scene, layout, values, COARSE_MM, COARSE_FILLET, STRESSED)
     # Thin walls beside pockets scatter more.
     size_mm = COARSE_MM / 2 if request.param in ("drafted-pockets", "round-floors") else COARSE_MM
@@ -182,25 +184,22 @@ def test_safety_and_stress_over_the_cycle_are_those_of_the_assessment(cycle: Cyc
     planes = [(2, 0.0), (2, scene.pitch_mm / 2)] + ([(0, 0.0)] if mesh.mirrored else [])
     surface = outer_surface(model, found.elements, tuple(planes))
     on = [fillet_nodes(scene, name, surface.points_mm) for name in ("journal", "pin")]
-    assessed = safety_field(
-        StressModel(
-            "",
-            scene,
-            1.0,
-            kinds,
-            surface,
-            surface_stress(model, surface, found),
-            images_of(fields, mesh.mirrored),
-            on[0],
-            on[1],
-            Quality(1.0, 1.0, 1, 0.0, 0.0, 0.0, 0.0),
-        ),
-        "lsa",
-        load_history(scene, "cycle", enabled),
+    throw = StressModel(
+        "",
+        scene,
+        1.0,
+        kinds,
+        surface,
+        surface_stress(model, surface, found),
+        images_of(fields, mesh.mirrored),
+        on[0],
+        on[1],
+        Quality(1.0, 1.0, 1, 0.0, 0.0, 0.0, 0.0),
     )
+    parts = [safety_field(throw, "lsa", one) for one in histories_of(scene, "cycle", enabled)]
     by_model = cycle.model.responses(cycle.values).values
-    assert by_model["fatigue_safety"] == pytest.approx(assessed.critical.safety, rel=1e-5)
-    assert by_model["stress"] == pytest.approx(largest_of_field_MPa(assessed), rel=1e-5)
+    assert by_model["fatigue_safety"] == pytest.approx(least_field(parts).critical.safety, rel=1e-5)
+    assert by_model["stress"] == pytest.approx(max(map(largest_of_field_MPa, parts)), rel=1e-5)
 
 
 @pytest.mark.slow
