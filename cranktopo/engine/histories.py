@@ -74,18 +74,24 @@ def loads_name(loads: Loads) -> LoadsName:
 
 
 def histories_of(scene: Scene, loads: Loads, enabled: frozenset[str]) -> Sequence[LoadHistory]:
-    """Return the load histories that are judged one by one; errors as of `load_history`.
+    """Return the load histories that are judged one by one; errors as of `load_history`."""
+    return [one for of_speed in histories_by_speed(scene, loads, enabled) for one in of_speed]
 
-    They are those of the engine's speed, and of its overspeed where it has one: the pull of the masses grows
-    with the square of the speed. The rule of a classification society judges the first alone.
+
+def histories_by_speed(
+    scene: Scene, loads: Loads, enabled: frozenset[str]
+) -> tuple[Sequence[LoadHistory], ...]:
+    """Return the histories of the engine's speed, and those of its overspeed where it has one.
+
+    The pull of the masses grows with the square of the speed. The rule of a classification society judges the
+    first alone. Those of webs in their shaft belong together, whatever their speeds.
     """
     if isinstance(loads, WebLoads):
-        return loads.histories
-    rated = rated_histories(scene, loads, enabled)
-    engine = engine_of(scene)
+        return (loads.histories,)
+    rated, engine = rated_histories(scene, loads, enabled), engine_of(scene)
     if engine.overspeed_rpm is None or engine.overspeed_rpm == engine.speed_rpm:
-        return rated
-    return [*rated, *_at_overspeed(scene, engine.overspeed_rpm, loads, enabled)]
+        return (rated,)
+    return rated, _at_overspeed(scene, engine.overspeed_rpm, loads, enabled)
 
 
 def rated_histories(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> Sequence[LoadHistory]:

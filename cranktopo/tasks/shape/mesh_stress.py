@@ -6,7 +6,7 @@ by the stresses at the surface back to the nodes.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_tonne_per_mm3
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import Loads, WebLoads, histories_of
+from cranktopo.engine.histories import Loads, WebLoads, histories_by_speed
 from cranktopo.engine.load_case import LoadKind
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_force
 from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes, mean_slopes, work_slopes
@@ -25,7 +25,7 @@ from cranktopo.tasks.fatigue.stress_model import images_of
 from cranktopo.tasks.fea.condense import Lateral, Superelement, bending_motion, section_slopes, torsion_motion
 from cranktopo.tasks.fea.unit_fields import FieldKind, UnitField, loaded, support_spring, twisted
 from cranktopo.tasks.shape.smooth_safety import least_safety
-from cranktopo.tasks.shape.smooth_stress import judged_surface, largest_stress
+from cranktopo.tasks.shape.smooth_stress import SmoothValue, judged_surface, largest_stress
 from cranktopo.tasks.shape.stress_adjoint import stress_adjoint
 
 _SMOOTH = {"fatigue_safety": least_safety, "stress": largest_stress}
@@ -35,6 +35,12 @@ _SIDEWAYS: tuple[FieldKind, ...] = ("side_moment", "tangential")
 """Symmetric loads that the mirror x -> -x turns around."""
 
 
+def _worst(name: str, found: Sequence[SmoothValue]) -> SmoothValue:
+    """Return the value at the speed that decides: a sum over both speeds would count the other one."""
+    chosen = min if name == "fatigue_safety" else max
+    return chosen(found, key=lambda one: one.extreme)
+
+
 class MeshStress:
     """Quantities over the load states of a scene, by name."""
 
@@ -42,7 +48,7 @@ class MeshStress:
         """Find the load states, which the scene must tell unless they are those of a web in its shaft."""
         enabled, kinds = load_kinds(scene, loads)
         self.scene, self.kinds = scene, kinds
-        self.histories = histories_of(scene, loads, enabled)
+        self.histories = histories_by_speed(scene, loads, enabled)
         self._near_alone = isinstance(loads, WebLoads)
         self.names = tuple(name for name in _SMOOTH if name in names)
 
@@ -82,13 +88,20 @@ class MeshStress:
         mirrored = bend.parts == 2
         planes = [(2, 0.0), (2, scene.pitch_mm / 2)] + ([(0, 0.0)] if mirrored else [])
         surface = outer_surface(model, found.elements, tuple(planes))
-        loads = [unit_loads(history, self.kinds) for history in self.histories]
         images = [i for i in images_of(fields, mirrored) if not (self._near_alone and i.flip_z)]
-        states = [of_one * image.signs for of_one in loads for image in images]
-        judged = judged_surface(scene, surface, surface_stress(model, surface, found), states)
+        stress = surface_stress(model, surface, found)
+        judged = [
+            judged_surface(
+                scene,
+                surface,
+                stress,
+                [unit_loads(one, self.kinds) * image.signs for one in of_speed for image in images],
+            )
+            for of_speed in self.histories
+        ]
         told = {}
         for name in self.names:
-            smooth = _SMOOTH[name](self.scene, judged)
+            smooth = _worst(name, [_SMOOTH[name](self.scene, at_speed) for at_speed in judged])
             forces, gradients = stress_adjoint(model, surface, found, moved, smooth.adjoint, self._elastic)
             gradients += self._through_fields(model, blocks, fields, forces)
             told[name] = smooth.extreme, smooth.value, gradients
