@@ -29,8 +29,8 @@ _CHARGED = 1.05
 _EXHAUST_SHARE = 0.8
 """Pressure behind a charged engine over that before it."""
 _HALVINGS = 14
-_NEARER = 1.01
-"""Ratio of peak pressures that are tried one after another where one does not give the power."""
+_BEYOND = 1.0, 1.02, 1.05
+"""Peak pressures that are tried for a hint, over what a power needs in proportion."""
 
 
 @dataclass(frozen=True)
@@ -217,16 +217,20 @@ def _work_J(scene: Scene) -> float:
     return indicated_work_J(curve, scene.engine, scene.throw.radius_mm)
 
 
-def _nearest_peak(
+def _peak_that_does(
     scene: Scene, mean: float, peak: float, found: _Range, ratios: Sequence[float]
 ) -> float | None:
-    """Return the nearest peak with which a power is proposed, of two digits or three; None where none is."""
-    way = _NEARER if mean > found.most_MPa else 1 / _NEARER
-    tried = peak
-    while _PEAK_MPA[0] <= (tried := tried * way) <= _PEAK_MPA[1]:
-        told = float(f"{tried:.3g}")
-        if not isinstance(_at_peak(scene, mean, told, ratios), _Range):
-            return told
+    """Return a peak of three digits in proportion to the mean pressure that is wanted, or a little beyond.
+
+    None where no such one is accepted: each takes a second to try.
+    """
+    more = mean > found.most_MPa
+    near = found.most_MPa if more else found.least_MPa
+    for beyond in _BEYOND if near else ():
+        tried = float(f"{peak * mean / near * (beyond if more else 1 / beyond):.3g}")
+        within = _PEAK_MPA[0] <= tried <= _PEAK_MPA[1]
+        if within and not isinstance(_at_peak(scene, mean, tried, ratios), _Range):
+            return tried
     return None
 
 
@@ -250,7 +254,7 @@ def _refused(
         assumed += f", burn duration {_BURN_DEG[-1]:g} to {_BURN_DEG[0]:g} deg"
         at = f"the peak pressure of {peak:g} MPa"
         hint = f"It is indicated, before friction: that at the shaft over 0.8 to 0.9. {hint}"
-        if needed := _nearest_peak(scene, mean, peak, found, ratios):
+        if needed := _peak_that_does(scene, mean, peak, found, ratios):
             hint += f" A peak pressure of {needed:g} MPa would do; or leave it out."
     return invalid(
         "power_kW",

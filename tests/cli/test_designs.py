@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 import re
 import shlex
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
 from cranktopo.app.main import main
 from cranktopo.design.loading import builtin_designs, designs_folder, load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.engine import starting_gas
 from cranktopo.runs.directories import create_run
 from cranktopo.tasks.fea.targets import resolve_target, resolve_targets
 from tests.cli.test_run_scene import with_files
@@ -233,6 +236,20 @@ def test_a_power_at_a_peak_is_had_wherever_neighbours_have_it(
     assert hint
     assert main(["designs", "new", str(tmp_path / "low.toml"), *asked, hint[1]]) == 0
     assert "115 kW" in capsys.readouterr().out
+
+
+def test_a_hint_tries_few_peaks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each takes a second: a search in steps of a percent kept a refusal waiting for a minute."""
+    tried, at_peak = list[float](), starting_gas._at_peak
+
+    def counted(scene: Scene, mean: float, peak: float, ratios: Sequence[float]) -> object:
+        tried.append(peak)
+        return at_peak(scene, mean, peak, ratios)
+
+    monkeypatch.setattr(starting_gas, "_at_peak", counted)
+    asked = [*TWIN, "--rod-length-mm", "124", "--compression-ratio", "12", "--peak-pressure-MPa", "8"]
+    assert main(["designs", "new", str(tmp_path / "never.toml"), *asked, "--power-kW", "900"]) == 3
+    assert len(tried) <= 4
 
 
 def test_new_design_of_a_power(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
