@@ -16,7 +16,6 @@ from cranktopo.design.material import (
     thicker_MPa,
 )
 from cranktopo.design.schema import Scene
-from cranktopo.throw.journal import Journal
 
 
 @dataclass(frozen=True)
@@ -80,13 +79,17 @@ def ruling_section_mm(scene: Scene) -> float:
     """Return the thickness through which the crank is hardened: of a solid journal its diameter, of a bored
     one its wall, or that of a web."""
     parts = halves(scene)
-    journals = [_through_mm(journal) for half in parts for journal, _ in half.throw.journals]
+    journals = [
+        through_mm(journal.outer_diameter_mm, journal.bore_diameter_mm)
+        for half in parts
+        for journal, _ in half.throw.journals
+    ]
     return max(*journals, *(half.web.thickness_mm for half in parts))
 
 
-def _through_mm(journal: Journal) -> float:
-    wall = (journal.outer_diameter_mm - journal.bore_diameter_mm) / 2
-    return wall if journal.bore_diameter_mm else journal.outer_diameter_mm
+def through_mm(diameter_mm: float, bore_mm: float) -> float:
+    """Return the thickness through which a cylinder is hardened: its diameter, or its wall if bored."""
+    return (diameter_mm - bore_mm) / 2 if bore_mm else diameter_mm
 
 
 def _demanded_strength(material: Material) -> list[str]:

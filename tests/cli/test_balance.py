@@ -329,7 +329,7 @@ def test_what_a_proposal_prints_makes_both_commands_agree(capsys, tmp_path, perc
 
 
 def told_of_counterweights(capsys, design):
-    """What the terminal says of the counterweights of each throw, and the card of the page."""
+    """Words of the terminal on the counterweights of each throw, and the card of the page."""
     page = design.parent / "b.html"
     code, out, _ = run(capsys, str(design), "--report", str(page))
     assert code == 0

@@ -1,4 +1,4 @@
-"""What the counterweights of each throw lack or have too much, in words."""
+"""Counterweights of each throw beside what it needs, in words: as needed, too heavy, how much is missing."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from cranktopo.tasks.balance.result import Balance
 
 @dataclass(frozen=True)
 class _ThrowNeed:
-    """What the counterweights of a throw need together.
+    """Need of the counterweights of a throw together.
 
     Attributes:
         kg_mm: beyond what they have, real away from the crankpin: below zero where they are too heavy.

@@ -15,7 +15,7 @@ from cranktopo.design.balancer import BalancerBearing, BalancerPart, ShaftNotch
 from cranktopo.design.material import Material
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
-from cranktopo.design.strength import RulingSection, material_remarks
+from cranktopo.design.strength import RulingSection, material_remarks, through_mm
 from cranktopo.engine.balance.balancer_shafts import GearForces, gear_forces
 from cranktopo.engine.bearings import equivalent_load_N, rating_life_h, roller_spring_N_per_mm
 from cranktopo.numerics.stepped_beam import Beam, BentBeam, bend, round_beam
@@ -148,9 +148,9 @@ def _remarks(loaded: _LoadedShaft) -> tuple[str, ...] | None:
 
 
 def ruling_section(part: BalancerPart) -> RulingSection:
-    """Return the largest thickness through which the shaft is hardened: of a bored step that of its wall."""
-    walls = [(s.diameter_mm - s.bore_mm) / 2 if s.bore_mm else s.diameter_mm for s in part.step]
-    return RulingSection(max(walls), "shaft", "balancer.material" if part.material else "material")
+    """Return the largest thickness through which a step of the shaft is hardened."""
+    through = max(through_mm(step.diameter_mm, step.bore_mm) for step in part.step)
+    return RulingSection(through, "shaft", "balancer.material" if part.material else "material")
 
 
 def _of_its_material(scene: Scene, part: BalancerPart) -> Scene:

@@ -13,7 +13,8 @@ from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.design.published import Published
 from cranktopo.report.result_table import Cell
 from cranktopo.tasks.fatigue.result import FatigueResult
-from cranktopo.tasks.fatigue.text import SAME, FatigueComparison
+from cranktopo.tasks.fatigue.text import FatigueComparison
+from cranktopo.tasks.fatigue.verdicts import SAME
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.fea.evaluation import Evaluation
 from cranktopo.tasks.fea.quantities import COMPARED, SAFETY, UNBALANCE, Quantity, evaluation_values

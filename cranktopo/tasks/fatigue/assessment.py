@@ -27,7 +27,8 @@ from cranktopo.tasks.fatigue.result import (
 )
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.safety_field import FatigueField
-from cranktopo.tasks.fatigue.text import FatigueComparison, compare_fatigue, percent_of_baseline
+from cranktopo.tasks.fatigue.text import FatigueComparison, compare_fatigue
+from cranktopo.tasks.fatigue.verdicts import percent_of_baseline
 from cranktopo.tasks.fea.targets import Target
 
 FatigueMethod = str

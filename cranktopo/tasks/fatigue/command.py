@@ -113,6 +113,7 @@ def command(
 def _text(found: FatigueAssessment) -> str:
     from cranktopo.report.result_table import terminal
     from cranktopo.tasks.fatigue import text as tables
+    from cranktopo.tasks.fatigue.verdicts import verdicts
 
     baseline = found.baseline
     if found.fields:
@@ -132,5 +133,5 @@ def _text(found: FatigueAssessment) -> str:
         ]
         if any(check.outlets for check in found.checks):
             parts.append(terminal(tables.outlet_table(found.checks)))
-    verdicts = [] if baseline is None else tables.verdicts(found.results, baseline)
-    return "\n\n".join([*parts, *(["\n".join(verdicts)] if verdicts else [])])
+    told = [] if baseline is None else verdicts(found.results, baseline)
+    return "\n\n".join([*parts, *(["\n".join(told)] if told else [])])

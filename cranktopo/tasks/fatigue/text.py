@@ -1,4 +1,4 @@
-"""Tables and verdicts of the fatigue command.
+"""Tables and remarks of the fatigue command.
 
 `baseline` is the position of the target that counts as 100 %, if any.
 """
@@ -8,23 +8,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from cranktopo.base.units import change_text
 from cranktopo.engine.histories import speed_words
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR
-from cranktopo.tasks.fatigue.remarks import mesh_shortfall
-from cranktopo.tasks.fatigue.result import FatigueResult, FatigueShare, PartLife, RuleFatigue
+from cranktopo.tasks.fatigue.result import FatigueResult, PartLife, RuleFatigue
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.safety_field import FatigueField
+from cranktopo.tasks.fatigue.verdicts import FatigueOutcome, summary, verdicts, with_percent
 from cranktopo.tasks.fea.quantities import MASS, SAFETY
 
-SAME = 0.02
-"""Relative difference of safety below which two variants count as equal: the scatter of the worst node."""
-_SAME_IF_COARSE = 0.04
-"""The same where means over elements of a mesh miss the rule's checks."""
-_OTHER_LOADS = 0.002
-"""Relative difference of a load's amplitude from which two variants are judged by different loads."""
-_FatigueResult = FatigueField | RuleCheck
 _FIELD_COLUMNS: tuple[Column[FatigueField], ...] = (
     Column("target", 0, lambda f: f.model.name),
     Column("throw_kg", MASS.digits, lambda f: f.model.throw_kg),
@@ -56,8 +48,6 @@ _RULE_COLUMNS: tuple[Column[RuleCheck], ...] = (
     Column("verdict", 0, lambda c: c.verdict),
     Column("governed_by", 0, lambda c: _governed_by(c)),
 )
-_SAFETY_COLUMNS = (SAFETY.column, "governing_Q")
-"""Mass and safety in percent stand behind the safety, whichever it is."""
 
 
 @dataclass(frozen=True)
@@ -90,10 +80,10 @@ class FatigueComparison:
 
 
 def compare_fatigue(
-    results: Sequence[_FatigueResult], baseline: int | None, found: FatigueResult
+    results: Sequence[FatigueOutcome], baseline: int | None, found: FatigueResult
 ) -> FatigueComparison:
     """Return what a comparison shows of the fatigue of its targets; no verdicts without a baseline."""
-    safeties = tuple(_summary(result).safety for result in results)
+    safeties = tuple(summary(result).safety for result in results)
     checks = [result for result in results if isinstance(result, RuleCheck)]
     remarks = [*map(_acceptance, checks), *rule_remarks(checks)]
     fields = [result for result in results if isinstance(result, FatigueField)]
@@ -120,12 +110,12 @@ def field_table(fields: Sequence[FatigueField], baseline: int | None) -> ResultT
     columns = _FIELD_COLUMNS
     if any(field.at_outlet for field in fields):
         columns = (*columns[:_FILLETS_END], _OUTLET_COLUMNS[0], *columns[_FILLETS_END:], _OUTLET_COLUMNS[1])
-    return _with_percent(tabulate(columns, fields), fields, baseline)
+    return with_percent(tabulate(columns, fields), fields, baseline)
 
 
 def rule_table(checks: Sequence[RuleCheck], baseline: int | None) -> ResultTable:
     """Return one row per target: acceptability of both fillets by closed form and by finite elements."""
-    return _with_percent(tabulate(_RULE_COLUMNS, checks), checks, baseline)
+    return with_percent(tabulate(_RULE_COLUMNS, checks), checks, baseline)
 
 
 def outlet_table(checks: Sequence[RuleCheck]) -> ResultTable:
@@ -325,112 +315,9 @@ def factor_table(checks: Sequence[RuleCheck]) -> ResultTable:
     return ResultTable({"target": 0, "factor": 0, "rule": 3, "FE": 3, "FE_over_rule_percent": 1}, rows)
 
 
-def verdicts(results: Sequence[_FatigueResult], baseline: int) -> list[str]:
-    """For each target but the baseline its change of mass and safety, and whether it is as safe."""
-    found = [_summary(result) for result in results]
-    base = found[baseline]
-    lines = []
-    for index, one in enumerate(found):
-        if index == baseline:
-            continue
-        ratio = one.safety / base.safety
-        lines.append(
-            f"{one.name}: {change_text(100 * (one.mass_kg / base.mass_kg - 1))} mass, "
-            f"{change_text(100 * (ratio - 1))} safety: {_as_safe(ratio, one, base)}."
-        )
-        lines += _other_loads(results[index], results[baseline])
-    return lines
-
-
-def _as_safe(ratio: float, one: _Summary, base: _Summary) -> str:
-    """Return whether a target is as safe as the baseline, or that meshes are too coarse to tell."""
-    if abs(ratio - 1) <= SAME:
-        return f"as safe as {base.name}"
-    meshes = " and of ".join(each.name for each in (one, base) if each.coarse)
-    if meshes and abs(ratio - 1) <= _SAME_IF_COARSE:
-        return (
-            f"not told apart from {base.name}: the mesh of {meshes} misses the rule's checks, and safeties "
-            f"scatter by up to {100 * _SAME_IF_COARSE:g} % then; a smaller --fillet-fraction helps"
-        )
-    return f"{'safer' if ratio > 1 else 'less safe'} than {base.name}"
-
-
-def _other_loads(one: _FatigueResult, base: _FatigueResult) -> list[str]:
-    """Return a line where the rule judged a target by other loads than the baseline: masses, vibration."""
-    if not (isinstance(one, RuleCheck) and isinstance(base, RuleCheck)):
-        return []
-    pairs = (
-        ("radial force", "kN", one.loads.radial_N, base.loads.radial_N),
-        ("bending moment", "kN m", one.loads.moment_Nm, base.loads.moment_Nm),
-        ("torque", "kN m", one.loads.torque_Nm, base.loads.torque_Nm),
-    )
-    differ = [
-        f"{name} {own / 1000:.4g} against {other / 1000:.4g} {unit}"
-        for name, unit, own, other in pairs
-        if abs(own - other) > _OTHER_LOADS * abs(other)
-    ]
-    return [f"{one.name}: other load amplitudes than {base.name}: {', '.join(differ)}."] if differ else []
-
-
-def percent_of_baseline(results: Sequence[_FatigueResult], baseline: int) -> tuple[FatigueShare, ...]:
-    """Return safety and mass of each target in percent of the baseline."""
-    found = [_summary(result) for result in results]
-    base = found[baseline]
-    return tuple(
-        FatigueShare(
-            target=one.name,
-            safety_percent=100 * one.safety / base.safety,
-            mass_percent=100 * one.mass_kg / base.mass_kg,
-        )
-        for one in found
-    )
-
-
-@dataclass(frozen=True)
-class _Summary:
-    """What a comparison takes of a result; `coarse`: by means over elements that miss the rule's checks."""
-
-    name: str
-    mass_kg: float
-    safety: float
-    coarse: bool
-
-
-def _summary(result: _FatigueResult) -> _Summary:
-    if isinstance(result, FatigueField):
-        model = result.model
-        return _Summary(
-            model.name, model.throw_kg, result.critical.safety, coarse=bool(mesh_shortfall(model))
-        )
-    judged = result.judged_safety
-    unproven = judged is None or result.safety < judged
-    return _Summary(result.name, result.throw_kg, result.safety, coarse=unproven)
-
-
 def _governed_by(check: RuleCheck) -> str:
     return ", ".join(f"{name} {by or 'not judged'}" for name, by in check.governing.items())
 
 
 def _by_rule(check: RuleCheck, fillet: str) -> float | None:
     return None if check.outside else check.rule_checks[fillet].acceptability
-
-
-def _with_percent(table: ResultTable, results: Sequence[_FatigueResult], baseline: int | None) -> ResultTable:
-    """Return the table with mass and safety in percent of the baseline."""
-    if baseline is None:
-        return table
-    found = [_summary(result) for result in results]
-    base = found[baseline]
-    added = {MASS.percent_column: 1, SAFETY.percent_column: 1}
-    rows = tuple(
-        {
-            **row,
-            MASS.percent_column: 100 * one.mass_kg / base.mass_kg,
-            SAFETY.percent_column: 100 * one.safety / base.safety,
-        }
-        for row, one in zip(table.rows, found, strict=True)
-    )
-    columns: dict[str, int] = {}
-    for name, digits in table.columns.items():
-        columns |= {name: digits} | (added if name in _SAFETY_COLUMNS else {})
-    return ResultTable(columns, rows)

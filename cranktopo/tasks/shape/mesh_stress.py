@@ -6,7 +6,7 @@ by the stresses at the surface back to the nodes.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
@@ -25,20 +25,15 @@ from cranktopo.tasks.fatigue.stress_model import images_of
 from cranktopo.tasks.fea.condense import Lateral, Superelement, bending_motion, section_slopes, torsion_motion
 from cranktopo.tasks.fea.unit_fields import FieldKind, UnitField, loaded, support_spring, twisted
 from cranktopo.tasks.shape.smooth_safety import least_safety
-from cranktopo.tasks.shape.smooth_stress import SmoothValue, judged_surface, largest_stress
+from cranktopo.tasks.shape.smooth_stress import judged_surface, largest_stress
 from cranktopo.tasks.shape.stress_adjoint import stress_adjoint
 
-_SMOOTH = {"fatigue_safety": least_safety, "stress": largest_stress}
+_SMOOTH = {"fatigue_safety": (least_safety, min), "stress": (largest_stress, max)}
+"""Smooth value of each quantity, and which of two speeds decides it: a sum would count the other one too."""
 _PUSH: dict[FieldKind, tuple[int, float]] = {"bending": (1, -1.0), "tangential": (0, 1.0)}
 """Axis and sign of the unit forces on the pin."""
 _SIDEWAYS: tuple[FieldKind, ...] = ("side_moment", "tangential")
 """Symmetric loads that the mirror x -> -x turns around."""
-
-
-def _worst(name: str, found: Sequence[SmoothValue]) -> SmoothValue:
-    """Return the value at the speed that decides: a sum over both speeds would count the other one."""
-    chosen = min if name == "fatigue_safety" else max
-    return chosen(found, key=lambda one: one.extreme)
 
 
 class MeshStress:
@@ -101,7 +96,8 @@ class MeshStress:
         ]
         told = {}
         for name in self.names:
-            smooth = _worst(name, [_SMOOTH[name](self.scene, at_speed) for at_speed in judged])
+            value, deciding = _SMOOTH[name]
+            smooth = deciding((value(self.scene, one) for one in judged), key=lambda one: one.extreme)
             forces, gradients = stress_adjoint(model, surface, found, moved, smooth.adjoint, self._elastic)
             gradients += self._through_fields(model, blocks, fields, forces)
             told[name] = smooth.extreme, smooth.value, gradients

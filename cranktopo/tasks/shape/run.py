@@ -25,11 +25,7 @@ from cranktopo.design.assumed import (
     assumed_text,
     assumptions,
 )
-from cranktopo.design.goal.balance_moved import balance_moved
-from cranktopo.design.goal.constraint import TOLERANCE
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.goal.outcome import GoalOutcome, GoalWords, goal_outcome
-from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.goal.wanted import require_goal
 from cranktopo.design.halves import usual_scale
 from cranktopo.design.loading import load_scene, scene_from_dict
@@ -67,27 +63,18 @@ from cranktopo.tasks.fatigue.taken_keys import assumed_by, note_unused
 from cranktopo.tasks.film.stage import film_change
 from cranktopo.tasks.importing.imported_body import half_throw_surface
 from cranktopo.tasks.importing.original import check_original, original_file
-from cranktopo.tasks.refit.family import free_dimensions, parameter_unit, with_free
+from cranktopo.tasks.refit.family import free_dimensions, with_free
 from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.process import process_limits
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.refit.stage import remodel_run
+from cranktopo.tasks.shape.assembled import assembled
 from cranktopo.tasks.shape.page import shape_page
 from cranktopo.tasks.shape.result import (
-    LimitPrice,
-    RoundValues,
-    RulePrice,
-    SensitivityTable,
-    ShapeParameter,
     ShapeResult,
-    ShapeValues,
 )
-from cranktopo.tasks.shape.rules import rule_unit, rules_at
-from cranktopo.tasks.shape.search_goal import quantity_on_cells
-from cranktopo.tasks.shape.sensitivities import active_constraints, dimension_sensitivities, sensitivity_table
 from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape, stresses_in
 from cranktopo.tasks.shape.start import scene_start
-from cranktopo.tasks.shape.text import QUANTITIES_TOLD
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLimits
 
 TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, FATIGUE)
@@ -250,7 +237,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         seconds["total"] = time.perf_counter() - began
         layout, values = with_free(start.layout, start.values, scene, free_dimensions(scene), start.sizes)
         begin = dict(zip(layout.names, map(float, values), strict=True))
-        found = _assembled(scene, optimum, begin, seconds, settings.loads)
+        found = assembled(scene, optimum, begin, seconds, settings.loads)
         reached = {"reached_percent": found.goal.reached_percent}
         more = {
             "bound": bound and bound.model_copy(update=reached),
@@ -304,107 +291,3 @@ def _bodies(scene: Scene, shaped: Scene, found: SurfaceMesh) -> tuple[ShownBody,
     before = surface_of(scene, "half", facet_mm) if file is None else half_throw_surface(file, scene)
     shown = (("result", found, shaped), ("original web", before, scene))
     return tuple(ShownBody(name, mesh, of.web_z_mm, of.pitch_mm / 2) for name, mesh, of in shown)
-
-
-_PER_UNIT = {"mm": 1.0, "deg": 1.0, "%": 100.0}
-
-
-def _assembled(
-    scene: Scene,
-    optimum: ShapeOptimum,
-    start: dict[str, float],
-    seconds: dict[str, float],
-    loads: Loads,
-) -> ShapeResult:
-    """Return the content of shape.json without bound, assumptions and files; `start` as it began, by name."""
-    goal, result, original = optimum.goal, optimum.result, optimum.original
-    outcome = goal_outcome(goal, result.web.values, original.values)
-    table, on_cells = _sensitivities(scene, optimum), quantity_on_cells(goal)
-    moved = balance_moved(scene, result.web.values, original.values)
-    return ShapeResult(
-        design=scene.name,
-        goal=outcome,
-        status="limits not met" if any(limit.holds is False for limit in outcome.limits) else "converged",
-        stop_reason=_reason(optimum, outcome),
-        original=original.evaluation,
-        result=result.web.evaluation,
-        values=ShapeValues(original=original.values, result=result.web.values),
-        change_percent=_changes(optimum),
-        parameters=tuple(ShapeParameter(**dict(row), start=start.get(row.name)) for row in table.parameters),
-        worst_case_percent=table.worst_case_percent,
-        prices=_limit_prices(optimum, outcome),
-        goal_on_cells=GoalWords.model_validate({goal.sense: on_cells}),
-        prices_remainder_percent=100 * optimum.multipliers.remainder,
-        rule_prices=_rule_prices(scene, optimum),
-        trials=optimum.trials,
-        rounds=tuple(
-            RoundValues(values=found.web.values, excess_percent=found.excess_percent)
-            for found in optimum.rounds
-        ),
-        best_round=optimum.best,
-        iterations=len(optimum.rounds),
-        evaluations=sum(trial.evaluations for trial in optimum.trials)
-        + sum(found.evaluations for found in optimum.rounds),
-        seconds=seconds,
-        loads=loads_name(loads) if stresses_in(goal.quantities) else None,
-        unfinished=optimum.unfinished,
-        balance=moved.told if moved else None,
-    )
-
-
-def _limit_prices(optimum: ShapeOptimum, outcome: GoalOutcome) -> tuple[LimitPrice, ...]:
-    """Return what a percent of each limit costs in the goal, % of the original's, where that is known."""
-    rest = 100 * optimum.multipliers.remainder
-    fitted = [
-        LimitPrice.model_validate(
-            {"quantity": limit.quantity, "sense": limit.sense, "goal_percent_per_percent": float(price)}
-        )
-        for limit, price in zip(optimum.stated.limits, optimum.multipliers.limits, strict=True)
-    ]
-    return tuple(
-        price.model_copy(update={"goal_percent_per_percent": price.known(outcome.limits, rest)})
-        for price in fitted
-    )
-
-
-def _rule_prices(scene: Scene, optimum: ShapeOptimum) -> tuple[RulePrice, ...]:
-    """Return what a unit of each rule and bound would give in the goal, % of the original's."""
-    web, paid, found = optimum.web, optimum.multipliers, dict[tuple[str, str], float]()
-    names = [(name, rule_unit(name)) for name in rules_at(scene, web, optimum.result.values).names]
-    bounds = [
-        (f"{'least' if price > 0 else 'greatest'} {name}", parameter_unit(name))
-        for name, price in zip(web.layout.names, paid.bounds, strict=True)
-    ]
-    for key, price in zip([*names, *bounds], [*paid.rules, *abs(paid.bounds)], strict=True):
-        if price > 0:
-            found[key] = found.get(key, 0.0) + 100 * float(price) / _PER_UNIT[key[1]]
-    return tuple(
-        RulePrice(name=name, unit=unit, goal_percent_per_unit=price) for (name, unit), price in found.items()
-    )
-
-
-def _changes(optimum: ShapeOptimum) -> dict[str, float]:
-    values, original = optimum.result.web.values, optimum.original.values
-    return {
-        name: 100 * (values[name] / original[name] - 1)
-        for name in QUANTITIES_TOLD
-        if values.get(name) and original[name]
-    }
-
-
-def _sensitivities(scene: Scene, optimum: ShapeOptimum) -> SensitivityTable:
-    web, values, original = optimum.web, optimum.result.values, optimum.original.values
-    goal = optimum.stated, optimum.responses, original
-    holders = active_constraints(scene, web, values, rules_at(scene, web, values), goal)
-    found = dimension_sensitivities(web, values, optimum.responses, original, holders)
-    return sensitivity_table(found, scene.shape.tolerance_mm)
-
-
-def _reason(optimum: ShapeOptimum, outcome: GoalOutcome) -> str:
-    result, count = optimum.result, len(optimum.rounds)
-    if result.held:
-        return f"every limit holds by the evaluation, web {optimum.best + 1} of {count} evaluated"
-    worst = max(outcome.limits, key=lambda limit: limit.violation or 0.0)
-    label, percent = QUANTITIES[worst.quantity].label, 100 * (worst.violation or 0.0)
-    within = f", within the {100 * TOLERANCE:g} % that count as kept" if worst.holds else ""
-    return f"{label} misses its limit by {percent:.2f} % by the evaluation{within}, best of {count} webs"

@@ -111,7 +111,7 @@ class SweepResult(Result):
     operating_conditions: tuple[str, ...] | None = UNLESS_NONE
     """Keys of speed and load that vary: in front and picks a web counts by its condition of least safety."""
     balance: str | None = UNLESS_NONE
-    """Where points are balanced otherwise than the original with its counterweights: in words, how far."""
+    """Distance of the points' balance from that of the original with its counterweights, in words; if any."""
     undecided: tuple[str, ...] | None = UNLESS_NONE
     """Ids of coarse points that may be on the front, for which the budget left no time."""
     files: SweepFiles

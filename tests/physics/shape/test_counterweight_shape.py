@@ -166,7 +166,7 @@ def test_a_kept_balance_makes_the_bound_tighter(free: Scene) -> None:
 
 @pytest.mark.slow
 def test_cells_misjudge_the_unbalance_of_every_web_alike(free: Scene) -> None:
-    """What they lack of journals and fillets is the same, whatever the web: a limit moves by it."""
+    """They lack the same of journals and fillets, whatever the web: a limit moves by it."""
     errors = []
     for change in ({}, {"counterweight_radius": 50.0}):
         scene = with_dimensions(free, change)

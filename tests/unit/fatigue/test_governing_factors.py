@@ -33,7 +33,8 @@ from cranktopo.tasks.fatigue.outlet_elements import OutletFactors
 from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult, MeshChecks, Quality
 from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
 from cranktopo.tasks.fatigue.rule_tables import acceptability_table, size_table
-from cranktopo.tasks.fatigue.text import compare_fatigue, outlet_table, rule_remarks, rule_table, verdicts
+from cranktopo.tasks.fatigue.text import compare_fatigue, outlet_table, rule_remarks, rule_table
+from cranktopo.tasks.fatigue.verdicts import verdicts
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.throw.drilling.table import drill_bores
 

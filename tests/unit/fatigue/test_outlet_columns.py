@@ -11,7 +11,8 @@ import pytest
 from cranktopo.report.result_table import terminal
 from cranktopo.tasks.fatigue.result import Quality
 from cranktopo.tasks.fatigue.safety_field import FatigueField
-from cranktopo.tasks.fatigue.text import field_table, verdicts
+from cranktopo.tasks.fatigue.text import field_table
+from cranktopo.tasks.fatigue.verdicts import verdicts
 
 
 def field(name: str, outlet: float | None) -> Any:

@@ -1,0 +1,130 @@
+"""Fatigue of several targets beside a baseline: as safe, safer or not told apart, and in percent of it.
+
+`baseline` is the position of the target that counts as 100 %, if any.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from cranktopo.base.units import change_text
+from cranktopo.report.result_table import ResultTable
+from cranktopo.tasks.fatigue.remarks import mesh_shortfall
+from cranktopo.tasks.fatigue.result import FatigueShare
+from cranktopo.tasks.fatigue.rule_check import RuleCheck
+from cranktopo.tasks.fatigue.safety_field import FatigueField
+from cranktopo.tasks.fea.quantities import MASS, SAFETY
+
+SAME = 0.02
+"""Relative difference of safety below which two variants count as equal: the scatter of the worst node."""
+_SAME_IF_COARSE = 0.04
+"""The same where means over elements of a mesh miss the rule's checks."""
+_OTHER_LOADS = 0.002
+"""Relative difference of a load's amplitude from which two variants are judged by different loads."""
+FatigueOutcome = FatigueField | RuleCheck
+"""Fatigue of a target by a method of local stresses, or by the rule."""
+_SAFETY_COLUMNS = (SAFETY.column, "governing_Q")
+"""Mass and safety in percent stand behind the safety, whichever it is."""
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Mass and safety of a result; `coarse`: by means over elements that miss the rule's checks."""
+
+    name: str
+    mass_kg: float
+    safety: float
+    coarse: bool
+
+
+def summary(result: FatigueOutcome) -> Summary:
+    """Return mass and safety of either kind of result."""
+    if isinstance(result, FatigueField):
+        model = result.model
+        return Summary(model.name, model.throw_kg, result.critical.safety, coarse=bool(mesh_shortfall(model)))
+    judged = result.judged_safety
+    unproven = judged is None or result.safety < judged
+    return Summary(result.name, result.throw_kg, result.safety, coarse=unproven)
+
+
+def verdicts(results: Sequence[FatigueOutcome], baseline: int) -> list[str]:
+    """For each target but the baseline its change of mass and safety, and whether it is as safe."""
+    found = [summary(result) for result in results]
+    base = found[baseline]
+    lines = []
+    for index, one in enumerate(found):
+        if index == baseline:
+            continue
+        ratio = one.safety / base.safety
+        lines.append(
+            f"{one.name}: {change_text(100 * (one.mass_kg / base.mass_kg - 1))} mass, "
+            f"{change_text(100 * (ratio - 1))} safety: {_as_safe(ratio, one, base)}."
+        )
+        lines += _other_loads(results[index], results[baseline])
+    return lines
+
+
+def _as_safe(ratio: float, one: Summary, base: Summary) -> str:
+    """Return whether a target is as safe as the baseline, or that meshes are too coarse to tell."""
+    if abs(ratio - 1) <= SAME:
+        return f"as safe as {base.name}"
+    meshes = " and of ".join(each.name for each in (one, base) if each.coarse)
+    if meshes and abs(ratio - 1) <= _SAME_IF_COARSE:
+        return (
+            f"not told apart from {base.name}: the mesh of {meshes} misses the rule's checks, and safeties "
+            f"scatter by up to {100 * _SAME_IF_COARSE:g} % then; a smaller --fillet-fraction helps"
+        )
+    return f"{'safer' if ratio > 1 else 'less safe'} than {base.name}"
+
+
+def _other_loads(one: FatigueOutcome, base: FatigueOutcome) -> list[str]:
+    """Return a line where the rule judged a target by other loads than the baseline: masses, vibration."""
+    if not (isinstance(one, RuleCheck) and isinstance(base, RuleCheck)):
+        return []
+    pairs = (
+        ("radial force", "kN", one.loads.radial_N, base.loads.radial_N),
+        ("bending moment", "kN m", one.loads.moment_Nm, base.loads.moment_Nm),
+        ("torque", "kN m", one.loads.torque_Nm, base.loads.torque_Nm),
+    )
+    differ = [
+        f"{name} {own / 1000:.4g} against {other / 1000:.4g} {unit}"
+        for name, unit, own, other in pairs
+        if abs(own - other) > _OTHER_LOADS * abs(other)
+    ]
+    return [f"{one.name}: other load amplitudes than {base.name}: {', '.join(differ)}."] if differ else []
+
+
+def percent_of_baseline(results: Sequence[FatigueOutcome], baseline: int) -> tuple[FatigueShare, ...]:
+    """Return safety and mass of each target in percent of the baseline."""
+    found = [summary(result) for result in results]
+    base = found[baseline]
+    return tuple(
+        FatigueShare(
+            target=one.name,
+            safety_percent=100 * one.safety / base.safety,
+            mass_percent=100 * one.mass_kg / base.mass_kg,
+        )
+        for one in found
+    )
+
+
+def with_percent(table: ResultTable, results: Sequence[FatigueOutcome], baseline: int | None) -> ResultTable:
+    """Return the table with mass and safety in percent of the baseline."""
+    if baseline is None:
+        return table
+    found = [summary(result) for result in results]
+    base = found[baseline]
+    added = {MASS.percent_column: 1, SAFETY.percent_column: 1}
+    rows = tuple(
+        {
+            **row,
+            MASS.percent_column: 100 * one.mass_kg / base.mass_kg,
+            SAFETY.percent_column: 100 * one.safety / base.safety,
+        }
+        for row, one in zip(table.rows, found, strict=True)
+    )
+    columns: dict[str, int] = {}
+    for name, digits in table.columns.items():
+        columns |= {name: digits} | (added if name in _SAFETY_COLUMNS else {})
+    return ResultTable(columns, rows)
