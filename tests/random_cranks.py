@@ -22,11 +22,28 @@ def random_crank(seed: int) -> Scene:
         "outer_diameter_mm": main["outer_diameter_mm"] * draw.uniform(0.93, 0.99),
     }
     ends = [
-        {"side": side, "step": [_step(draw, main["outer_diameter_mm"]) for _ in range(draw.integers(5))]}
+        {
+            "side": side,
+            "step": _opened([_step(draw, main["outer_diameter_mm"]) for _ in range(draw.integers(5))]),
+        }
         for side in ("free", "output")
     ]
     data["crank"] = {"main_journal": [own], "end": ends}
     return scene_from_dict(data, f"crank-{seed}")
+
+
+def _opened(steps: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Steps whose holes can be made: bores as far as they come from outside, bolt holes in the outermost."""
+    bored = True
+    for step in reversed(steps):
+        bored = bored and "bore_diameter_mm" in step
+        if not bored:
+            step.pop("bore_diameter_mm", None)
+        if step["kind"] == "flange" and step is not steps[-1]:
+            step["kind"] = "cylinder"
+            for key in ("bolts", "bolt_circle_mm", "bolt_diameter_mm", "first_bolt_deg"):
+                del step[key]
+    return steps
 
 
 def _step(draw: np.random.Generator, size: float) -> dict[str, Any]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.design.checks.scene import check_proportion, check_scene
 from cranktopo.design.crank import Crank
-from cranktopo.design.crank_throws import carried, throw_count, throw_scenes
+from cranktopo.design.crank_throws import carried, end_journal, throw_count, throw_scenes
 from cranktopo.design.schema import Scene
 from cranktopo.throw.crank_end import BodyStep, CrankEnd
+from cranktopo.throw.end_holes import closed_hole
 
 
 def check_crank(scene: Scene) -> None:
@@ -22,6 +23,7 @@ def check_crank(scene: Scene) -> None:
         if any(other.side == end.side for other in crank.end[:place]):
             raise scene.invalid(f"crank.end[{place}].side", "that end is given twice", "Join their steps.")
         _check_steps(scene, f"crank.end[{place}]", end)
+        _check_holes(scene, f"crank.end[{place}]", end)
     if not crank.uniform:
         _check_throws(scene)
 
@@ -80,6 +82,18 @@ def _check_steps(scene: Scene, key: str, end: CrankEnd) -> None:
                 check_proportion(scene, f"{path}.{name}", value)
         if isinstance(step, BodyStep) and place < len(end.step) - 1:
             raise invalid(f"{path}.kind", "body", "must be the last step of its end", "Move it there.")
+
+
+def _check_holes(scene: Scene, key: str, end: CrankEnd) -> None:
+    journal = end_journal(scene, end.side)
+    hole = closed_hole(journal, end.step) if journal else None
+    if hole is not None:
+        raise invalid(
+            f"{key}.step[{hole.step}].{hole.key}",
+            2 * hole.radius_mm,
+            "is a closed hollow that no tool reaches: the steps beside it cover it",
+            "Bore the steps up to it from outside, or leave it out.",
+        )
 
 
 def _check_throws(scene: Scene) -> None:

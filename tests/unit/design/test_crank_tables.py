@@ -15,6 +15,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.writing import copy_of, toml_text
 from tests.engine_arrangements import MIKRON
 
+PLAIN = "kind = 'cylinder'\nlength_mm = 9.0\ndiameter_mm = 20.0\n"
 STEP = "[[crank.end]]\nside = 'free'\n[[crank.end.step]]\n"
 
 
@@ -58,6 +59,10 @@ def journal(**keys: Any) -> str:
             r"bolt_circle_mm = 76\.0: holes of 8 mm must lie between",
         ),
         (f"{STEP}kind = 'cylinder'\nlength_mm = 9.0\ndiameter_mm = 0.06", r"diameter_mm = 0\.06: must be >="),
+        (
+            f"{STEP}{PLAIN}[[crank.end.step]]\nbore_diameter_mm = 8.0\n{PLAIN}[[crank.end.step]]\n{PLAIN}",
+            r"step\[1\]\.bore_diameter_mm = 8.*is a closed hollow that no tool reaches.*from outside",
+        ),
         (
             journal(number=2, outer_diameter_mm=52.0),
             r"throw 2 of the crank: throw\.second_main_journal\..*shoulder",
