@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,6 +14,7 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.continuous_beam import PinLoads, Spans, bend_spans, span_bending
 from cranktopo.engine.plan.planning import left_off, plan, plan_for_stress
+from cranktopo.tasks.compare.judged import judge
 from cranktopo.tasks.fatigue import stage
 from cranktopo.tasks.fatigue.stage import assess_by_methods
 from cranktopo.tasks.fea.targets import Target, resolve_target
@@ -173,15 +175,71 @@ def test_off_costs_nothing(choice: str, called: str, monkeypatch: pytest.MonkeyP
         assess_by_methods([target], ("lsa",))
 
 
-@pytest.mark.parametrize(("state", "told"), [("auto", 0.9), ("on", 1.1)])
+@dataclass(frozen=True)
+class ToldField:
+    """A field of which the least safety alone is known."""
+
+    safety: float
+    method: str = "lsa"
+    safety_as: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def critical(self) -> SimpleNamespace:
+        return SimpleNamespace(safety=self.safety)
+
+
+ALONE, SHAFT = ToldField(0.9), ToldField(1.1)
+BOTH = {"throw_alone": 0.9, "continuous_shaft": 1.1}
+
+
+@pytest.mark.parametrize(
+    ("state", "both_worlds", "told", "safety_as"),
+    [
+        ("auto", False, 0.9, BOTH),
+        ("auto", True, 0.9, BOTH),
+        ("on", False, 1.1, {}),
+        ("on", True, 1.1, BOTH),
+        ("off", True, 0.9, {}),
+    ],
+)
 def test_where_the_plan_switches_it_on_the_lower_safety_is_told(
-    state: str, told: float, monkeypatch: pytest.MonkeyPatch
+    state: str, both_worlds: bool, told: float, safety_as: dict[str, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The cycle on all bearings may be milder than the extreme states of a throw alone."""
+    """The cycle on all bearings may be milder than the extremes of a throw alone; `compare` has both."""
     scene = on_springs("industrial-gas", 3e5, continuous_shaft=state)
-    assert "continuous_shaft" in plan_for_stress(scene).enabled
-    alone, shaft = (SimpleNamespace(method="lsa", critical=SimpleNamespace(safety=s)) for s in (0.9, 1.1))
-    monkeypatch.setattr(stage, "fatigue_fields", lambda *_: (alone,))
-    monkeypatch.setattr(stage, "worst_throw", lambda *_: (shaft,))
-    (found,) = stage._fields(Target(scene.name, scene), ("lsa",), "extremes", 0.25)
+    assert ("continuous_shaft" in plan_for_stress(scene).enabled) == (state != "off")
+    solved: list[str] = []
+
+    def solve(name: str, found: ToldField) -> Any:
+        return lambda *_: solved.append(name) or (found,)
+
+    monkeypatch.setattr(stage, "fatigue_fields", solve("alone", ALONE))
+    monkeypatch.setattr(stage, "worst_throw", solve("shaft", SHAFT))
+    target = Target(scene.name, scene)
+    (found,) = stage._fields(target, ("lsa",), "extremes", 0.25, both_worlds=both_worlds)
     assert found.critical.safety == told
+    assert found.safety_as == safety_as
+    assert solved == {"off": ["alone"], "auto": ["shaft", "alone"]}.get(
+        state, ["shaft", "alone"] if both_worlds else ["shaft"]
+    )
+
+
+def test_compare_asks_for_both_worlds(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Off it begins nothing else; on it has the throw alone too."""
+    begun: list[str] = []
+
+    def solve(name: str) -> Any:
+        def work(*_: Any) -> Any:
+            begun.append(name)
+            raise CranktopoError(name)
+
+        return work
+
+    monkeypatch.setattr(stage, "fatigue_fields", solve("alone"))
+    monkeypatch.setattr(stage, "worst_throw", lambda *_: (begun.append("shaft"), (SHAFT,))[1])
+    for choice, expected in (("off", ["alone"]), ("auto", ["alone"]), ("on", ["shaft", "alone"])):
+        begun.clear()
+        scene = on_springs("mikron-iiic", None, continuous_shaft=choice)
+        with pytest.raises(CranktopoError, match="alone"):
+            judge([resolve_target(scene, fillets=True)], ["lsa"], 0, "extremes")
+        assert begun == expected
