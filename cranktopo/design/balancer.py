@@ -62,8 +62,6 @@ class BalancerBearing(SceneTable):
     spring_N_per_mm: Stiffness | None = Field(default=None, examples=[5.0e6])
     """Radial stiffness; by default that of the roller bearing, or rigid without one."""
     roller_bearing: RollerBearing | None = None
-    roller_length_mm: Length | None = Field(default=None, examples=[15.3])
-    """Length of the rollers where the reactions of the table are those of one millimetre of a roller."""
     free_z_mm: Range | None = Field(default=None, examples=[[270.0, 285.0]])
     """Range of its place in `balancer --redesign`; without it the place stays."""
 

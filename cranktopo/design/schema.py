@@ -122,8 +122,8 @@ class Effects(SceneTable):
     bearing_compliance: _EffectState = "auto"
     """Springs of the main bearings in series with the throw."""
     continuous_shaft: _EffectState = "auto"
-    """Load states of `fatigue` and `compare` from the shaft on all its bearings in place of a throw alone;
-    `auto` takes them where they bend a web more."""
+    """Load states of `fatigue`, `compare` and `shape` from the shaft on all its bearings, over its range of
+    speeds, in place of a throw alone; `auto` takes them where they bend a web more."""
     fillets: _EffectState = "auto"
     """Fillets of the journals in the body-fitted evaluation."""
     bores: _EffectState = "auto"

@@ -14,6 +14,7 @@ from cranktopo.base.table import (
     UNLESS_IN_LIBRARY,
     BearingStiffness,
     Inertia,
+    Length,
     LengthOrZero,
     LossFactor,
     Mass,
@@ -35,7 +36,7 @@ def bearing_library() -> dict[str, dict[str, Any]]:
 
 
 class RollerBearing(SceneTable):
-    """Roller bearing given by the load-displacement table of one roller; a known `name` fills it in."""
+    """Roller bearing given by the load-displacement table of a roller; a known `name` fills it in."""
 
     name: str = Field(default="custom", examples=["HK4520"], json_schema_extra=SHOWN)
     """A name of the library fills in every key that is not given; any other name needs own values."""
@@ -50,7 +51,10 @@ class RollerBearing(SceneTable):
     reaction_N: tuple[Reaction, ...] = Field(
         min_length=3, examples=[(33.0, 172.0, 501.0)], json_schema_extra=UNLESS_IN_LIBRARY
     )
-    """Reaction of one roller at each displacement, increasing."""
+    """Reaction of one roller, or of one millimetre of it, at each displacement, increasing."""
+    roller_length_mm: Length | None = Field(default=None, examples=[15.3])
+    """Length of a roller whose reactions are those of one millimetre, as those of the library are; without it
+    they are those of the whole roller."""
     dynamic_rating_kN: float | None = Field(default=None, ge=1e-3, le=1e5, examples=[26.0])
     """Basic dynamic load rating (ISO 281), for the life in `cranktopo balance`; axial of a thrust bearing."""
     source: str = ""

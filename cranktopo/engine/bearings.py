@@ -24,7 +24,7 @@ def bearing_spring_N_per_mm(scene: Scene) -> float | None:
     if supports.bearing_spring_N_per_mm is not None:
         return supports.bearing_spring_N_per_mm
     if supports.roller_bearing is not None:
-        return _stiff_enough(_roller_bearing_spring_N_per_mm(supports.roller_bearing), "roller_bearing")
+        return _stiff_enough(roller_bearing_spring_N_per_mm(supports.roller_bearing), "roller_bearing")
     if supports.bearing_clearance_mm is not None:
         spring = _clearance_spring_N_per_mm(max_gas_force_N(scene), supports.bearing_clearance_mm)
         return _stiff_enough(spring, "bearing_clearance_mm")
@@ -69,8 +69,8 @@ def _clearance_spring_N_per_mm(max_piston_force_N: float, clearance_mm: float) -
     return 0.5 * max_piston_force_N / (0.8 * clearance_mm)
 
 
-def roller_spring_N_per_mm(bearing: RollerBearing) -> float:
-    """Tangent stiffness of one roller, N/mm: slope of the least-squares line of reaction over displacement.
+def table_slope_N_per_mm(bearing: RollerBearing) -> float:
+    """Slope of the least-squares line of the table's reactions over their displacements, N/mm.
 
     Source of the method: M. Kral, Stress-strain analysis of balancing shaft support, Brno University of
     Technology, 2014.
@@ -80,13 +80,14 @@ def roller_spring_N_per_mm(bearing: RollerBearing) -> float:
     return float((dx * dy).sum() / (dx**2).sum())
 
 
-def _roller_bearing_spring_N_per_mm(bearing: RollerBearing) -> float:
-    """Radial stiffness of a roller bearing without clearance, N/mm: Z k / 4.
+def roller_bearing_spring_N_per_mm(bearing: RollerBearing) -> float:
+    """Radial stiffness of a roller bearing without clearance, N/mm: Z k / 4, k that of a whole roller.
 
     A radial displacement d compresses the roller at angle t by d cos t on the loaded half only; the sum of
     k d cos^2 t over these Z / 2 rollers is Z k d / 4.
     """
-    return bearing.rollers * roller_spring_N_per_mm(bearing) / 4
+    whole_N_per_mm = table_slope_N_per_mm(bearing) * (bearing.roller_length_mm or 1.0)
+    return bearing.rollers * whole_N_per_mm / 4
 
 
 def equivalent_load_N(load_N: Array, turns: Array | None = None) -> float:

@@ -11,7 +11,7 @@ import pytest
 
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.named import with_values
-from cranktopo.engine.bearings import rating_life_h, roller_spring_N_per_mm
+from cranktopo.engine.bearings import rating_life_h, table_slope_N_per_mm
 from cranktopo.tasks.balancer.notch import groove_factor, hole_factor, size_factor
 from cranktopo.tasks.balancer.redesign import redesign_balancer
 from cranktopo.tasks.balancer.stage import check_balancer
@@ -86,7 +86,7 @@ def test_stiffness_of_the_needle_bearings_is_that_of_their_whole_rollers():
     """Tables are of one millimetre of a roller: Z k l / 4 with 15.3 mm."""
     assert HK4520.spring_N_per_mm == pytest.approx(38 * 52094 * 15.3 / 4, rel=1e-4)
     assert HK6020.spring_N_per_mm == pytest.approx(40 * 50987 * 15.3 / 4, rel=1e-4)
-    per_roller = with_values(SCENE, {"balancer.bearing[0].roller_length_mm": 1.0})
+    per_roller = with_values(SCENE, {"balancer.bearing[0].roller_bearing.roller_length_mm": 1.0})
     assert check_balancer(per_roller).bearings[0].spring_N_per_mm == pytest.approx(38 * 52094 / 4, rel=1e-4)
 
 
@@ -141,7 +141,7 @@ def test_bearings_and_the_lines_through_their_tables(name, rollers, rating_kN, i
     assert intercept == pytest.approx(intercept_N, abs=0.01)
     fitted = np.corrcoef(bearing.displacement_mm, bearing.reaction_N)[0, 1] ** 2
     assert fitted == pytest.approx(r2, abs=1e-4)
-    assert slope == pytest.approx(roller_spring_N_per_mm(bearing), rel=1e-9)
+    assert slope == pytest.approx(table_slope_N_per_mm(bearing), rel=1e-9)
 
 
 def test_tilt_in_the_bearings_is_below_their_tables():

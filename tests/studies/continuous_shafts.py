@@ -13,13 +13,13 @@ import numpy as np
 
 from cranktopo.base.units import N_PER_KN
 from cranktopo.design.loading import load_scene
+from cranktopo.tasks.fatigue.least import least_safeties
 from cranktopo.tasks.fatigue.shaft_stress import shaft_loads, solve_shaft_stress
 from cranktopo.tasks.fatigue.target_safety import fatigue_field
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.continuous import continuous_shaft
 from cranktopo.tasks.shaft.loaded_throw import loaded_throw
 from cranktopo.tasks.shaft.on_film import Support
-from cranktopo.tasks.shaft_safety.least import least_safeties
 
 ENGINES = ("mikron-iiic", "car-diesel", "industrial-gas")
 SPRINGS_N_PER_MM = (3e6, 1e6, 3e5)

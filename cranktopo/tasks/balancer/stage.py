@@ -17,7 +17,7 @@ from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.strength import RulingSection, material_remarks, through_mm
 from cranktopo.engine.balance.balancer_shafts import GearForces, gear_forces
-from cranktopo.engine.bearings import equivalent_load_N, rating_life_h, roller_spring_N_per_mm
+from cranktopo.engine.bearings import equivalent_load_N, rating_life_h, roller_bearing_spring_N_per_mm
 from cranktopo.numerics.stepped_beam import Beam, BentBeam, bend, round_beam
 from cranktopo.tasks.balancer.notch import notch_stress, size_factor
 from cranktopo.tasks.balancer.result import (
@@ -175,7 +175,7 @@ def _spring_N_per_mm(bearing: BalancerBearing) -> float | None:
     rollers = bearing.roller_bearing
     if bearing.spring_N_per_mm is not None or rollers is None:
         return bearing.spring_N_per_mm
-    return rollers.rollers * roller_spring_N_per_mm(rollers) / 4 * (bearing.roller_length_mm or 1.0)
+    return roller_bearing_spring_N_per_mm(rollers)
 
 
 def _force_N(unbalance_kg_mm: float, speed_rpm: float) -> float:

@@ -35,7 +35,7 @@ def judge(
     for rows, alike in _alike(refused, len(targets)).items():
         at = rows.index(baseline) if baseline in rows else None
         judged = [targets[row] for row in rows]
-        for assessed in assess_by_methods(judged, alike, loads=loads, baseline=at):
+        for assessed in assess_by_methods(judged, alike, loads=loads, baseline=at, both_worlds=True):
             found[assessed.method] = _compared(assessed, targets, refused[assessed.method], baseline)
             loaded = loaded if assessed.baseline is None else assessed.targets[assessed.baseline].scene
     return [found[method] for method in methods], loaded

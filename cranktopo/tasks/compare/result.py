@@ -12,9 +12,9 @@ from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.design.published import Published
 from cranktopo.report.result_table import Cell
-from cranktopo.tasks.fatigue.result import FatigueResult
+from cranktopo.tasks.fatigue.result import FatigueResult, JudgedAs
 from cranktopo.tasks.fatigue.text import FatigueComparison
-from cranktopo.tasks.fatigue.verdicts import SAME
+from cranktopo.tasks.fatigue.verdicts import SAME, WORLDS
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.fea.evaluation import Evaluation
 from cranktopo.tasks.fea.quantities import COMPARED, SAFETY, UNBALANCE, Quantity, evaluation_values
@@ -69,6 +69,7 @@ class Entry:
         further_safety: by every further method that judged it.
         stress_MPa: largest von Mises stress, if a method of local stresses judged it.
         fillets: whether its mass and stiffness are with them; its safety always is.
+        safety_as: by the first method, of a throw alone and in its shaft, where both were found.
     """
 
     evaluation: Evaluation
@@ -77,6 +78,7 @@ class Entry:
     further_safety: Mapping[str, float] = field(default_factory=dict)
     fillets: Fillets = "as designed"
     stress_MPa: float | None = None
+    safety_as: Mapping[JudgedAs, float] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -91,7 +93,8 @@ class Entry:
         """
         safeties = {safety_by(method).key: safety for method, safety in self.further_safety.items()}
         first = {} if self.safety is None else {SAFETY.key: self.safety}
-        return evaluation_values(self.evaluation) | first | safeties
+        worlds = {_safety_as(world).key: safety for world, safety in self.safety_as.items()}
+        return evaluation_values(self.evaluation) | first | safeties | worlds
 
     def error_percent(self, quantity: Quantity) -> float:
         """Return the error estimate of a quantity; 0 where it is exact."""
@@ -141,8 +144,9 @@ class Comparison:
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """Quantities that are compared."""
-        return (*COMPARED, *self.safeties.values())
+        """Quantities that are compared, the safety of a throw alone and in its shaft where both are known."""
+        worlds = tuple(map(_safety_as, WORLDS)) if any(one.safety_as for one in self.entries) else ()
+        return (*COMPARED, *self.safeties.values(), *worlds)
 
     @property
     def base(self) -> Entry:
@@ -200,6 +204,11 @@ class Comparison:
 def safety_by(method: str) -> Quantity:
     """Return the fatigue safety by a further method as a quantity of its own."""
     return replace(SAFETY, key=f"{SAFETY.key}_{method}", label=f"{SAFETY.label} by {method}")
+
+
+def _safety_as(world: JudgedAs) -> Quantity:
+    """Return the fatigue safety of a throw alone, or in its shaft, as a quantity of its own."""
+    return replace(SAFETY, key=f"{SAFETY.key}_{world}", label=f"{SAFETY.label} {WORLDS[world]}")
 
 
 def compare(

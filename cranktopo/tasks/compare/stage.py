@@ -42,7 +42,7 @@ from cranktopo.tasks.compare.result import Comparison, Entry, Fillets, check_sam
 from cranktopo.tasks.compare.text import fillet_lines
 from cranktopo.tasks.extraction.text import DesignUndercuts
 from cranktopo.tasks.fatigue.assessment import FatigueMethod
-from cranktopo.tasks.fatigue.result import FieldFatigue
+from cranktopo.tasks.fatigue.result import FieldFatigue, JudgedAs
 from cranktopo.tasks.fatigue.text import FatigueComparison
 from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS, goal_values
 from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
@@ -153,6 +153,7 @@ def compare_targets(
     found = evaluate_targets(targets, wanted)
     judged = (one for by in fatigues for one in by.result.fatigue if isinstance(one, FieldFatigue))
     stresses = {one.target: one.largest_stress_MPa for one in judged}
+    worlds = _both_worlds(fatigues[:1])
     entries = []
     for row, (evaluation, target) in enumerate(zip(found.evaluations, targets, strict=True)):
         printed = None if target.file else target.scene.published
@@ -160,7 +161,9 @@ def compare_targets(
         first = safeties.pop(methods[0]) if methods else None
         further = {method: safety for method, safety in safeties.items() if safety is not None}
         fillets, stress = _fillets(target, bool(bare)), stresses.get(target.name)
-        entries.append(Entry(evaluation, printed, first, further, fillets, stress))
+        entries.append(
+            Entry(evaluation, printed, first, further, fillets, stress, worlds.get(target.name, {}))
+        )
     comparison = compare(entries, entries[index].name, fatigues[0] if fatigues else None, fatigues[1:])
     comparison = replace(
         comparison,
@@ -171,6 +174,12 @@ def compare_targets(
         balanced_kg_mm=balanced_kg_mm(targets[index].scene),
     )
     return ComparedTargets(comparison, tuple(targets), found.missed, loaded)
+
+
+def _both_worlds(fatigues: Sequence[FatigueComparison]) -> dict[str, dict[JudgedAs, float]]:
+    """Return the safety of a throw alone and in its shaft by the name of each target that has both."""
+    judged = (one for by in fatigues for one in by.result.fatigue if isinstance(one, FieldFatigue))
+    return {one.target: one.safety_as for one in judged if one.safety_as}
 
 
 def pitch_lines(targets: Sequence[Target], baseline: int) -> list[str]:

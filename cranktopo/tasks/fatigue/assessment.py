@@ -126,6 +126,7 @@ def _field_fatigue(
         at_outlet=field.at_outlet,
         at_sharp_edges=field.at_sharp_edges,
         judged_as="continuous_shaft" if field.on_bearings else "throw_alone",
+        safety_as=field.safety_as or None,
         load_states=len(field.labels),
         unit_loads=model.kinds,
         quality=JudgedQuality(**vars(model.quality), within_rule=model.quality.within_limits),

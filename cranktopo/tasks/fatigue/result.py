@@ -219,6 +219,9 @@ class FieldFatigue(_TargetFatigue):
     """The point of least safety at sharp inner edges, which the mesh decides; null without any."""
     judged_as: JudgedAs
     """Body of that safety: a throw alone, or one in its shaft on all main bearings."""
+    safety_as: dict[JudgedAs, float] | None = UNLESS_NONE
+    """Least safety of the throw alone and in its shaft, where both were found: by `compare`, and where the
+    plan alone has the effect `continuous_shaft` on."""
     load_states: int
     """Number of load states."""
     unit_loads: tuple[str, ...]

@@ -27,7 +27,7 @@ from cranktopo.tasks.fatigue.hardening import (
 from cranktopo.tasks.fatigue.lsa import lsa_strength, point_strength_MPa
 from cranktopo.tasks.fatigue.plane_criterion import PlaneCriterion, PlaneDiagram
 from cranktopo.tasks.fatigue.plane_field import histories, least_safety
-from cranktopo.tasks.fatigue.result import CriticalPoint, HardenedFillet, PartLife, PointScatter
+from cranktopo.tasks.fatigue.result import CriticalPoint, HardenedFillet, JudgedAs, PartLife, PointScatter
 from cranktopo.tasks.fatigue.scatter import counts_scatter, point_scatter
 from cranktopo.tasks.fatigue.stress_model import StressModel
 from cranktopo.tasks.fatigue.superposition import SignedVonMisesRange, signed_von_mises_ranges
@@ -56,6 +56,7 @@ class FatigueField:
         web_safety: least safety of the first and of the second web where the halves differ.
         hardening: treated fillets by `[fatigue.hardening]`, each at its point of least safety.
         on_bearings: whether the states are those of the throw in its shaft on all main bearings.
+        safety_as: least safety of the throw alone and in its shaft, where both were found.
         lives: by `[fatigue.spectrum]`, of the fillets and elsewhere.
         scatter: probability of failure by `[fatigue.scatter]`, of the fillets and elsewhere.
         diagram: stresses of the critical point in every state, where the method judges these.
@@ -73,6 +74,7 @@ class FatigueField:
     fillet_safety: dict[str, float]
     web_safety: dict[str, float]
     on_bearings: bool = False
+    safety_as: dict[JudgedAs, float] = field(default_factory=dict)
     hardening: dict[str, HardenedFillet] = field(default_factory=dict)
     lives: dict[str, PartLife] = field(default_factory=dict)
     scatter: dict[str, PointScatter] = field(default_factory=dict)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,8 +12,12 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.notes import note
 from cranktopo.design.misfire import all_firing
 from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import at_worst_speed, engine_of
+from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
+from cranktopo.engine.histories import speed_words
+from cranktopo.engine.judged_speeds import speeds_of_range
+from cranktopo.tasks.fatigue.criteria import LOCAL_METHODS
+from cranktopo.tasks.fatigue.least import least_safeties
 from cranktopo.tasks.fatigue.safety_field import FatigueField, field_of_states
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, mesh_for_stress, stress_model
 from cranktopo.tasks.fea.targets import Target
@@ -95,27 +99,45 @@ def solved_cycle(
 def worst_throw(target: Target, methods: Sequence[str], fillet_fraction: float) -> tuple[FatigueField, ...]:
     """Return the safety by each method of the throw that the shaft on all its bearings loads worst.
 
-    All throws are that of the target, and all cylinders fire. Every angle of the cycle counts, at the
-    engine's speed and where the shaft vibrates at its worst one: each speed by itself, as no cycle has
-    states of both.
+    All throws are that of the target, and all cylinders fire. Every angle of the cycle counts, over the range
+    of speeds, at the overspeed and where the shaft vibrates most: each speed by itself, as no cycle has
+    states of two.
 
     Raises:
         CranktopoError: missing material data or loads, sharp fillets, or a failed solve.
     """
     scene = all_firing(target.scene)
     stress = solve_shaft_stress(target, fillet_fraction)
-    throws = [stress] * len(scene.shaft_angles_deg)
-    effects, spring = shaft_effects(scene), bearing_spring_N_per_mm(scene)
-    speeds = [scene] + ([at_worst_speed(scene, effects)] if "torsional_vibration" in effects else [])
-    found = [(engine_of(at).speed_rpm, *shaft_loads(throws, scene, at, spring)) for at in speeds]
+    throws, spring = [stress] * len(scene.shaft_angles_deg), bearing_spring_N_per_mm(scene)
+    speeds = speeds_of_range(scene, shaft_effects(scene))
+    rpm = [engine_of(at).speed_rpm for at in speeds]
+    note(f"{target.name}: {len(throws)} throws at {len(rpm)} speeds from {rpm[0]:,.0f} to {rpm[-1]:,.0f} rpm")
+    angles, loads = zip(*(shaft_loads(throws, scene, at, spring) for at in speeds), strict=True)
+    of_throws = list(np.stack(loads, axis=1))  # (throws, speeds, states, fields)
 
-    def fields(method: str) -> Iterator[FatigueField]:
-        for rpm, angles, of_throws in found:
-            for number, loads in enumerate(of_throws, start=1):
-                named = tuple(f"throw {number}, {angle:g} deg at {rpm:,.0f} rpm" for angle in angles)
-                yield replace(field_of_states(stress.model, method, loads, named), on_bearings=True)
+    def field(method: str, throw: int, speed: int) -> FatigueField:
+        words = speed_words(rpm[speed])
+        labels = tuple(f"throw {throw + 1}, {angle:g} deg{words}" for angle in angles[speed])
+        judged = field_of_states(stress.model, method, of_throws[throw][speed], labels)
+        return replace(judged, on_bearings=True)
 
-    return tuple(min(fields(method), key=lambda one: one.critical.safety) for method in methods)
+    def worst(method: str) -> FatigueField:
+        cycles = _cycles_to_judge(stress.model, of_throws, method)
+        return min((field(method, *one) for one in cycles), key=lambda found: found.critical.safety)
+
+    return tuple(map(worst, methods))
+
+
+def _cycles_to_judge(model: StressModel, loads: Sequence[Array], method: str) -> list[tuple[int, int]]:
+    """Return throw and speed of the least safety; by critical planes those of every cycle.
+
+    Arguments as of `least_safeties`.
+    """
+    if method not in LOCAL_METHODS:
+        return [(throw, speed) for throw, own in enumerate(loads) for speed in range(len(own))]
+    least = np.stack([np.min(list(parts.values()), axis=0) for parts in least_safeties(model, loads, method)])
+    throw, speed = np.unravel_index(int(least.argmin()), least.shape)
+    return [(int(throw), int(speed))]
 
 
 def _fields(part: LoadedBlock) -> tuple[Sequence[UnitField], Array]:

@@ -20,6 +20,7 @@ from cranktopo.tasks.fatigue.criteria import safety_method, strengths_of
 from cranktopo.tasks.fatigue.needs import check_inputs, note_tangential
 from cranktopo.tasks.fatigue.picture import save_fatigue_picture
 from cranktopo.tasks.fatigue.remarks import note_quality, note_yielding
+from cranktopo.tasks.fatigue.result import JudgedAs
 from cranktopo.tasks.fatigue.rule_check import check_rule
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.scatter import counts_scatter
@@ -79,8 +80,13 @@ def assess_by_methods(
     loads: HistoryKind = "extremes",
     baseline: int | None = None,
     fillet_fraction: float = RULE_FRACTION,
+    *,
+    both_worlds: bool = False,
 ) -> list[FatigueAssessment]:
     """Assess targets with their fillets by each method; methods of local stresses share the unit loads.
+
+    Args:
+        both_worlds: where the effect `continuous_shaft` is on, find the safety of a throw alone as well.
 
     Raises:
         CranktopoError: a target without fillets or strength, or a failed solve.
@@ -105,7 +111,9 @@ def assess_by_methods(
             note(f"{target.name}: {target.scene.fatigue.treatment}")
     resolved = [with_throw_stiffness(target) for target in resolved]
     local = [method for method in methods if method != "m53"]
-    solved = [_fields(one, local, loads, fillet_fraction) for one in resolved if local]
+    solved = [
+        _fields(one, local, loads, fillet_fraction, both_worlds=both_worlds) for one in resolved if local
+    ]
     for target, own in zip(resolved, solved, strict=False):
         _note_fields(target, own)
     fields = dict(zip(local, zip(*solved, strict=True), strict=True))
@@ -139,25 +147,48 @@ def _note_tables(target: Target, method: FatigueMethod) -> None:
 
 
 def _fields(
-    target: Target, methods: Sequence[FatigueMethod], loads: HistoryKind, fillet_fraction: float
+    target: Target,
+    methods: Sequence[str],
+    loads: HistoryKind,
+    fillet_fraction: float,
+    *,
+    both_worlds: bool = False,
 ) -> tuple[FatigueField, ...]:
     """Fields of a throw alone, or where the plan has the continuous shaft on of its worst throw.
 
     Where the plan alone decided so, the lower safety of both is told: the shaft over the cycle is milder than
     the extreme states of a throw alone in one thing, and may be worse in another.
+
+    Args:
+        both_worlds: find both, whoever decided.
     """
     if "continuous_shaft" not in plan_for_stress(target.scene).enabled:
         return fatigue_fields(target, methods, loads, fillet_fraction)
     note(f"{target.name}: effect continuous_shaft: every angle of the cycle, throws on all main bearings")
     on_bearings = worst_throw(target, methods, fillet_fraction)
-    if target.scene.effects.continuous_shaft == "on":
+    is_asked_for = target.scene.effects.continuous_shaft == "on"
+    if is_asked_for and not both_worlds:
         return on_bearings
     alone = fatigue_fields(target, methods, loads, fillet_fraction)
-    for one, other in zip(alone, on_bearings, strict=True):
-        safeties = f"{one.critical.safety:.3f} of a throw alone, {other.critical.safety:.3f} on all bearings"
-        note(f"{target.name}: safety by {one.method} {safeties}: the lower one is told")
-    pairs = zip(alone, on_bearings, strict=True)
-    return tuple(min(pair, key=lambda field: field.critical.safety) for pair in pairs)
+    return tuple(
+        _of_both(target.name, *pair, is_asked_for=is_asked_for)
+        for pair in zip(alone, on_bearings, strict=True)
+    )
+
+
+def _of_both(
+    name: str, alone: FatigueField, on_bearings: FatigueField, *, is_asked_for: bool
+) -> FatigueField:
+    """Return the field that is told of both, with the safety of the other one."""
+    safety_as: dict[JudgedAs, float] = {
+        "throw_alone": alone.critical.safety,
+        "continuous_shaft": on_bearings.critical.safety,
+    }
+    told = on_bearings if is_asked_for else min(alone, on_bearings, key=lambda one: one.critical.safety)
+    safeties = f"{alone.critical.safety:.3f} of a throw alone, {on_bearings.critical.safety:.3f} in its shaft"
+    reason = "the design asks for the latter" if is_asked_for else "the lower one is told"
+    note(f"{name}: safety by {alone.method} {safeties}: {reason}")
+    return replace(told, safety_as=safety_as)
 
 
 def _note_fields(target: Target, fields: Sequence[FatigueField]) -> None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from cranktopo.base.units import change_text
 from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.fatigue.remarks import mesh_shortfall
-from cranktopo.tasks.fatigue.result import FatigueShare
+from cranktopo.tasks.fatigue.result import FatigueShare, JudgedAs
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fea.quantities import MASS, SAFETY
@@ -24,6 +24,8 @@ _OTHER_LOADS = 0.002
 """Relative difference of a load's amplitude from which two variants are judged by different loads."""
 FatigueOutcome = FatigueField | RuleCheck
 """Fatigue of a target by a method of local stresses, or by the rule."""
+WORLDS: dict[JudgedAs, str] = {"throw_alone": "of a throw alone", "continuous_shaft": "in its shaft"}
+"""What a throw is judged as, in words."""
 _SAFETY_COLUMNS = (SAFETY.column, "governing_Q")
 """Mass and safety in percent stand behind the safety, whichever it is."""
 
@@ -62,7 +64,22 @@ def verdicts(results: Sequence[FatigueOutcome], baseline: int) -> list[str]:
             f"{change_text(100 * (ratio - 1))} safety: {_as_safe(ratio, one, base)}."
         )
         lines += _other_loads(results[index], results[baseline])
+        lines += _both_worlds(results[index], results[baseline])
     return lines
+
+
+def _both_worlds(one: FatigueOutcome, base: FatigueOutcome) -> list[str]:
+    """Return a line with the change of safety of a throw alone and in its shaft, where both are known."""
+    if not (isinstance(one, FatigueField) and isinstance(base, FatigueField)):
+        return []
+    if not (one.safety_as and base.safety_as):
+        return []
+    told = [
+        f"{change_text(100 * (one.safety_as[world] / base.safety_as[world] - 1))} safety {where} "
+        f"({one.safety_as[world]:.3f} against {base.safety_as[world]:.3f})"
+        for world, where in WORLDS.items()
+    ]
+    return [f"{one.model.name}: {', '.join(told)}."]
 
 
 def _as_safe(ratio: float, one: Summary, base: Summary) -> str:

@@ -23,6 +23,7 @@ from cranktopo.engine.performance import note_pressure
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.manifest import timestamp
 from cranktopo.tasks.fatigue.criteria import criterion
+from cranktopo.tasks.fatigue.least import PARTS, Part, least_safeties
 from cranktopo.tasks.fatigue.needs import check_method
 from cranktopo.tasks.fatigue.remarks import mesh_shortfall, note_quality, note_yielding
 from cranktopo.tasks.fatigue.result import JudgedQuality
@@ -44,7 +45,6 @@ from cranktopo.tasks.shaft.stage import (
     throw_targets,
 )
 from cranktopo.tasks.shaft.web_loads import web_histories
-from cranktopo.tasks.shaft_safety.least import PARTS, Part, least_safeties
 from cranktopo.tasks.shaft_safety.page import shaft_page
 from cranktopo.tasks.shaft_safety.plots import BearingPolar
 from cranktopo.tasks.shaft_safety.result import (

@@ -7,8 +7,8 @@ from textwrap import fill
 
 from cranktopo.base.units import N_PER_KN
 from cranktopo.report.result_table import WIDTH, ResultTable, Row, labelled, terminal
+from cranktopo.tasks.fatigue.least import PARTS
 from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftEvaluation
-from cranktopo.tasks.shaft_safety.least import PARTS
 from cranktopo.tasks.shaft_safety.result import ShaftAssessment, ShaftSafety
 
 _BEARING_DIGITS = {

@@ -13,6 +13,7 @@ from cranktopo.tasks.shape.result import (
     LimitPrice,
     RoundValues,
     RulePrice,
+    SafetyInShaft,
     SensitivityTable,
     ShapeParameter,
     ShapeResult,
@@ -33,16 +34,18 @@ def assembled(
     start: dict[str, float],
     seconds: dict[str, float],
     loads: Loads,
+    in_shaft: SafetyInShaft | None = None,
 ) -> ShapeResult:
     """Return the content of shape.json without bound, assumptions and files; `start` as it began, by name."""
     goal, result, original = optimum.goal, optimum.result, optimum.original
     outcome = goal_outcome(goal, result.web.values, original.values)
     table, on_cells = _sensitivities(scene, optimum), quantity_on_cells(goal)
     moved = balance_moved(scene, result.web.values, original.values)
+    missed = any(limit.holds is False for limit in outcome.limits) or not (in_shaft is None or in_shaft.held)
     return ShapeResult(
         design=scene.name,
         goal=outcome,
-        status="limits not met" if any(limit.holds is False for limit in outcome.limits) else "converged",
+        status="limits not met" if missed else "converged",
         stop_reason=_reason(optimum, outcome),
         original=original.evaluation,
         result=result.web.evaluation,
@@ -65,6 +68,7 @@ def assembled(
         + sum(found.evaluations for found in optimum.rounds),
         seconds=seconds,
         loads=loads_name(loads) if stresses_in(goal.quantities) else None,
+        in_shaft=in_shaft,
         unfinished=optimum.unfinished,
         balance=moved.told if moved else None,
     )

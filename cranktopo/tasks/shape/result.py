@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import Field
 
 from cranktopo.base.result import UNLESS_NONE, FileName, Result
-from cranktopo.design.goal.constraint import LimitSense
+from cranktopo.design.goal.constraint import TOLERANCE, LimitSense
 from cranktopo.design.goal.outcome import GoalOutcome, GoalWords, LimitOutcome
 from cranktopo.design.goal.quantities import STIFFNESS_OF, QuantityName
 from cranktopo.engine.histories import LoadsName
@@ -139,6 +139,26 @@ class RoundValues(Result):
     """Violation of each limit by the evaluation, %; 0 or less is kept."""
 
 
+class SafetyInShaft(Result):
+    """Least fatigue safety of all webs of the shaft on all its bearings, over its range of speeds."""
+
+    original: float
+    """With the design's own web."""
+    result: float
+    """With the best web."""
+    required: float | None
+    """Least one that the limits ask for."""
+    web: int
+    """Web of the result that has it, from the free end, 1 first."""
+    part: str
+    """Its place: pin_fillet, journal_fillet, outlets or elsewhere."""
+
+    @property
+    def held(self) -> bool:
+        """True where the shaft is as safe as is required, within what counts as kept."""
+        return self.required is None or self.result >= self.required * (1 - TOLERANCE)
+
+
 class ShapeResult(Result):
     """The content of shape.json, and what `shape --json` prints."""
 
@@ -169,7 +189,9 @@ class ShapeResult(Result):
     assumed: tuple[dict[str, Any], ...] = ()
     loads: LoadsName | None = UNLESS_NONE
     """Load states of safety and stress, as `fatigue --loads`, or "shaft": those of webs in their shaft, by
-    `--each-web`; None without these and in earlier versions."""
+    `--each-web` and where the effect `continuous_shaft` is on; None without these and in earlier versions."""
+    in_shaft: SafetyInShaft | None = UNLESS_NONE
+    """Safety of the shaft, where the effect `continuous_shaft` is on."""
     undercuts: ShapedUndercuts | None = UNLESS_NONE
     """None in results of an earlier version."""
     unfinished: bool | None = UNLESS_NONE
@@ -181,8 +203,9 @@ class ShapeResult(Result):
 
     @property
     def held(self) -> bool:
-        """True where every limit holds by the evaluation."""
-        return all(limit.holds for limit in self.goal.limits)
+        """True where every limit holds by the evaluation, that of the safety in the shaft as well."""
+        in_shaft = self.in_shaft is None or self.in_shaft.held
+        return in_shaft and all(limit.holds for limit in self.goal.limits)
 
     @property
     def makeable(self) -> bool:

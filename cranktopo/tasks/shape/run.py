@@ -69,6 +69,7 @@ from cranktopo.tasks.refit.process import process_limits
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.refit.stage import remodel_run
 from cranktopo.tasks.shape.assembled import assembled
+from cranktopo.tasks.shape.in_shaft import asks_for_shaft, left_alone, search_in_shaft
 from cranktopo.tasks.shape.page import shape_page
 from cranktopo.tasks.shape.result import (
     ShapeResult,
@@ -147,9 +148,8 @@ def shape_design(
         note_loads(scene, stress, assumed)
         if stresses_in(goal.quantities):
             note_tangential(scene.name, scene, settings.loads)
-        if "continuous_shaft" in stress.enabled:
-            counts = "effect continuous_shaft counts in `fatigue` and `compare`"
-            note(f"{scene.name}: {counts}; here a throw is alone")
+        if asks_for_shaft(scene, goal, settings) and (why := left_alone(scene, goal)):
+            note(f"{scene.name}: effect continuous_shaft has no part here, as {why}: a throw is alone")
     if isinstance(begun, RunStore):
         begun = _remodelled(begun, settings.limits)
     settings = replace(settings, limits=process_limits(scene, settings.limits))
@@ -227,6 +227,8 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
     began, goal = time.perf_counter(), shape_goal(scene)
     with working_in(run, "finished searches are kept") as check, double_precision():
         work = Work(StageCache(run.path / _KEPT), check)
+        if shaft := search_in_shaft(scene, goal, settings, work):
+            settings = replace(settings, loads=shaft.loads)
         optimum = optimise_shape(scene, goal, settings, work, start)
         judge = sum(web.seconds for web in (optimum.original, *(one.web for one in optimum.rounds)))
         seconds = {"search": time.perf_counter() - began - judge, "judge": judge}
@@ -237,7 +239,8 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         seconds["total"] = time.perf_counter() - began
         layout, values = with_free(start.layout, start.values, scene, free_dimensions(scene), start.sizes)
         begin = dict(zip(layout.names, map(float, values), strict=True))
-        found = assembled(scene, optimum, begin, seconds, settings.loads)
+        in_shaft = shaft.judged(optimum.result.web.scene, goal, work) if shaft else None
+        found = assembled(scene, optimum, begin, seconds, settings.loads, in_shaft)
         reached = {"reached_percent": found.goal.reached_percent}
         more = {
             "bound": bound and bound.model_copy(update=reached),

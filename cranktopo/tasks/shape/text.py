@@ -161,12 +161,24 @@ def named_first(found: ShapeResult) -> tuple[str, ...]:
 
 def shape_headline(found: ShapeResult) -> str:
     """Return the result in one sentence; what cannot be made and limits that are missed come first."""
-    change, missed, names = found.change_percent, broken_limits(found.goal), named_first(found)
+    change, names = found.change_percent, named_first(found)
+    missed = [*broken_limits(found.goal), *_missed_in_shaft(found)]
     said = ", ".join(f"{name.replace('_', ' ')} {change_text(change[name])}" for name in names)
     nearly = f" within {100 * TOLERANCE:g} %" if any(map(short_percent, found.goal.limits)) else ""
     judged = f"NOT MET: {'; '.join(missed)};" if missed else f"Every limit holds{nearly}:"
     unmade = "" if found.makeable else f"CANNOT BE MADE: {release_text(found.undercuts)}. "
     return f"{unmade}{judged} {said} against the original web.{_failing(found)}"
+
+
+def _missed_in_shaft(found: ShapeResult) -> list[str]:
+    """Return the safety that the shaft with the best web lacks, if it does."""
+    one = found.in_shaft
+    if one is None or one.held:
+        return []
+    return [
+        f"fatigue safety in the shaft >= {one.required:.3f}: reached {one.result:.3f}, web {one.web}, "
+        f"{one.part.replace('_', ' ')}"
+    ]
 
 
 def original_keeps(found: ShapeResult) -> str:
@@ -237,7 +249,11 @@ def stress_loads(found: ShapeResult) -> str:
     where = {"cycle": "", "shaft": ", as the shaft on all its bearings loads these webs"}.get(
         found.loads or ""
     )
-    return "" if where is None else f"{' and '.join(told)} over every angle of the cycle{where}"
+    if where is None:
+        return ""
+    shaft = found.in_shaft
+    judged = "" if shaft is None else f"; solved again the shaft has {shaft.result:.3f} (web {shaft.web})"
+    return f"{' and '.join(told)} over every angle of the cycle{where}{judged}"
 
 
 def _going_on(found: ShapeResult, folder: Path) -> list[str]:

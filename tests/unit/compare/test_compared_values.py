@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -11,10 +15,14 @@ from cranktopo.design.loading import load_scene
 from cranktopo.design.named import with_values
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.compare.page import _changes
+from cranktopo.tasks.compare.printed import comparison_text
 from cranktopo.tasks.compare.result import Entry, compare
 from cranktopo.tasks.compare.stage import balanced_kg_mm, pitch_lines
 from cranktopo.tasks.compare.text import star_lines
+from cranktopo.tasks.fatigue.result import JudgedAs, MeshChecks
+from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.text import FatigueComparison
+from cranktopo.tasks.fatigue.verdicts import verdicts
 from cranktopo.tasks.fea.quantities import SAFETY, TORSION, UNBALANCE
 from cranktopo.tasks.fea.targets import Target, resolve_target
 from tests.cli.test_comparison_report import NAMES, NO_FATIGUE, evaluated, invented
@@ -77,3 +85,44 @@ def test_a_longer_throw_is_said_and_how_to_keep_the_pitch() -> None:
     assert line.endswith("throw.main_journal.length_mm or throw.crankpin.length_mm by -20 mm.")
     kept = with_values(thicker, {"throw.main_journal.length_mm": 20.0})
     assert pitch_lines([Target("base", base), Target("kept", kept)], 0) == []
+
+
+def test_both_worlds_stand_beside_each_other() -> None:
+    """Columns of a throw alone and in its shaft where they are known; none where nothing tells them."""
+    targets = [resolve_target(name) for name in NAMES]
+    worlds: list[dict[JudgedAs, float]] = [
+        {"throw_alone": 1.2, "continuous_shaft": 1.5},
+        {"throw_alone": 1.14, "continuous_shaft": 1.65},
+    ]
+    entries = [
+        Entry(invented(target), None, both["throw_alone"], safety_as=both)
+        for target, both in zip(targets, worlds, strict=True)
+    ]
+    fatigue = FatigueComparison((1.2, 1.14), (), NO_FATIGUE)
+    rows = list(csv.DictReader(io.StringIO(comparison_text(compare(entries, NAMES[0], fatigue), "csv"))))
+    assert [row["safety_throw_alone"] for row in rows] == ["1.2", "1.14"]
+    assert [row["safety_continuous_shaft"] for row in rows] == ["1.5", "1.65"]
+    assert float(rows[1]["safety_continuous_shaft_percent"]) == pytest.approx(110.0)
+    assert float(rows[1]["safety_throw_alone_percent"]) == pytest.approx(95.0)
+    off = [replace(entry, safety_as={}) for entry in entries]
+    assert "throw_alone" not in comparison_text(compare(off, NAMES[0], fatigue), "csv")
+
+
+def test_the_change_in_both_worlds_is_said() -> None:
+    """A web that gains in its shaft what it loses alone."""
+
+    def judged(name: str, alone: float, shaft: float) -> Any:
+        quality = MeshChecks(1.0, 1.0)
+        model = SimpleNamespace(name=name, throw_kg=1.0, quality=quality, kinds=())
+        found = object.__new__(FatigueField)
+        told = {"model": model, "method": "lsa", "critical": SimpleNamespace(safety=alone)}
+        told["safety_as"] = {"throw_alone": alone, "continuous_shaft": shaft}
+        for key, value in told.items():
+            object.__setattr__(found, key, value)
+        return found
+
+    lines = verdicts([judged("base", 1.2, 1.5), judged("new", 1.14, 1.65)], 0)
+    assert lines[1] == (
+        "new: -5.0 % safety of a throw alone (1.140 against 1.200), +10.0 % safety in its shaft (1.650 "
+        "against 1.500)."
+    )

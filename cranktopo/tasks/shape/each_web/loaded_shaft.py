@@ -12,17 +12,23 @@ from cranktopo.base.progress import Json
 from cranktopo.base.result import Result
 from cranktopo.base.units import MM_PER_M
 from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import at_worst_speed, engine_of
+from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
 from cranktopo.engine.histories import WebHistory, WebLoads
+from cranktopo.engine.judged_speeds import rated_speeds, speeds_of_range
+from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.tasks.fea.targets import resolve_target
 from cranktopo.tasks.shaft.assembly import Bearings
 from cranktopo.tasks.shaft.stage import shaft_effects
+from cranktopo.tasks.shaft_safety.result import WebSafety
 from cranktopo.tasks.shaft_safety.stage import judged_shaft
 from cranktopo.tasks.shape.each_web.groups import WebGroup
 
 _METHOD = "lsa"
 """The method of the search."""
+_NEAR = 1.1
+"""Safety over that of the worst speed up to which the search has a speed's loads: a web that it changes loses
+less than this at the others, and the shaft is judged again at all of them."""
 
 
 class WebInShaft(Result):
@@ -60,7 +66,7 @@ class ShaftFigures(Result):
 
 @dataclass(frozen=True)
 class LoadedShaft:
-    """A judged shaft with the load histories of each web, one for each speed."""
+    """A judged shaft with the load histories of each web, one for each speed that may decide."""
 
     figures: ShaftFigures
     histories: tuple[tuple[WebHistory, ...], ...]
@@ -82,9 +88,10 @@ class LoadedShaft:
 
 
 def loaded_shaft(design: Scene | str, fillet_fraction: float) -> LoadedShaft:
-    """Return the shaft of a design at the engine's speed, of a vibrating one at its worst speed too.
+    """Return the shaft of a design at the engine's speed and overspeed, of a vibrating one at its worst too.
 
-    Main bearings are springs where the design tells them, else rigid.
+    Where the effect `continuous_shaft` is on, the range of speeds counts. Main bearings are springs where the
+    design tells them, else rigid.
 
     Args:
         fillet_fraction: element size in a fillet over its radius.
@@ -94,13 +101,12 @@ def loaded_shaft(design: Scene | str, fillet_fraction: float) -> LoadedShaft:
     """
     target = resolve_target(design, fillets=True, whole=True, crank=True)
     effects = shaft_effects(target.scene)
-    at = [target.scene]
-    if "torsional_vibration" in effects:
-        at.append(at_worst_speed(target.scene, effects))
+    on = "continuous_shaft" in plan_for_stress(target.scene).enabled
+    at = (speeds_of_range if on else rated_speeds)(target.scene, effects)
     bearings: Bearings = "rigid" if bearing_spring_N_per_mm(target.scene) is None else "spring"
     speeds = [engine_of(scene).speed_rpm for scene in at]
     found, judged = judged_shaft(target, bearings, _METHOD, speeds, fillet_fraction)
-    safety, histories = judged.safety(), tuple(zip(*judged.web_histories(), strict=True))
+    safety, histories = judged.safety(), list(zip(*judged.web_histories(), strict=True))
     webs = tuple(
         WebInShaft(
             web=web.web,
@@ -115,7 +121,14 @@ def loaded_shaft(design: Scene | str, fillet_fraction: float) -> LoadedShaft:
     figures = ShaftFigures(
         mass_kg=found.mass_kg, torsion_end_to_end_Nm_per_rad=torsion, safety=safety.safety, webs=webs
     )
-    return LoadedShaft(figures, histories)
+    deciding = tuple(_deciding(web, histories[web.web - 1]) for web in safety.webs)
+    return LoadedShaft(figures, deciding)
+
+
+def _deciding(web: WebSafety, histories: Sequence[WebHistory]) -> tuple[WebHistory, ...]:
+    """Return the histories of the speeds at which a web is about as little safe as anywhere."""
+    pairs = zip(histories, web.over_speeds, strict=True)
+    return tuple(one for one, safety in pairs if safety <= _NEAR * web.safety)
 
 
 def _ranges(scene: Scene, histories: Sequence[WebHistory]) -> dict[str, float]:
