@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from tests.validation import free_moments, shafts
-from tests.validation.table import table
+from tests.validation.table import input_table, table
 
 PAGES = Path(__file__).parents[2] / "docs" / "pages"
 PICTURE = PAGES / "images" / "validation-torque.svg"
@@ -15,8 +15,11 @@ PICTURE = PAGES / "images" / "validation-torque.svg"
 def tables() -> dict[str, str]:
     """Markdown by the name of its place in the page."""
     return {
+        "v16-inputs": input_table(free_moments.inputs()),
         "v16": table(row for name in free_moments.CASES for row in free_moments.rows(name)),
+        "cbr600-inputs": input_table(shafts.cbr600_inputs()),
         "cbr600": table(shafts.cbr600_rows()),
+        "mwm-inputs": input_table(shafts.mwm_inputs()),
         "mwm": table(shafts.mwm_rows()),
     }
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
+import scipy.linalg
 
 from tests.validation import free_moments, page, shafts
 
@@ -32,8 +34,17 @@ def test_another_arrangement_would_be_seen() -> None:
 
 
 def test_crank_of_a_motorcycle() -> None:
+    """Printed to 1 Hz; beside that what the determinant of the chain has as roots."""
     for row in shafts.cbr600_rows():
         assert round(row.ours) == row.printed
+    chain = shafts.CBR600
+    springs = np.array(chain.stiffness_Nm_per_rad)
+    stiffness = np.diag(np.append(springs, 0.0) + np.append(0.0, springs))
+    stiffness -= np.diag(springs, 1) + np.diag(springs, -1)
+    squares = scipy.linalg.eigh(stiffness, np.diag(chain.inertia_kg_m2), eigvals_only=True)
+    found = [row.ours for row in shafts.cbr600_rows()]
+    assert found == pytest.approx(np.sqrt(squares[1:3]) / (2 * np.pi), rel=1e-9)
+    assert found == pytest.approx([1168.9076, 2084.5654], abs=1e-4)
 
 
 def test_torque_of_a_diesel() -> None:
