@@ -1,15 +1,15 @@
-"""Write the tables and the picture of docs/pages/validation.md: `python -m tests.validation.page`."""
+"""Write the tables and the pictures of docs/pages/validation.md: `python -m tests.validation.page`."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
 
-from tests.validation import free_moments, shafts
+from tests.validation import free_moments, shafts, stiffness_map
 from tests.validation.table import input_table, table
 
 PAGES = Path(__file__).parents[2] / "docs" / "pages"
-PICTURE = PAGES / "images" / "validation-torque.svg"
+IMAGES = PAGES / "images"
 
 
 def tables() -> dict[str, str]:
@@ -21,6 +21,7 @@ def tables() -> dict[str, str]:
         "cbr600": table(shafts.cbr600_rows()),
         "mwm-inputs": input_table(shafts.mwm_inputs()),
         "mwm": table(shafts.mwm_rows()),
+        "stiffness": stiffness_map.table(),
     }
 
 
@@ -52,4 +53,5 @@ def draw(path: Path) -> None:
 if __name__ == "__main__":
     page = PAGES / "validation.md"
     page.write_text(filled(page.read_text(encoding="utf-8")), encoding="utf-8")
-    draw(PICTURE)
+    draw(IMAGES / "validation-torque.svg")
+    stiffness_map.draw(IMAGES / "validation-stiffness.svg")
