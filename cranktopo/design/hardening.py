@@ -58,7 +58,8 @@ class CaseHardening(SceneTable):
     """Measured residual stress by depth, [depth in mm, MPa], compression negative; by default that of the
     process."""
     residual_scatter_MPa: float = Field(default=0.0, ge=0, le=2000)
-    """Scatter of the measured residual stress: added to every point, to the safe side."""
+    """Scatter of the residual stress, measured or by the process: added at every depth, to the safe side. The
+    safety at its other end is told beside."""
     source: str = Field(default="", max_length=500, examples=["hardness run of the forge, 12/2025"])
     """Origin of depth, hardness and residual stress."""
 

@@ -25,9 +25,16 @@ from tests.validation.table import Row
 
 SPEED_RPM, RADIUS_MM, ROD_MM, PITCH_MM = 1500.0, 60.0, 411.5, 320.0
 RODS_APART_MM = 60.0
-OSCILLATING_KG = 11.93 + 9.86
-UNBALANCE_KG_MM = 2 * 14.45 * 17.3 + (8.6619087 + 2 * 11.33) * RADIUS_MM - 2 * 17.149999 * 136.4
-"""Two webs, crankpin and two big ends, less two counterweights."""
+OSCILLATING_KG = 11.93, 9.86
+PIN_KG, BIG_END_KG = 8.6619087, 11.33
+WEB_KG, WEB_AT_MM = 14.45, 17.3
+COUNTERWEIGHT_KG, COUNTERWEIGHT_AT_MM = 17.149999, 136.4
+UNBALANCE_KG_MM = (
+    2 * WEB_KG * WEB_AT_MM
+    + (PIN_KG + 2 * BIG_END_KG) * RADIUS_MM
+    - 2 * COUNTERWEIGHT_KG * COUNTERWEIGHT_AT_MM
+)
+"""Of a throw: two webs, crankpin and two big ends, less two counterweights."""
 BANKS_DEG = 45.0, -45.0
 
 
@@ -60,6 +67,25 @@ CASES = {
 """Sums that are rounding of zero there (1e-9 of the others) are 0 here."""
 
 
+def inputs() -> list[tuple[str, str]]:
+    """What the results of all six arrangements are computed from, with units."""
+    return [
+        ("speed", f"{SPEED_RPM:g} rpm"),
+        ("throw radius; length of the rod", f"{RADIUS_MM:g} mm; {ROD_MM:g} mm"),
+        ("distance of two throws; of two rods on a crankpin", f"{PITCH_MM:g} mm; {RODS_APART_MM:g} mm"),
+        ("axes of the two banks, from the vertical", "{:+g} and {:+g} deg".format(*BANKS_DEG)),
+        ("oscillating masses of a cylinder", "{:g} and {:g} kg".format(*OSCILLATING_KG)),
+        ("crankpin; turning part of a rod", f"{PIN_KG:.8g} kg; {BIG_END_KG:g} kg"),
+        ("each web", f"{WEB_KG:g} kg at {WEB_AT_MM:g} mm"),
+        ("each counterweight", f"{COUNTERWEIGHT_KG:.8g} kg at {COUNTERWEIGHT_AT_MM:g} mm"),
+        *((f"{name}: angles of throws 1 to 8", throws(case)) for name, case in CASES.items()),
+    ]
+
+
+def throws(case: Case) -> str:
+    return ", ".join(f"{angle:g}" for angle in case.throws_deg) + " deg"
+
+
 def masses(case: Case) -> TurningMasses:
     """The engine of a case, cylinders in pairs at either side of their throw."""
     throws = len(case.throws_deg)
@@ -86,7 +112,7 @@ def masses(case: Case) -> TurningMasses:
         web_kg_mm=(0.0, 0.0),
         own_kg_mm=(0.0, 0.0),
         rod_kg_mm=0.0,
-        piston_kg_mm=OSCILLATING_KG * RADIUS_MM,
+        piston_kg_mm=sum(OSCILLATING_KG) * RADIUS_MM,
         counterweight_kg_mm=0j,
         harmonics=acceleration_harmonics(RADIUS_MM, ROD_MM, ORDERS),
         w2=(SPEED_RPM * np.pi / 30) ** 2,

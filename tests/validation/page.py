@@ -1,23 +1,27 @@
-"""Write the tables and the picture of docs/pages/validation.md: `python -m tests.validation.page`."""
+"""Write the tables and the pictures of docs/pages/validation.md: `python -m tests.validation.page`."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
 
-from tests.validation import free_moments, shafts
-from tests.validation.table import table
+from tests.validation import free_moments, shafts, stiffness_map
+from tests.validation.table import input_table, table
 
 PAGES = Path(__file__).parents[2] / "docs" / "pages"
-PICTURE = PAGES / "images" / "validation-torque.svg"
+IMAGES = PAGES / "images"
 
 
 def tables() -> dict[str, str]:
     """Markdown by the name of its place in the page."""
     return {
+        "v16-inputs": input_table(free_moments.inputs()),
         "v16": table(row for name in free_moments.CASES for row in free_moments.rows(name)),
+        "cbr600-inputs": input_table(shafts.cbr600_inputs()),
         "cbr600": table(shafts.cbr600_rows()),
+        "mwm-inputs": input_table(shafts.mwm_inputs()),
         "mwm": table(shafts.mwm_rows()),
+        "stiffness": stiffness_map.table(),
     }
 
 
@@ -49,4 +53,5 @@ def draw(path: Path) -> None:
 if __name__ == "__main__":
     page = PAGES / "validation.md"
     page.write_text(filled(page.read_text(encoding="utf-8")), encoding="utf-8")
-    draw(PICTURE)
+    draw(IMAGES / "validation-torque.svg")
+    stiffness_map.draw(IMAGES / "validation-stiffness.svg")

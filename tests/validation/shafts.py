@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -36,6 +37,7 @@ MWM = DiskChain(
 )
 """Six-cylinder diesel of Mendes, Meirelles, Zampieri 2008, figure 4: pulley, gears, cylinders, flywheel;
 loss factor 0.035, 2 N m s/rad at every cylinder."""
+NAMES = "pulley", "gears", *(f"cylinder {i}" for i in range(1, 7)), "flywheel"
 RADIUS_MM, ROD_MM, BORE_MM, OSCILLATING_KG = 68.5, 207.0, 105.0, 2.521
 FIRING_DEG = 0.0, 480.0, 240.0, 600.0, 120.0, 360.0
 """Cylinders 1 to 6, order 1-5-3-6-2-4."""
@@ -56,6 +58,33 @@ class Curve:
         """Mean difference over the largest printed torque."""
         at = self.speed_rpm >= from_rpm
         return float(np.abs(self.ours_Nm - self.printed_Nm)[at].mean() / self.printed_Nm.max())
+
+
+def chain_inputs(chain: DiskChain, names: Iterable[str], per: str = "rad") -> list[tuple[str, str]]:
+    """Inertia of each disk of a chain, and the stiffness of the spring behind it."""
+    turn = {"rad": 1.0, "deg": math.degrees(1.0)}[per]
+    behind = [f"; spring behind it {k / turn:,.7g} N m/{per}" for k in chain.stiffness_Nm_per_rad]
+    inertia = [f"{one:.7f}".rstrip("0") + " kg m2" for one in chain.inertia_kg_m2]
+    return [(name, one + spring) for name, one, spring in zip(names, inertia, [*behind, ""], strict=True)]
+
+
+def cbr600_inputs() -> list[tuple[str, str]]:
+    return chain_inputs(CBR600, (f"disk {i}" for i in range(1, 7)), "deg")
+
+
+def mwm_inputs() -> list[tuple[str, str]]:
+    return [
+        *chain_inputs(MWM, NAMES),
+        ("loss factor of every spring", f"{MWM.loss_factor[0]:g}"),
+        ("damping at every cylinder", f"{max(MWM.absolute_damping_Nms_per_rad):g} N m s/rad"),
+        ("throw radius; length of the rod", f"{RADIUS_MM:g} mm; {ROD_MM:g} mm"),
+        ("bore; oscillating mass of a cylinder", f"{BORE_MM:g} mm; {OSCILLATING_KG:g} kg"),
+        ("firing angles of cylinders 1 to 6", ", ".join(f"{angle:g}" for angle in FIRING_DEG) + " deg"),
+        (
+            "pressure over the crank angle; its peak over the speed",
+            "`tests/validation/data/mwm_*pressure.csv`",
+        ),
+    ]
 
 
 def cbr600_rows() -> list[Row]:
@@ -86,8 +115,7 @@ def mwm_curve(section: str) -> Curve:
     name, index = SECTIONS[section]
     printed = np.genfromtxt(DATA / f"{name}.csv", delimiter=",", skip_header=1)
     speeds = np.arange(1000.0, 2551.0, 12.5)
-    names = ("pulley", "gears", *(f"cylinder {i}" for i in range(1, 7)), "flywheel")
-    shaft = ShaftChain(MWM, names, 2, 6, 1.0)
+    shaft = ShaftChain(MWM, NAMES, 2, 6, 1.0)
     torque = [
         np.abs(vibration(shaft, _harmonics(float(rpm)), np.array([rpm])).torque_Nm[0, :, index]).sum()
         for rpm in speeds

@@ -31,6 +31,10 @@ def table(rows: Iterable[Row]) -> str:
     return lines_of(("quantity", "printed", "cranktopo", "difference"), [row.cells() for row in rows])
 
 
+def input_table(inputs: Iterable[tuple[str, str]]) -> str:
+    return lines_of(("input", "value"), inputs)
+
+
 def lines_of(head: Sequence[str], cells: Iterable[Sequence[str]]) -> str:
     rule = ["---", *["--:"] * (len(head) - 1)]
     return "\n".join("| " + " | ".join(line) + " |" for line in (head, rule, *cells))

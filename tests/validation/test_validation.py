@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
+import scipy.linalg
 
-from tests.validation import free_moments, page, shafts
+from tests.validation import free_moments, page, shafts, stiffness_map
 
 PERCENT_OF_ORDER = {"rotating": 1e-4, "1st": 0.01, "2nd": 0.01, "4th": 0.1}
 """Largest difference, percent: the other program's series and whole degrees."""
@@ -32,8 +34,17 @@ def test_another_arrangement_would_be_seen() -> None:
 
 
 def test_crank_of_a_motorcycle() -> None:
+    """Printed to 1 Hz; beside that what the determinant of the chain has as roots."""
     for row in shafts.cbr600_rows():
         assert round(row.ours) == row.printed
+    chain = shafts.CBR600
+    springs = np.array(chain.stiffness_Nm_per_rad)
+    stiffness = np.diag(np.append(springs, 0.0) + np.append(0.0, springs))
+    stiffness -= np.diag(springs, 1) + np.diag(springs, -1)
+    squares = scipy.linalg.eigh(stiffness, np.diag(chain.inertia_kg_m2), eigvals_only=True)
+    found = [row.ours for row in shafts.cbr600_rows()]
+    assert found == pytest.approx(np.sqrt(squares[1:3]) / (2 * np.pi), rel=1e-9)
+    assert found == pytest.approx([1168.9076, 2084.5654], abs=1e-4)
 
 
 def test_torque_of_a_diesel() -> None:
@@ -45,6 +56,31 @@ def test_torque_of_a_diesel() -> None:
     for section in shafts.SECTIONS:
         assert shafts.mwm_curve(section).mean_off() < 0.05
         assert shafts.mwm_curve(section).mean_off(from_rpm=1400.0) < 0.03
+
+
+def test_formulae_of_the_map_by_hand() -> None:
+    """Diameter 100, length 80, web 45 x 140, throw 100 mm, solid: S in 1/mm3 times 1e8."""
+    found = stiffness_map.Proportions(0.45, 1.4, 1.0, 0.0).by_formula()
+    flank = 1e8 / (45 * 140**3)
+    sums = 80 + 36 + 60 + 150 * flank, 2 * 120 + 60 * flank, 120 + 87.68 + 128.4 * flank
+    by_hand = [np.pi * 210e3 / 2.6 / 32e3 * 1e8 / s for s in sums]
+    assert list(found.values())[:3] == pytest.approx(by_hand, rel=1e-12)
+    assert found[stiffness_map.MEAN] == pytest.approx(sum(by_hand[:2]) / 2)
+
+
+def test_every_throw_of_the_map_is_stored() -> None:
+    assert set(stiffness_map.throws()) == set(stiffness_map.stored())
+    off = stiffness_map.off_percent(stiffness_map.MEAN, stiffness_map.WEBS + stiffness_map.JOURNALS)
+    assert np.abs(off).max() < 13
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("throw", [stiffness_map.WEBS[0][0], stiffness_map.JOURNALS[3][0]])
+def test_the_map_has_the_elements_of_now(throw: stiffness_map.Proportions) -> None:
+    """And smaller elements change it by less than what the map tells."""
+    stored = stiffness_map.stored()[throw]
+    assert throw.by_elements() == pytest.approx(stored, rel=1e-3)
+    assert throw.by_elements(stiffness_map.ELEMENT_MM / 1.5) == pytest.approx(stored, rel=0.01)
 
 
 def test_the_page_has_these_tables() -> None:

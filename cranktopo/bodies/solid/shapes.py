@@ -145,6 +145,17 @@ def _floor_edges(occ: Any, tag: int, floor: tuple[Point, ...]) -> list[int]:
     return found
 
 
+def _rectangle(occ: Any, rectangle: Rectangle) -> int:
+    """Add the edge of a rectangle; the kernel's own refuses corners that leave no straight side."""
+    size = np.array([rectangle.size_x, rectangle.size_y, 0.0])
+    ring = np.array(rectangle.low) + np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]) * size
+    if rectangle.corner_radius:
+        return _rounded_loop(occ, ring, rectangle.corner_radius)
+    points = [occ.addPoint(*corner) for corner in ring]
+    loop: int = occ.addCurveLoop([occ.addLine(a, b) for a, b in pairwise([*points, points[0]])])
+    return loop
+
+
 def _rounded_loop(occ: Any, ring: Array, radius: float) -> int:
     before, after = (np.roll(ring, shift, axis=0) - ring for shift in (1, -1))
     start, end = (ring + radius * way / np.linalg.norm(way, axis=1)[:, None] for way in (before, after))
@@ -166,16 +177,13 @@ class _Contour:
 
     def face(self, curves: tuple[Any, ...]) -> int:
         """Return the plane surface inside the loop."""
-        if isinstance(curves[0], Rectangle):
-            rectangle: Rectangle = curves[0]
-            size = rectangle.size_x, rectangle.size_y
-            tag: int = self._occ.addRectangle(*rectangle.low, *size, -1, rectangle.corner_radius)
-            return tag
-        tag = self._occ.addPlaneSurface([self.loop(curves)])
+        tag: int = self._occ.addPlaneSurface([self.loop(curves)])
         return tag
 
     def loop(self, curves: tuple[Any, ...]) -> int:
         """Return the loop of curves, each of which begins where the last ends."""
+        if isinstance(curves[0], Rectangle):
+            return _rectangle(self._occ, curves[0])
         tag: int = self._occ.addCurveLoop([self._curve(curve) for curve in curves])
         return tag
 

@@ -70,12 +70,6 @@ def _check_points(key: str, one: CaseHardening) -> None:
         raise invalid(
             f"{key}.residual_stress_MPa", depths, "the first point must lie at the surface, depth 0"
         )
-    if one.residual_scatter_MPa and not depths:
-        raise invalid(
-            f"{key}.residual_scatter_MPa",
-            one.residual_scatter_MPa,
-            "is the scatter of measured residual_stress_MPa, which are not given",
-        )
 
 
 def _check_room(scene: Scene, key: str, one: CaseHardening, fillet: Fillet) -> None:

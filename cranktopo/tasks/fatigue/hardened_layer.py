@@ -60,7 +60,8 @@ class HardenedLayer:
 
     Attributes:
         transition_HV: hardness just below an induction-hardened layer, as far as 1.2 of its depth.
-        residual: measured depths in mm and stresses in MPa, scatter included; empty: by the process.
+        residual: measured depths in mm and stresses in MPa; empty: by the process.
+        scatter_MPa: added to the residual stress at every depth.
     """
 
     process: Process
@@ -69,6 +70,7 @@ class HardenedLayer:
     core_HV: float
     transition_HV: float
     residual: tuple[tuple[float, float], ...] = ()
+    scatter_MPa: float = 0.0
 
     @property
     def depths_mm(self) -> Array:
@@ -89,7 +91,7 @@ class HardenedLayer:
         return np.where(share < 1, self.surface_HV, below)
 
     def residual_MPa(self, depth_mm: Array) -> Array:
-        """Return the residual stress at depths, compression negative.
+        """Return the residual stress at depths with its scatter, compression negative.
 
         Measured points are joined by straight lines; below the last one, tension goes on and compression does
         not. Without them induction hardening has those of Appendix V, 4, other processes those of the FKM
@@ -97,12 +99,13 @@ class HardenedLayer:
         """
         if self.residual:
             depths, stress = np.array(self.residual).T
+            stress = stress + self.scatter_MPa
             return np.interp(depth_mm, depths, stress, right=max(stress[-1], 0.0))
         share = depth_mm / self.depth_mm
         if self.process == "induction":
-            return np.where(share < 1, _INDUCTION_MPA, BELOW_INDUCTION_MPA)
+            return np.where(share < 1, _INDUCTION_MPA, BELOW_INDUCTION_MPA) + self.scatter_MPa
         hard = self._case_share(depth_mm)
-        return layer_residual_MPa(self) * (hard - _CORE_SHARE * (1 - hard))
+        return layer_residual_MPa(self) * (hard - _CORE_SHARE * (1 - hard)) + self.scatter_MPa
 
     def relative_strength(self, depth_mm: Array, gradient_per_mm: Array) -> Array:
         """Return the local strength over that of the core without residual stress, at depths or points.
@@ -148,14 +151,14 @@ def layer_of(scene: Scene, treatment: CaseHardening) -> HardenedLayer:
     """Return the layer of a scene that is checked."""
     core = treatment.core_HV(scene.material.ultimate_MPa)
     assert core is not None
-    scatter = treatment.residual_scatter_MPa
     return HardenedLayer(
         treatment.process,
         treatment.case_depth_mm,
         treatment.surface_hardness_HV,
         core,
         treatment.transition_HV(core),
-        tuple((depth, stress + scatter) for depth, stress in treatment.residual_stress_MPa),
+        treatment.residual_stress_MPa,
+        treatment.residual_scatter_MPa,
     )
 
 
@@ -176,7 +179,7 @@ def support_factor(hardness_HV: Array, gradient_per_mm: Array) -> Array:
 
 
 def layer_residual_MPa(layer: HardenedLayer) -> float:
-    """Return the residual stress of a nitrided or rolled layer: FKM guideline, 5.5.2."""
+    """Return the residual stress of a nitrided or rolled layer without scatter: FKM guideline, 5.5.2."""
     if layer.process == "nitrided":
         return max(-0.675 * (layer.surface_HV - layer.core_HV), -270.0)
     return min(0.0, max(350.0 - 0.7 * TENSILE_PER_HV * layer.core_HV, -700.0))

@@ -142,4 +142,14 @@ def told_fillet(judge: Judge, treated: TreatedFillet, local: LocalStress) -> Har
         stress_share=float(found.stress_share[at]),
         untreated_safety=untreated,
         gain=float(found.safety[at]) / untreated,
+        safety_high=_at_other_end(judge, treated, local),
     )
+
+
+def _at_other_end(judge: Judge, treated: TreatedFillet, local: LocalStress) -> float | None:
+    """Return the least safety of one point with the scatter of the residual stress taken off."""
+    scatter = treated.layer.scatter_MPa
+    if not scatter:
+        return None
+    other = replace(treated, layer=replace(treated.layer, scatter_MPa=-scatter))
+    return float(least_safety(judge, other, local)[0])

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cranktopo.tasks.fatigue.hardened_layer import BELOW_INDUCTION_MPA, LOSS_PER_MPA, HardenedLayer
+from cranktopo.tasks.fatigue.hardened_layer import LOSS_PER_MPA, HardenedLayer
 from cranktopo.tasks.fatigue.m53 import Dimensions, Factors, FilletCheck, Nominal, RuleHardening
 
 _NITRIDED_MPA = 450.0
@@ -107,13 +107,11 @@ def transition_strength_MPa(layer: HardenedLayer, core_MPa: float) -> float:
     """Return the strength of the transition from that of the untreated fillet (M53.6).
 
     Nitrided: that of the core, section 5 (1) (D). Induction: less by the local drop of hardness, section 4,
-    and by 20 % for 300 MPa of residual tension, section 4 (1) (E); measured tension counts in proportion.
+    and by 20 % for 300 MPa of residual tension, section 4 (1) (E); other tension counts in proportion.
     """
     if layer.process == "nitrided":
         return core_MPa
-    tension = BELOW_INDUCTION_MPA
-    if layer.residual:
-        tension = max(float(layer.residual_MPa(np.array(transition_mm(layer)))), 0.0)
+    tension = max(float(layer.residual_MPa(np.array(transition_mm(layer)))), 0.0)
     drop = layer.transition_HV / layer.core_HV
     return core_MPa * drop * max(1 - LOSS_PER_MPA * tension, 0.0)
 

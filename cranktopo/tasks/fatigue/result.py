@@ -165,6 +165,9 @@ class HardenedFillet(Result):
     """Safety of the point without the treatment."""
     gain: float
     """Safety over that without the treatment: the factor of the surface treatment that this is."""
+    safety_high: float | None = UNLESS_NONE
+    """Least safety over all depths at the other end of `residual_scatter_MPa`, which `safety` has to the safe
+    side."""
 
 
 class PointScatter(Result):

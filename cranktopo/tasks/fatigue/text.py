@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from cranktopo.engine.histories import speed_words
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR
-from cranktopo.tasks.fatigue.result import FatigueResult, PartLife, RuleFatigue
+from cranktopo.tasks.fatigue.result import FatigueResult, HardenedFillet, PartLife, RuleFatigue
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.verdicts import FatigueOutcome, summary, verdicts, with_percent
@@ -237,10 +237,17 @@ def _hardening_remarks(fields: Sequence[FatigueField]) -> list[str]:
     return [
         f"{field.model.name}, {fillet} fillet, {one.process}: decided {decided_depth(one.depth_mm)}, safety "
         f"{one.safety:.3f} ({one.safety_surface:.3f} at the surface, {one.safety_below:.3f} below it), "
-        f"{one.gain:.2f} times that of the untreated point."
+        f"{one.gain:.2f} times that of the untreated point{_up_to(one)}."
         for field in fields
         for fillet, one in field.hardening.items()
     ]
+
+
+def _up_to(one: HardenedFillet) -> str:
+    """Return the safety at the other end of the scatter of the residual stress, if it scatters."""
+    if one.safety_high is None:
+        return ""
+    return f"; {one.safety_high:.3f} at the other end of residual_scatter_MPa"
 
 
 def _life_remarks(fields: Sequence[FatigueField]) -> list[str]:

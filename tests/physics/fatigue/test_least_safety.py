@@ -109,6 +109,18 @@ def test_the_outlet_is_the_worst_place_on_two_meshes() -> None:
 
 
 @pytest.mark.slow
+def test_the_outlet_is_the_worst_place_by_fkm_on_two_meshes() -> None:
+    fields = [fatigue_field(Target("v-twin", drilled()), "fkm", fillet_fraction=size) for size in (0.5, 0.34)]
+    for field in fields:
+        assert field.critical.place.startswith("oil outlet on the crankpin")
+        assert field.critical.safety < 0.95 * min(field.fillet_safety.values())
+        assert field.critical.safety == field.safety[:, field.model.judged].min()
+    coarse, fine = (field.critical.safety for field in fields)
+    assert coarse == pytest.approx(fine, rel=0.01)
+    assert fine == pytest.approx(1.327, rel=0.03)
+
+
+@pytest.mark.slow
 def test_the_outlet_is_told_beside_a_worse_fillet() -> None:
     """The least of the nodes around the outlet, beside a pin fillet of half the radius."""
     scene = with_values(drilled(), {"throw.crankpin.fillet_mm": 1.2})

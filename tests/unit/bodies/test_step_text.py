@@ -7,6 +7,7 @@ from collections import Counter
 from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from cranktopo.base.errors import CranktopoError
@@ -14,7 +15,8 @@ from cranktopo.base.formats import PARTS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.solid.step import StepLabel, labelled, step_string
-from cranktopo.design.loading import load_scene
+from cranktopo.design.loading import builtin_designs, load_scene
+from cranktopo.design.named import with_values
 from cranktopo.design.schema import Scene
 from cranktopo.throw.raw_part.table import Forging
 from tests.unit.refit.remodel_cases import WHOLE, known_scene
@@ -38,6 +40,13 @@ def unused_points(text: str) -> list[str]:
 
 def kinds(text: str) -> Counter[str]:
     return Counter(re.match(r"\w*", body)[0] for body in entities(text).values())  # type: ignore[index]
+
+
+def surfaces(text: str, kind: str) -> list[tuple[float, ...]]:
+    """The numbers of each surface of a kind, in ascending order; complex entities included."""
+    number = r"-?\d+\.\d*(?:E[+-]?\d+)?"
+    bodies = [body for body in entities(text).values() if re.search(rf"\b{kind}\(", body)]
+    return sorted(tuple(float(n) for n in re.findall(number, body)) for body in bodies)
 
 
 def with_forging(scene: Scene) -> Scene:
@@ -85,6 +94,35 @@ def test_one_named_solid(part: SolidPart, mikron: Scene, tmp_path: Path) -> None
     assert DAY in header
     assert re.search(r"\('cranktopo [^']+'\),\('cranktopo'\)", header)
     assert "AUTOMOTIVE_DESIGN" in header
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] if name == "industrial-gas" else [])
+        for name in builtin_designs()
+    ],
+)
+def test_fillets_are_tori(name: str, tmp_path: Path) -> None:
+    """One about each journal, with its radii; a spline is what a ball rolled around an outlet leaves."""
+    scene = load_scene(name)
+    export_solid(scene, "half", tmp_path / "half.step")
+    text = (tmp_path / "half.step").read_text(encoding="ascii")
+    journals = scene.throw.main_journal, scene.throw.crankpin
+    tori = sorted((one.radius_mm + one.fillet_mm, one.fillet_mm) for one in journals)
+    assert np.array(surfaces(text, "TOROIDAL_SURFACE")) == pytest.approx(np.array(tori))
+    assert surfaces(text, "SURFACE_OF_REVOLUTION") == []
+    rounded = any(one.outlet_radius_mm for one in scene.throw.drilling)
+    assert bool(surfaces(text, "B_SPLINE_SURFACE")) == rounded
+
+
+def test_elliptical_fillets_are_revolved_ellipses(mikron: Scene, tmp_path: Path) -> None:
+    scene = with_values(mikron, {"throw.crankpin.fillet_axial_mm": 4.0})
+    export_solid(scene, "half", tmp_path / "half.step")
+    text = (tmp_path / "half.step").read_text(encoding="ascii")
+    counts = [len(surfaces(text, f"{kind}_SURFACE")) for kind in ("TOROIDAL", "B_SPLINE")]
+    assert counts == [1, 0]
+    assert len(surfaces(text, "SURFACE_OF_REVOLUTION")) == 1
 
 
 @pytest.mark.usefixtures("first_day")

@@ -79,7 +79,6 @@ def test_a_scene_without_the_table_is_stored_as_before() -> None:
         ({"residual_stress_MPa": [[0.0, -400.0], [0.0, 0.0]]}, {}, "depths must increase"),
         ({"residual_stress_MPa": [[0.1, -400.0]]}, {}, "first point must lie at the surface"),
         ({"residual_stress_MPa": [[0.0, float("nan")]]}, {}, "finite"),
-        ({"residual_scatter_MPa": 50.0}, {}, "which are not given"),
         ({"transition_hardness_HV": 340.0}, {}, "below an induction-hardened layer"),
         ({"process": "carburised"}, {}, "nitrided"),
         ({"depth_mm": 0.4}, {}, "depth_mm"),

@@ -83,6 +83,23 @@ def test_measured_residual_stress_is_joined_by_lines_and_ends_on_the_safe_side()
     assert pulled.residual_MPa(np.array([0.2, 5.0])).tolist() == [100.0, 100.0]
 
 
+@pytest.mark.parametrize("layer", [NITRIDED, INDUCTION, ROLLED], ids=lambda layer: layer.process)
+def test_scatter_moves_the_residual_stress_of_a_process_at_every_depth(layer: HardenedLayer) -> None:
+    depths = np.array([0.0, 0.3, 1.0, 2.0, 5.0])
+    moved = replace(layer, scatter_MPa=80.0).residual_MPa(depths)
+    assert moved == pytest.approx(layer.residual_MPa(depths) + 80.0)
+
+
+def test_scatter_of_measured_stress_ends_on_the_safe_side() -> None:
+    """Below the last point compression does not go on, with the scatter added or taken off."""
+    measured = replace(NITRIDED, residual=((0.0, -600.0), (0.2, -50.0)))
+    ends = [
+        replace(measured, scatter_MPa=s).residual_MPa(np.array([0.0, 0.2, 3.0])).tolist()
+        for s in (80.0, -80.0)
+    ]
+    assert ends == [[-520.0, 30.0, 30.0], [-680.0, -130.0, 0.0]]
+
+
 def test_the_core_without_residual_stress_has_its_own_strength_exactly() -> None:
     plain = HardenedLayer("induction", 2.0, 340.0, 340.0, 340.0, ((0.0, 0.0),))
     gradients = np.full(plain.depths_mm.shape, 0.8)

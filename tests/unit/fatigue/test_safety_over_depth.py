@@ -87,6 +87,23 @@ def test_amplitude_and_mean_stress_both_fall() -> None:
     assert safety_at(judge, fillet(core), points(gradient), depth)[0] == pytest.approx(1 / used, rel=1e-12)
 
 
+def test_both_ends_of_the_scatter_are_told() -> None:
+    """At the surface of an even stress the compression of a layer counts by 1 - M s / S."""
+    layer = HardenedLayer(
+        "induction", 9.0, 600.0, 340.0, 340.0, ((0.0, -200.0), (9.0, -200.0), (20.0, -200.0))
+    )
+    told = [
+        told_fillet(by_amplitude, fillet(replace(layer, scatter_MPa=s), NotchShape(3.0, 1e9)), points(0.5))
+        for s in (0.0, 60.0)
+    ]
+    assert told[0].safety_high is None
+    harder = 733 / (1.42 * 340 + 23)
+    support = (1 + math.sqrt(800) / 600) / (1 + math.sqrt(800) / 340)
+    ends = [400 / 300 * harder * support * (1 + 0.4 * kept / 733) for kept in (140, 260)]
+    assert told[1].safety_surface == pytest.approx(ends[0], rel=1e-12)
+    assert told[1].safety <= told[0].safety <= (told[1].safety_high or 0.0) <= ends[1] * (1 + 1e-12)
+
+
 def test_a_steep_fall_decides_at_the_surface_and_tells_the_transition_beside_it() -> None:
     found = told_fillet(judge, fillet(INDUCTION), points(1.2))
     assert found.depth_mm == 0.0

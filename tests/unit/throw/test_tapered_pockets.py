@@ -161,6 +161,33 @@ def test_the_half_throw_is_cut_above_a_mouth_in_a_fillet(mikron: Scene, tmp_path
     assert step_volume_mm3(tmp_path / "half.step") == pytest.approx(volume, rel=1e-6)
 
 
+def test_a_round_pocket_may_open_under_a_fillet(mikron: Scene, tmp_path: Path) -> None:
+    """Its round floor leaves the ring of Pappus in the half throw, as it does in the web alone."""
+    flat = {**ROUND, "face": "pin", "x_mm": 0.0, "y_mm": 24.0, "diameter_mm": 14.0, "depth_mm": 5.0}
+    ring = 2 * math.pi * ((7.0 - 1.0) * (1 - math.pi / 4) + 1 / 6)
+    taken = [
+        export_solid(scene_with_web(mikron, table(pocket=[one])), "half", tmp_path / "half.step")
+        for one in (flat, {**flat, "floor_radius_mm": 1.0})
+    ]
+    assert taken[1] - taken[0] == pytest.approx(ring, abs=1e-9 * taken[0])
+
+
+@pytest.mark.parametrize("draft", [{}, DRAFT])
+def test_ends_that_are_half_circles_are_those_of_almost_half_circles(
+    mikron: Scene, tmp_path: Path, draft: dict[str, float]
+) -> None:
+    box = {**BOX, **draft, "y_mm": 22.0}
+    whole, almost = (
+        export_solid(
+            scene_with_web(mikron, table(pocket=[{**box, "corner_radius_mm": radius}])),
+            "half",
+            tmp_path / "half.step",
+        )
+        for radius in (3.0, 3.0 - 1e-6)
+    )
+    assert whole == pytest.approx(almost, abs=1e-3)
+
+
 @pytest.mark.parametrize(
     ("pocket", "key"),
     [

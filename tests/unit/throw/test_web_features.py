@@ -47,6 +47,16 @@ def test_plane_bevel_takes_a_triangle(mikron: Scene) -> None:
     assert removed_mm3(mikron, bevel=[PLANE]) == pytest.approx(60 * 12 * 8 / 2, rel=1e-9)
 
 
+def test_a_rectangle_may_end_in_half_circles_over_its_length(mikron: Scene, tmp_path: Path) -> None:
+    """Corners of half the length leave no straight side: two halves of a disc and what is between them."""
+    web = {"thickness_mm": 10.0, "outline": "rectangle", "overhang_mm": 26.0, "width_mm": 108.0}
+    radius = mikron.throw.radius_mm / 2 + 26.0
+    scene = scene_with_web(mikron, web | {"corner_radius_mm": radius})
+    bores = 2 * math.pi * mikron.throw.main_journal.bore_radius_mm**2
+    area = math.pi * radius**2 + (108.0 - 2 * radius) * 2 * radius - bores
+    assert export_solid(scene, "web", tmp_path / "web.step") == pytest.approx(10.0 * area, rel=1e-9)
+
+
 @pytest.mark.parametrize("crown_mm", [1.0, -1.0])
 def test_crowned_bevel_takes_a_triangle_less_a_circle_segment(mikron: Scene, crown_mm: float) -> None:
     """A bevel short of the bore: its cross-section is a triangle less its arc's segment, or with it."""
