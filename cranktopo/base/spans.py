@@ -60,7 +60,8 @@ def common(one: Section, other: Section) -> Section:
 
     def spans(y_mm: Array, z_mm: Array) -> Sequence[Span]:
         pairs = product(one(y_mm, z_mm), other(y_mm, z_mm))
-        return [(np.maximum(low, start), np.minimum(high, stop)) for (low, high), (start, stop) in pairs]
+        found = [(np.maximum(low, start), np.minimum(high, stop)) for (low, high), (start, stop) in pairs]
+        return [(low, high) for low, high in found if np.any(low < high)] or found[:1]
 
     return spans
 

@@ -61,6 +61,12 @@ def find_crank(faces: Faces, name: str, ends: EndJournals = "auto") -> FoundCran
         beyond.steps_beyond(main_line, journals[side].faces_mm[side], outward)
         for side, outward in ((0, -1), (-1, 1))
     ]
+    holes = [
+        words
+        for own, side, outward in zip(steps, (0, -1), (-1, 1), strict=True)
+        if journals[side].free[side]
+        for words in beyond.holes_left(own, journals[side].faces_mm[side], outward)
+    ]
     if ends == "auto" and len(journals) == 2 and any(steps):
         ends = "whole"
     halves, told = _halves(journals, pins, ends)
@@ -72,7 +78,7 @@ def find_crank(faces: Faces, name: str, ends: EndJournals = "auto") -> FoundCran
     ]
     known = {words for own in taken for step in own or () for words in _step_words(step)}
     left = [words for words in unread if words not in known]
-    return FoundCrank(
+    crank = FoundCrank(
         origin,
         direction,
         journals,
@@ -80,8 +86,17 @@ def find_crank(faces: Faces, name: str, ends: EndJournals = "auto") -> FoundCran
         halves,
         (taken[0], taken[1]),
         tuple(assumed + told),
-        tuple(left + found.spare),
+        tuple(left + found.spare + holes),
     )
+    return replace(crank, unread=(*crank.unread, *_flying_words(crank)))
+
+
+def _flying_words(crank: FoundCrank) -> list[str]:
+    return [
+        f"crankpins {number} and {number + 1} have no main journal between them: their flying web, and ends "
+        "and main journals of the crank, are in no design"
+        for number in crank.flying
+    ]
 
 
 def _step_words(step: FoundStep) -> tuple[str, str]:
@@ -332,6 +347,6 @@ def _are_cut(
         if not alike:
             return False, []
         return True, ["the outer main journals are half as long as an inner one: cut in their middle"]
-    alike = abs(lengths[0] / lengths[-1] - 1) < _ALIKE
+    alike = pins == 1 and abs(lengths[0] / lengths[-1] - 1) < _ALIKE
     word = "cut in their middle, as one throw of a shaft" if alike else "whole"
     return alike, [f"the outer main journals are {word} (--end-journals says otherwise)"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import tomlkit
@@ -13,14 +14,23 @@ from cranktopo.design.loading import parse_scene
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.crank_import.faces import DIGITS
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundStep
+from cranktopo.tasks.crank_import.half_body import EXACT, Closeness
+from cranktopo.tasks.crank_import.throw_designs import Throws, fillets_of, throw_keys
 
 
-def design_text(scene: Scene, crank: FoundCrank, body: str, heading: tuple[str, ...]) -> str:
+def design_text(
+    scene: Scene,
+    crank: FoundCrank,
+    body: str,
+    heading: tuple[str, ...],
+    near: Closeness = EXACT,
+    throws: Throws = (),
+) -> str:
     """Return the text of a design; `body` is the file of its half throw, which is the original.
 
     It has the ends and main journals of the crank where they fit its throw.
     """
-    own = _crank(scene, crank)
+    own = crank_table(scene, crank, near, throws)
     text = _text(scene, crank, own, body, heading)
     if not own:
         return text
@@ -32,13 +42,29 @@ def design_text(scene: Scene, crank: FoundCrank, body: str, heading: tuple[str, 
     return text
 
 
-def _text(scene: Scene, crank: FoundCrank, own: dict[str, Any], body: str, heading: tuple[str, ...]) -> str:
+def throw_text(
+    throw: tuple[Scene, Scene], crank: FoundCrank, own: dict[str, Any], name: str, heading: tuple[str, ...]
+) -> str:
+    """Return the text of a design of one throw of a crank, `own` its [crank], each web as it is."""
+    scene = throw[0].model_copy(update={"name": name})
+    return _text(scene, crank, own, None, heading, throw_keys(*throw))
+
+
+def _text(
+    scene: Scene,
+    crank: FoundCrank,
+    own: dict[str, Any],
+    body: str | None,
+    heading: tuple[str, ...],
+    keys: Mapping[str, Any] | None = None,
+) -> str:
     data = scene.model_dump(
         mode="json", include={"name", "throw", "web", "material"}, exclude_none=True, exclude_defaults=True
     )
     head = {"schema_version": 1, "name": data.pop("name"), "description": f"Imported from {heading[0]}"}
     data["material"] = {"name": scene.material.name}
-    tables = {**data, "envelope": _envelope(scene), "original": {"file": body}}
+    tables = {**data, **(keys or {}), "envelope": _envelope(scene)}
+    tables |= {"original": {"file": body}} if body else {}
     tables |= {"crank": own} if own else {}
     comments = "".join(f"# {line}\n" for line in heading[1:])
     parts = [f"{comments}{tomlkit.dumps(head)}"]
@@ -51,37 +77,58 @@ _NOTES = {
     "material": "# CAD does not tell the material: confirm it, or take another.\n",
     "envelope": "# Space for the optimised web: as large as the present one.\n"
     "# Widen it to what piston and crankcase leave.\n",
-    "crank": "# Cylinders, cones and keyways beyond the outer main journals. CAD does not tell the free\n"
-    "# end: the lower one is taken. Holes in them are not read.\n",
+    "crank": "# Cylinders, cones, flanges and keyways beyond the outer main journals. CAD does not tell the\n"
+    "# free end: the lower one is taken.\n",
     "original": "# The web that gains are measured against: the body itself.\n",
 }
 
 
-_ALIKE = 2e-3
-"""Share in which a main journal may differ from the design's and counts as alike."""
+_ALIKE = 4.0
+"""Share, over that of dimensions, in which a main journal may differ from the design's and counts as one."""
 
 
-def _crank(scene: Scene, crank: FoundCrank) -> dict[str, Any]:
-    """Return ends and main journals that differ from the design's; empty where there are none."""
-    own = []
-    for number, journal in enumerate(crank.journals):
-        whole = crank.ends[number > 0] is not None if any(journal.free) else True
-        length = journal.length_mm if whole else scene.throw.main_journal.length_mm
-        found = {
-            "outer_diameter_mm": 2 * journal.radius_mm,
-            "bore_diameter_mm": journal.bore_mm,
-            "length_mm": length,
-        }
-        usual = scene.throw.main_journal.model_dump()
-        differing = {k: round(v, DIGITS) for k, v in found.items() if abs(v - usual[k]) > _ALIKE * usual[k]}
-        own += [{"number": number, **differing}] if differing else []
+def crank_table(
+    scene: Scene, crank: FoundCrank, near: Closeness = EXACT, throws: Throws = (), names: Sequence[str] = ()
+) -> dict[str, Any]:
+    """Return throws, ends and main journals that differ from the design's; empty where there are none.
+
+    Empty beside a flying web: the design says nothing of the crank then.
+    """
+    if crank.flying:
+        return {}
+    own = [
+        {"number": number, **differing}
+        for number, journal in enumerate(crank.journals)
+        if (differing := _differing(scene, crank, number, near, throws))
+    ]
     ends = [
         {"side": side, "step": [_step(step, crank) for step in steps]}
         for side, steps in zip(("free", "output"), crank.ends, strict=True)
         if steps is not None
     ]
-    throws = {"throws": [OWN_THROW] * len(crank.pins)} if own else {}
-    return throws | ({"main_journal": own} if own else {}) | ({"end": ends} if ends else {})
+    several = own or names or (ends and len(crank.pins) > 1)
+    order = {"throws": list(names) or [OWN_THROW] * len(crank.pins)} if several else {}
+    return order | ({"main_journal": own} if own else {}) | ({"end": ends} if ends else {})
+
+
+def _differing(
+    scene: Scene, crank: FoundCrank, number: int, near: Closeness, throws: Throws
+) -> dict[str, float]:
+    """Return what a main journal of the crank has otherwise than the design's."""
+    journal, usual = crank.journals[number], scene.throw.main_journal
+    whole = crank.ends[number > 0] is not None if any(journal.free) else True
+    found = {
+        "outer_diameter_mm": 2 * journal.radius_mm,
+        "bore_diameter_mm": journal.bore_mm,
+        "length_mm": journal.length_mm if whole else usual.length_mm,
+        "fillet_mm": next((fillet.radial_mm for fillet in fillets_of(throws, number)), usual.fillet_mm),
+    }
+    least = {key: _ALIKE * near.length * getattr(usual, key) for key in found}
+    return {
+        key: round(value, DIGITS)
+        for key, value in found.items()
+        if abs(value - getattr(usual, key)) > least[key]
+    }
 
 
 def _step(step: FoundStep, crank: FoundCrank) -> dict[str, Any]:
@@ -93,6 +140,14 @@ def _step(step: FoundStep, crank: FoundCrank) -> dict[str, Any]:
         kind = "keyway"
         sizes |= {"width_mm": keyway.width_mm, "depth_mm": keyway.depth_mm}
         sizes["angle_deg"] = crank.turn_deg(keyway.direction)
+    if step.bolts is not None:
+        kind = "flange"
+        sizes |= {
+            "bolt_circle_mm": 2 * step.bolts.circle_radius_mm,
+            "bolt_diameter_mm": 2 * step.bolts.radius_mm,
+        }
+        sizes |= {"bolts": step.bolts.count}
+        sizes["first_bolt_deg"] = crank.turn_deg(step.bolts.direction) % (360 / step.bolts.count)
     return {"kind": kind, **{key: round(value, DIGITS) for key, value in sizes.items()}}
 
 

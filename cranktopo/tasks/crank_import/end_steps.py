@@ -18,10 +18,12 @@ from cranktopo.tasks.crank_import.faces import (
     parallel,
     span_along,
 )
-from cranktopo.tasks.crank_import.found_crank import FoundKeyway, FoundStep
+from cranktopo.tasks.crank_import.found_crank import FoundBolts, FoundKeyway, FoundStep
 
 _NEAR = 1e-5
 """Share of a radius in which places count as one."""
+_EVEN_RAD = 1e-5
+"""Angle by which holes of one circle may be off their even spacing."""
 _AREA = 1e-3
 """Share in which the floor of a keyway has the area of its width by its length."""
 
@@ -55,9 +57,53 @@ class EndFinder:
             if abs(inner - at_mm) < _NEAR * max(radii):
                 beyond = radii[1] if radii[0] != radii[1] else None
                 bore = self._bore_mm((inner + outer) / 2)
-                steps.append(FoundStep(radii[0], bore, abs(outer - inner), beyond, piece.keyway))
+                bolts = None if beyond or piece.keyway else self._bolts(piece.span_mm)
+                steps.append(FoundStep(radii[0], bore, abs(outer - inner), beyond, piece.keyway, bolts))
                 at_mm = outer
         return tuple(steps)
+
+    def holes_left(self, steps: Sequence[FoundStep], at_mm: float, outward: int) -> Iterator[str]:
+        """Yield, in words, the holes along the crank beyond a place that are no bolt holes of the steps."""
+        known = {(bolts.radius_mm, bolts.circle_radius_mm) for step in steps if (bolts := step.bolts)}
+        for hole in self._holes():
+            low, high = self._span(hole)
+            off = from_line_mm(hole.point_mm, self.origin, self.axis)
+            like = any(math.isclose(hole.radius_mm, r) and math.isclose(off, c) for r, c in known)
+            if outward * ((low + high) / 2 - at_mm) > 0 and not like:
+                yield (
+                    f"a hole of {2 * hole.radius_mm:.4g} mm in an end of the crank, {off:.4g} mm off its "
+                    f"axis, from {low:.4g} to {high:.4g} mm along it: it is in no design"
+                )
+
+    def _holes(self) -> list[CylinderFace]:
+        """Return full cylinders of holes along the axis that lie beside it."""
+        return [
+            face
+            for face in self.faces.cylinders
+            if face.full
+            and not face.outward
+            and parallel(face.axis, self.axis)
+            and not self._on_axis(face.point_mm, face.axis)
+        ]
+
+    def _bolts(self, span: tuple[float, float]) -> FoundBolts | None:
+        """Return the equal and evenly spaced holes that run just through a step; None without such."""
+        near = _NEAR * (span[1] - span[0])
+        own = [
+            hole for hole in self._holes() if np.abs(np.subtract(self._span(hole), span)).max() < 10 * near
+        ]
+        if not own:
+            return None
+        away = [hole.point_mm - self.origin for hole in own]
+        across = np.array([one - (one @ self.axis) * self.axis for one in away])
+        arms, radii = np.linalg.norm(across, axis=1), np.array([hole.radius_mm for hole in own])
+        first = across[0] / arms[0]
+        angles = np.sort(np.arctan2(across @ np.cross(self.axis, first), across @ first) % (2 * math.pi))
+        gaps = np.diff(angles, append=angles[0] + 2 * math.pi)
+        alike = np.ptp(arms) < _NEAR * arms[0] and np.ptp(radii) < _NEAR * radii[0]
+        if not alike or np.abs(gaps - 2 * math.pi / len(own)).max() > _EVEN_RAD:
+            return None
+        return FoundBolts(len(own), float(arms[0]), float(radii[0]), first)
 
     def _cones(self) -> Iterator[_Piece]:
         for cone in self.faces.cones:

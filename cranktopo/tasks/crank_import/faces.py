@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.tasks.importing.found_fillets import sampled
 
 _SAME = 1e-6
 """Share of a radius in which two faces count as one: what CAD systems keep of a dimension in a file."""
@@ -95,13 +96,18 @@ class ConeFace:
 
 @dataclass(frozen=True)
 class Faces:
-    """Faces of a body by kind; `others` are names of the surfaces that no web has, cones among them."""
+    """Faces of a body by kind; `others` are names of the surfaces that no web has, cones among them.
+
+    Attributes:
+        patches_mm: points (n, 3) on each of the others that is no cone.
+    """
 
     cylinders: tuple[CylinderFace, ...]
     planes: tuple[PlaneFace, ...]
     tori: tuple[TorusFace, ...]
     others: tuple[str, ...]
     cones: tuple[ConeFace, ...] = ()
+    patches_mm: tuple[Array, ...] = ()
 
     @property
     def sides(self) -> list[PlaneFace]:
@@ -116,6 +122,7 @@ def exact_faces(gmsh: Any, tags: Sequence[int] | None = None) -> Faces:
     planes: list[PlaneFace] = []
     tori: list[TorusFace] = []
     cones: list[ConeFace] = []
+    patches: list[Array] = []
     others: list[str] = []
     for tag in [tag for _, tag in gmsh.model.getEntities(2)] if tags is None else tags:
         kind = gmsh.model.getType(2, tag)
@@ -130,7 +137,9 @@ def exact_faces(gmsh: Any, tags: Sequence[int] | None = None) -> Faces:
         else:
             others.append(kind)
             cones += [_cone(gmsh, tag, reals)] if kind == "Cone" else []
-    return Faces(tuple(_joined(cylinders)), tuple(planes), tuple(tori), tuple(others), tuple(cones))
+            patches += [] if kind == "Cone" else [sampled(gmsh, tag)]
+    joined = tuple(_joined(cylinders))
+    return Faces(joined, tuple(planes), tuple(tori), tuple(others), tuple(cones), tuple(patches))
 
 
 def _cylinder(gmsh: Any, tag: int, reals: Array) -> CylinderFace:

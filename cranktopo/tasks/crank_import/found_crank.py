@@ -49,12 +49,23 @@ class FoundKeyway:
 
 
 @dataclass(frozen=True)
+class FoundBolts:
+    """Equal holes through a step, evenly spaced on a circle about the axis; one lies in `direction`."""
+
+    count: int
+    circle_radius_mm: float
+    radius_mm: float
+    direction: Array
+
+
+@dataclass(frozen=True)
 class FoundStep:
     """A cylinder or cone of an end of the crank, beyond an outer main journal.
 
     Attributes:
         radius_mm: of a cone that at its inner face.
         outer_radius_mm: of a cone that at its outer face; None for a cylinder.
+        bolts: the holes of a flange.
     """
 
     radius_mm: float
@@ -62,6 +73,7 @@ class FoundStep:
     length_mm: float
     outer_radius_mm: float | None = None
     keyway: FoundKeyway | None = None
+    bolts: FoundBolts | None = None
 
 
 @dataclass(frozen=True)
@@ -122,6 +134,17 @@ class FoundCrank:
     ends: tuple[tuple[FoundStep, ...] | None, tuple[FoundStep, ...] | None]
     assumed: tuple[str, ...]
     unread: tuple[str, ...]
+
+    @property
+    def flying(self) -> tuple[int, ...]:
+        """Numbers of the pins that no main journal parts from the next one."""
+        places = [(self.pins[i].middle_mm, self.pins[i + 1].middle_mm) for i in range(len(self.pins) - 1)]
+        mains = [journal.middle_mm for journal in self.journals]
+        return tuple(
+            number
+            for number, (low, high) in enumerate(places, 1)
+            if not any(low < place < high for place in mains)
+        )
 
     def throw_radius_mm(self, pin: FoundJournal) -> float:
         """Return the distance of a pin from the crank axis."""

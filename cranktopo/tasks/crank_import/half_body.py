@@ -69,12 +69,15 @@ class FoundBody:
 
     Attributes:
         assumed: what was assumed of the file, in words.
+        faces, triangles: numbers of them; no triangles of a body with exact faces.
     """
 
     solids: tuple[FoundSolid, ...]
     taken: FoundSolid
     crank: FoundCrank
     halves: tuple[HalfBody, ...]
+    faces: int
+    triangles: int = 0
     assumed: tuple[str, ...] = ()
 
 

@@ -42,6 +42,7 @@ def crank_by_kernel(
     with cad_session(f"crank in {path}") as gmsh, tempfile.TemporaryDirectory() as scratch:
         taken, solids = read_crank(gmsh, path, solid, unit)
         crank = find_crank(exact_faces(gmsh), f"'{path}'", ends)
+        count = len(gmsh.model.getEntities(2))
         note(f"{path}: {crank.words}")
         body = [taken.entity]
         bulks = [_bulk(gmsh, body, crank, half) for half in crank.halves]
@@ -51,7 +52,7 @@ def crank_by_kernel(
             _written(gmsh, kept, crank, group, folder / f"half-{number}.step")
             for number, group in enumerate(alike_halves(crank.halves, bulks, EXACT), 1)
         )
-    return FoundBody(solids, taken, crank, halves)
+    return FoundBody(solids, taken, crank, halves, count)
 
 
 def _cut(gmsh: Any, body: DimTags, crank: FoundCrank, half: FoundHalf) -> DimTags:

@@ -78,7 +78,8 @@ def crank_of_mesh(
         )
         for number, group in enumerate(groups, 1)
     )
-    return FoundBody(solids, taken, crank, halves, tuple(assumed))
+    count = len(faces.cylinders) + len(faces.planes) + len(faces.tori) + len(faces.others)
+    return FoundBody(solids, taken, crank, halves, count, len(mesh.faces), tuple(assumed))
 
 
 def _solids(meshes: Mapping[str, SurfaceMesh]) -> tuple[FoundSolid, ...]:

@@ -5,18 +5,20 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from itertools import groupby
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cranktopo.report.page import Fact, Page, Section, counted, pairs
-from cranktopo.report.plot import Picture, plain
+from cranktopo.report.plot import Picture, plain, save_figure
 from cranktopo.tasks.crank_import import text
 from cranktopo.tasks.crank_import.result import CrankImport, ImportedHalf
 from cranktopo.tasks.crank_import.web_reading import ImportedWeb
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
+    from matplotlib.figure import FigureBase
 
 _BODY, _DESIGN = "0.78", "#d1632a"
 _LAST_INDEX = re.compile(r"\[\d+\]$")
@@ -98,6 +100,18 @@ def _facts(result: CrankImport) -> list[Fact]:
     return facts
 
 
+def import_picture(halves: Sequence[ImportedHalf], webs: Sequence[ImportedWeb], path: Path) -> None:
+    """Write the silhouettes of bodies and designs over each other, a row for each half throw."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.2, 4.6 * len(webs)), layout="constrained")
+    parts = figure.subfigures(len(webs), 1, squeeze=False).ravel()
+    for part, half, web in zip(parts, halves, webs, strict=True):
+        _draw_both(part, web)
+        part.suptitle(f"Half {half.number}: {half.outline}. Grey: the body. Line: the design.", fontsize=10)
+    save_figure(figure, path, dpi=120)
+
+
 def _half(half: ImportedHalf, web: ImportedWeb) -> Section:
     return Section(
         f"half-{half.number}",
@@ -127,6 +141,11 @@ def _over_each_other(half: ImportedHalf, web: ImportedWeb) -> Picture:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.2, 4.6), layout="constrained")
+    _draw_both(figure, web)
+    return Picture(f"half-{half.number}", figure, "silhouettes of body and design over each other")
+
+
+def _draw_both(figure: FigureBase, web: ImportedWeb) -> None:
     front, side = figure.subplots(1, 2)
     for solid, filled in ((web.read.solid, True), (web.read.shown, False)):
         _draw(front, solid, filled)
@@ -139,7 +158,6 @@ def _over_each_other(half: ImportedHalf, web: ImportedWeb) -> Picture:
     for axes in (front, side):
         axes.set_aspect("equal")
         plain(axes)
-    return Picture(f"half-{half.number}", figure, "silhouettes of body and design over each other")
 
 
 def _draw(axes: Any, solid: Manifold, filled: bool) -> None:

@@ -5,6 +5,78 @@ from __future__ import annotations
 from cranktopo.base.result import Result
 
 
+class ImportSource(Result):
+    """The body that was read."""
+
+    file: str
+    """The file."""
+    solid: str
+    """The solid of it that was taken."""
+    unit: str
+    """Unit of its numbers: of --unit, else `file`, as the file tells it, or mm where it tells none."""
+    faces: int
+    """Number of its faces; of triangles, of the faces fitted to them."""
+    triangles: int
+    """Number of its triangles; 0 of a body with exact faces."""
+
+
+class ImportedAxis(Result):
+    """The crank axis in the axes of the file."""
+
+    point_mm: tuple[float, float, float]
+    """A point on it."""
+    direction: tuple[float, float, float]
+    """Its direction; the low end counts as the free end."""
+
+
+class ImportedPin(Result):
+    """A crankpin as a part."""
+
+    z_mm: float
+    """Place of its middle along the crank axis."""
+    outer_diameter_mm: float
+    """Outer diameter."""
+    bore_diameter_mm: float
+    """Diameter of its bore; 0 = solid."""
+    length_mm: float
+    """Length between the webs."""
+    fillet_mm: float
+    """Radius of its fillets; 0 = none found."""
+
+
+class ImportedLack(Result):
+    """A part of the crank that is in no design."""
+
+    where: str
+    """The crank, or the half throw."""
+    what: str
+    """The part, in words."""
+
+
+class ImportDeviation(Result):
+    """Distances of the outlines of bodies and designs, over all distinct half throws."""
+
+    max: float
+    """The largest."""
+    rms: float
+    """Root of the mean square, over points 0.25 mm apart along both outlines."""
+
+
+class ImportFiles(Result):
+    """Files that were written."""
+
+    design: str
+    """The design of the crank."""
+    throws: tuple[str, ...]
+    """Designs of the throws that differ from the first one's."""
+    bodies: tuple[str, ...]
+    """Bodies of the distinct half throws."""
+    page: str
+    """Page with body and design over each other."""
+    picture: str
+    """The same as a picture."""
+
+
 class ImportedSolid(Result):
     """A solid of the file."""
 
@@ -35,6 +107,12 @@ class ImportedThrow(Result):
     """Length of the crankpin between the webs."""
     middle_mm: float
     """Place of its middle along the crank axis."""
+    pin: ImportedPin
+    """Its crankpin."""
+    webs: tuple[int, ...]
+    """Numbers of the distinct half throws of its webs, from the low end; a flying web is none."""
+    same_as: int | None
+    """Number of the first throw that is alike but for its main journals; null for the first of its kind."""
 
 
 class ImportedJournal(Result):
@@ -50,6 +128,14 @@ class ImportedJournal(Result):
     """Visible length: between the webs, or to the end of its cylinder."""
     middle_mm: float
     """Place of its middle along the crank axis."""
+    z_mm: float
+    """The same."""
+    outer_diameter_mm: float
+    """The same as `diameter_mm`."""
+    bore_diameter_mm: float
+    """The same as `bore_mm`."""
+    fillet_mm: float
+    """Radius of its fillets; 0 = none found."""
 
 
 class ImportedHalf(Result):
@@ -86,6 +172,8 @@ class CrankImport(Result):
 
     schema_version: int = 1
     """Version of these keys."""
+    source: ImportSource
+    """The body that was read."""
     file: str
     """The file."""
     solids: tuple[ImportedSolid, ...]
@@ -94,8 +182,8 @@ class CrankImport(Result):
     """The one that was taken."""
     origin_mm: tuple[float, float, float]
     """A point on the crank axis, in the axes of the file."""
-    axis: tuple[float, float, float]
-    """Direction of the crank axis; its low end counts as the free end."""
+    axis: ImportedAxis
+    """The crank axis."""
     throws: tuple[ImportedThrow, ...]
     """Crankpins."""
     main_journals: tuple[ImportedJournal, ...]
@@ -106,7 +194,15 @@ class CrankImport(Result):
     """Material of the design: CAD does not tell it."""
     assumed: tuple[str, ...]
     """Assumptions where the faces leave something open, in words."""
-    unread: tuple[str, ...]
-    """Parts of the crank that are in no design, in words."""
+    volume_mm3: float
+    """Volume of the body."""
+    design_volume_mm3: float | None
+    """Volume of the crank of the designs, ends included; null where they are no whole crank."""
+    deviation_mm: ImportDeviation
+    """Distances of the outlines of bodies and designs."""
+    unread: tuple[ImportedLack, ...]
+    """Parts of the crank that are in no design."""
     page: str
     """Page with body and design over each other."""
+    files: ImportFiles
+    """Files that were written."""

@@ -36,10 +36,11 @@ def silhouette(solid: Manifold, low: float, high: float) -> CrossSection:
     return between.project()
 
 
-def apart_mm(one: CrossSection, other: CrossSection) -> float:
-    """Return the largest distance of the outer edges of two sections."""
+def apart_mm(one: CrossSection, other: CrossSection) -> tuple[float, float]:
+    """Return the largest distance of the outer edges of two sections, and the root of their mean square."""
     first, second = (_dense(section) for section in (one, other))
-    return float(max(_from(first, second), _from(second, first)))
+    distances = np.concatenate([_from(first, second), _from(second, first)])
+    return float(distances.max()), float(np.sqrt((distances**2).mean()))
 
 
 def outer_edge(section: CrossSection) -> Array:
@@ -61,8 +62,8 @@ def _dense(section: CrossSection) -> Array:
     )
 
 
-def _from(points: Array, edge: Array) -> float:
-    """Largest distance of points from a closed polygon of short sides."""
+def _from(points: Array, edge: Array) -> Array:
+    """Distances of points from a closed polygon of short sides."""
     from scipy.spatial import cKDTree
 
     _, nearest = cKDTree(edge).query(points)
@@ -72,7 +73,7 @@ def _from(points: Array, edge: Array) -> float:
         along = b - a
         share = np.clip(((points - a) * along).sum(1) / np.maximum((along**2).sum(1), 1e-30), 0, 1)
         distances.append(np.linalg.norm(a + share[:, None] * along - points, axis=1))
-    return float(np.min(distances, axis=0).max())
+    return np.asarray(np.min(distances, axis=0))
 
 
 def half_width_mm(points: Array, y: float) -> float:

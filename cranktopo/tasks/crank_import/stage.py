@@ -2,42 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import as_path, write_json, write_text
+from cranktopo.base.files import as_path, write_json
 from cranktopo.base.notes import note
 from cranktopo.bodies.solid.step import KERNEL_SUFFIXES, by_kernel
-from cranktopo.bodies.volume import half_throw_volume_mm3
-from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_name
 from cranktopo.report.report_file import write_report
 from cranktopo.runs.destination import check_folder, moved, unfinished_folder
 from cranktopo.tasks.crank_import.choices import DEFAULT_MATERIAL, EndJournals, Unit
-from cranktopo.tasks.crank_import.design_text import design_text
-from cranktopo.tasks.crank_import.faces import DIGITS, from_line_mm, parallel
+from cranktopo.tasks.crank_import.design_files import half_names, write_designs
+from cranktopo.tasks.crank_import.faces import DIGITS
+from cranktopo.tasks.crank_import.fillets import fillet_keys
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf, FoundJournal
-from cranktopo.tasks.crank_import.half_body import FoundBody, HalfBody
+from cranktopo.tasks.crank_import.half_body import HalfBody
 from cranktopo.tasks.crank_import.kernel_halves import crank_by_kernel
 from cranktopo.tasks.crank_import.mesh_halves import crank_of_mesh
 from cranktopo.tasks.crank_import.meshes import MESH_SUFFIXES
-from cranktopo.tasks.crank_import.pockets import unread_holes
-from cranktopo.tasks.crank_import.result import (
-    CrankImport,
-    ImportedHalf,
-    ImportedJournal,
-    ImportedSolid,
-    ImportedThrow,
-)
+from cranktopo.tasks.crank_import.result import CrankImport, ImportedHalf
+from cranktopo.tasks.crank_import.summary import PAGE, PICTURE, half_of, result_of, web_words
 from cranktopo.tasks.crank_import.web_reading import ImportedWeb, read_web
 from cranktopo.tasks.importing.placement import ring_misfits
-
-_TANGENT = 1e-5
-"""Allowed distance of a fillet from the journal's cylinder, over its radius."""
 
 
 def import_crank(
@@ -95,21 +83,27 @@ def _imported(
         if path.suffix.lower() in MESH_SUFFIXES
         else by_kernel(f"'{path}'", crank_by_kernel, *find)
     )
-    webs = []
+    read = []
     for number, body in enumerate(found.halves, 1):
-        own = name if number == 1 else f"{name}-{number}"
         note(f"half {number} of {len(found.halves)}: reading its web")
-        webs.append(_web(body, found.crank, own, material))
-    page = folder / "import.html"
-    result = _result(path, found, webs, folder, material, page)
-    for web, entry in zip(webs, result.halves, strict=True):
-        text = design_text(web.read.scene, found.crank, web.body.file, _heading(path, entry))
-        write_text(unfinished / f"{web.name}.toml", text)
+        read.append(_web(body, found.crank, f"{name}-{number}", material))
+    names = half_names(read, found.crank, name)
+    webs = [_named(web, own) for web, own in zip(read, names, strict=True)]
+    halves = tuple(half_of(number, web, folder) for number, web in enumerate(webs, 1))
+    headings = [_heading(path, entry) for entry in halves]
+    files = write_designs(unfinished, webs, found.crank, name, headings)
+    result = result_of((path, find[3]), found, webs, halves, files, folder, material)
     write_json(unfinished / "import.json", result.as_json())
-    from cranktopo.tasks.crank_import.page import import_page
+    from cranktopo.tasks.crank_import.page import import_page, import_picture
 
-    write_report(import_page(result, webs), unfinished / page.name)
+    write_report(import_page(result, webs), unfinished / PAGE)
+    import_picture(halves, webs, unfinished / PICTURE)
     return result
+
+
+def _named(web: ImportedWeb, name: str) -> ImportedWeb:
+    scene = web.read.scene.model_copy(update={"name": name})
+    return replace(web, name=name, read=replace(web.read, scene=scene))
 
 
 def _web(body: HalfBody, crank: FoundCrank, name: str, material: str) -> ImportedWeb:
@@ -139,131 +133,14 @@ def _journal(body: HalfBody, found: FoundJournal, length_mm: float, y_mm: float)
         "bore_diameter_mm": round(found.bore_mm, DIGITS),
         "length_mm": round(length_mm, DIGITS),
     }
-    fillet = _fillet_mm(body, found, y_mm)
-    return table | ({"fillet_mm": round(fillet, DIGITS)} if fillet else {})
+    fillet = fillet_keys(body.faces, found.radius_mm, y_mm, _web_face(body.half, y_mm), body.near.outline_mm)
+    return table | {key: round(value, DIGITS) for key, value in fillet.items()}
 
 
-def _fillet_mm(body: HalfBody, journal: FoundJournal, y_mm: float) -> float:
-    """Return the radius of the torus that runs from a journal's cylinder into the web; 0 without one."""
-    on, z = np.array([0.0, y_mm, 0.0]), np.array([0.0, 0.0, 1.0])
-    near = _TANGENT * journal.radius_mm
-    for torus in body.faces.tori:
-        about = parallel(torus.axis, z) and from_line_mm(torus.centre_mm, on, z) < near
-        if about and abs(torus.ring_mm - torus.tube_mm - journal.radius_mm) < near:
-            return torus.tube_mm
-    return 0.0
-
-
-def _result(
-    path: Path,
-    found: FoundBody,
-    webs: Sequence[ImportedWeb],
-    folder: Path,
-    material: str,
-    page: Path,
-) -> CrankImport:
-    crank, taken = found.crank, found.taken
-    x, y, z = (float(v) for v in crank.origin_mm)
-    along = tuple(float(v) for v in crank.axis)
-    return CrankImport(
-        file=str(path),
-        solids=tuple(
-            ImportedSolid(**{k: v for k, v in vars(one).items() if k != "tag"}) for one in found.solids
-        ),
-        solid=taken.name,
-        origin_mm=(x, y, z),
-        axis=(along[0], along[1], along[2]),
-        throws=tuple(
-            ImportedThrow(
-                number=number,
-                angle_deg=crank.angle_deg(pin),
-                radius_mm=crank.throw_radius_mm(pin),
-                diameter_mm=2 * pin.radius_mm,
-                bore_mm=pin.bore_mm,
-                length_mm=pin.length_mm,
-                middle_mm=pin.middle_mm,
-            )
-            for number, pin in enumerate(crank.pins, 1)
-        ),
-        main_journals=tuple(
-            ImportedJournal(
-                number=number,
-                diameter_mm=2 * journal.radius_mm,
-                bore_mm=journal.bore_mm,
-                length_mm=journal.length_mm,
-                middle_mm=journal.middle_mm,
-            )
-            for number, journal in enumerate(crank.journals, 1)
-        ),
-        halves=tuple(_half(number, web, folder) for number, web in enumerate(webs, 1)),
-        material=material,
-        assumed=(*found.assumed, *crank.assumed, f"material = {material}: CAD does not tell it"),
-        unread=crank.unread,
-        page=str(page),
-    )
-
-
-def _half(number: int, web: ImportedWeb, folder: Path) -> ImportedHalf:
-    scene, body = web.read.scene, web.body
-    return ImportedHalf(
-        number=number,
-        body=str(folder / body.file),
-        design=str(folder / f"{web.name}.toml"),
-        webs=tuple(web_words(half, half in body.mirrored) for half in body.others),
-        outline=web.read.outline,
-        outline_deviation_mm=web.read.outline_mm,
-        volume_mm3=body.solid.volume_mm3,
-        design_volume_mm3=half_throw_volume_mm3(scene),
-        missing_mm3=web.read.missing_mm3,
-        extra_mm3=web.read.extra_mm3,
-        dimensions_mm=dict(_dimensions(scene)),
-        unread=tuple(_unread(web)),
-    )
-
-
-def web_words(half: FoundHalf, mirrored: bool = False) -> str:
-    """Return a web in words: its throw, on which side of the pin it lies, and if it is a mirror image."""
-    word = f"throw {half.throw}, {'first' if half.toward > 0 else 'second'} web"
-    return f"{word} (mirrored)" if mirrored else word
-
-
-def _dimensions(scene: Scene) -> Iterator[tuple[str, float]]:
-    data = scene.model_dump(mode="json", include={"throw", "web"}, exclude_none=True, exclude_defaults=True)
-    yield from _numbers(data, "")
-
-
-def _numbers(data: Any, key: str) -> Iterator[tuple[str, float]]:
-    if isinstance(data, Mapping):
-        for name, value in data.items():
-            yield from _numbers(value, f"{key}.{name}" if key else name)
-    elif isinstance(data, list):
-        for index, value in enumerate(data):
-            yield from _numbers(value, f"{key}[{index}]")
-    elif isinstance(data, float | int) and not isinstance(data, bool):
-        yield key, float(data)
-
-
-def _unread(web: ImportedWeb) -> Iterator[str]:
-    """Yield what a body has that its design does not say."""
-    scene, faces = web.read.scene, web.body.faces
-    yield from web.read.told
-    for key, name in (("main_journal", "main journal"), ("crankpin", "crankpin")):
-        if not getattr(scene.throw, key).fillet_mm:
-            yield f"no round fillet was found at the {name}: its corner is sharp in the design"
-    for index, drilling in enumerate(scene.throw.drilling):
-        if drilling.outlet_radius_mm:
-            yield (
-                f"throw.drilling[{index}].outlet_radius_mm = {drilling.outlet_radius_mm:g} follows from the "
-                "volume: no face tells it, check it against the drawing"
-            )
-    for hole in unread_holes(web.body, scene):
-        yield f"{hole}: it is not in the design"
-    cones = sum(other == "Cone" for other in faces.others)
-    if cones:
-        yield f"{cones} conical faces: chamfers and countersinks are not in the design"
-    kinds = sorted({other for other in faces.others if other != "Cone"})
-    if kinds:
-        yield f"faces that are no plane, cylinder or torus: {', '.join(kinds).lower()}"
+def _web_face(half: FoundHalf, y_mm: float) -> tuple[float, int]:
+    """Return the web's face at a journal, in the frame of the half throw, and the way into the web."""
+    start = half.main_length_mm / 2
+    return (start + half.thickness_mm, -1) if y_mm else (start, 1)
 
 
 def _heading(path: Path, entry: ImportedHalf) -> tuple[str, ...]:

@@ -50,8 +50,7 @@ def half_table(result: CrankImport) -> ResultTable:
 
 def unread_lines(result: CrankImport) -> list[str]:
     """Return everything that no design says, the crank's first."""
-    own = [f"half {half.number}: {line}" for half in result.halves for line in half.unread]
-    return [*result.unread, *own]
+    return [f"{lack.where}: {lack.what}" for lack in result.unread]
 
 
 def import_text(result: CrankImport) -> str:
@@ -59,7 +58,9 @@ def import_text(result: CrankImport) -> str:
     lines = [f"not read: {line}" for line in unread_lines(result)]
     lines += [f"assumed: {line}" for line in result.assumed]
     tables = [terminal(table(result)) for table in (throw_table, journal_table, half_table)]
-    design = result.halves[0].design
+    design = result.files.design
     files = [f"{half.design}: {', '.join(half.webs)}" for half in result.halves]
+    if design != result.halves[0].design:
+        files = [", ".join((design, *result.files.throws)) + ": the whole crank", *files]
     after = [*files, f"page: {result.page}", f"next: cranktopo evaluate {design}"]
     return "\n\n".join(["\n".join(lines), *tables, "\n".join(after)])

@@ -16,12 +16,13 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid.files import kernel_surface_of
+from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import solid_of
 from cranktopo.tasks.crank_import.bevelled_edge import read_edge
 from cranktopo.tasks.crank_import.bevels import read_bevels
-from cranktopo.tasks.crank_import.half_body import HalfBody
+from cranktopo.tasks.crank_import.half_body import EXACT, HalfBody
 from cranktopo.tasks.crank_import.oil_drillings import read_drillings, with_outlet_radius
 from cranktopo.tasks.crank_import.pockets import read_pockets
 from cranktopo.tasks.crank_import.silhouette import apart_mm, drawn_outline, silhouette
@@ -32,8 +33,8 @@ if TYPE_CHECKING:
 
 _EXACT = 2e-4
 """Distance of silhouettes over the throw radius below which an outline counts as the body's own."""
-_TOLD = 1e-3
-"""Share of the volume in which a difference of body and design is told."""
+_TOLD, _TOLD_EXACT = 1e-3, 2e-5
+"""Share of the volume in which a difference of body and design is told, of triangles and of exact volumes."""
 _OUTLETS = 0.5
 """Rounded outlets are believed where they take away half of what differs."""
 
@@ -44,13 +45,15 @@ class ReadWeb:
 
     Attributes:
         outline: its outline and counterweight in words.
-        outline_mm: largest distance of both silhouettes along the crank.
+        outline_mm, outline_rms_mm: largest distance of both silhouettes along the crank, and its root mean
+            square.
         solid, shown: the half throw of the body, and that of the scene.
     """
 
     scene: Scene
     outline: str
     outline_mm: float
+    outline_rms_mm: float
     solid: Manifold
     shown: Manifold
 
@@ -75,6 +78,17 @@ class ReadWeb:
             if apart.volume() > _TOLD * self.solid.volume():
                 x, y, z = largest_middle_mm(apart)
                 yield f"{what} {apart.volume():.4g} mm3, most of it near ({x:.4g}, {y:.4g}, {z:.4g}) mm"
+
+    def told_of(self, body: HalfBody) -> Iterator[str]:
+        """Yield what `told` does, or else the least difference that the exact volumes of both show."""
+        found = list(self.told)
+        yield from found
+        off = body.solid.volume_mm3 - half_throw_volume_mm3(self.scene)
+        if not found and body.near is EXACT and abs(off) > _TOLD_EXACT * body.solid.volume_mm3:
+            apart = (self.solid - self.shown) if off > 0 else (self.shown - self.solid)
+            x, y, z = largest_middle_mm(apart)
+            what = "lacks" if off > 0 else "adds"
+            yield f"the design {what} {abs(off):.4g} mm3, perhaps near ({x:.4g}, {y:.4g}, {z:.4g}) mm"
 
     @property
     def differs_mm3(self) -> float:
@@ -104,7 +118,7 @@ def read_web(body: HalfBody, throw: Mapping[str, Any], material: Mapping[str, An
         CranktopoError: no web of the family fits the throw.
     """
     solid, exact_mm = solid_of(body.shown, name), max(_EXACT * throw["radius_mm"], body.near.outline_mm)
-    found: list[tuple[float, tuple[float, int], str, Scene]] = []
+    found: list[tuple[tuple[float, float], tuple[float, int], str, Scene]] = []
     refusals: list[CranktopoError] = []
     start = throw["main_journal"]["length_mm"] / 2
     own = silhouette(solid, start, start + body.half.thickness_mm)
@@ -119,12 +133,12 @@ def read_web(body: HalfBody, throw: Mapping[str, Any], material: Mapping[str, An
         drawn = drawn_outline(scene)
         off, area = apart_mm(own, drawn), ((own - drawn) + (drawn - own)).area()
         found.append((off, (round(area / own.area(), 4), rank), words, scene))
-        if off < exact_mm:
+        if off[0] < exact_mm:
             break
     if not found:
         raise refusals[-1]
-    off, _, words, scene = min(found, key=lambda one: (one[0] > exact_mm, one[1]))
-    return _with_features(body, ReadWeb(scene, words, off, solid, _shown(scene)))
+    off, _, words, scene = min(found, key=lambda one: (one[0][0] > exact_mm, one[1]))
+    return _with_features(body, ReadWeb(scene, words, *off, solid, _shown(scene)))
 
 
 def rounded(data: Any, digits: int) -> Any:

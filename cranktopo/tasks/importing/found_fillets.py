@@ -83,15 +83,18 @@ def _ring(out: Array, z: Array, *, round_: bool) -> FilletRing | None:
 
 def _patches(gmsh: Any) -> list[Array]:
     """Return points (n, 3) on every face that is neither plane nor cylinder."""
-    found = []
-    for dim, tag in gmsh.model.getEntities(2):
-        if gmsh.model.getType(dim, tag) in ("Plane", "Cylinder", "Cone"):
-            continue
-        low, high = gmsh.model.getParametrizationBounds(dim, tag)
-        u, v = np.meshgrid(*(np.linspace(a, b, _SAMPLES) for a, b in zip(low, high, strict=True)))
-        values = gmsh.model.getValue(dim, tag, np.stack([u.ravel(), v.ravel()], axis=1).ravel())
-        found.append(np.asarray(values).reshape(-1, 3))
-    return found
+    faces = [tag for _, tag in gmsh.model.getEntities(2)]
+    return [
+        sampled(gmsh, tag) for tag in faces if gmsh.model.getType(2, tag) not in ("Plane", "Cylinder", "Cone")
+    ]
+
+
+def sampled(gmsh: Any, tag: int) -> Array:
+    """Return points (n, 3) on a face of the open session."""
+    low, high = gmsh.model.getParametrizationBounds(2, tag)
+    u, v = np.meshgrid(*(np.linspace(a, b, _SAMPLES) for a, b in zip(low, high, strict=True)))
+    values = gmsh.model.getValue(2, tag, np.stack([u.ravel(), v.ravel()], axis=1).ravel())
+    return np.asarray(values).reshape(-1, 3)
 
 
 def _fillet(scene: Scene, key: str, rings: list[FilletRing], name: str) -> FilletSection:

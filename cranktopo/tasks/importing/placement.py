@@ -17,6 +17,8 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.units import MM_PER_INCH, MM_PER_M
+from cranktopo.design.crank_throws import throw_count
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
@@ -38,6 +40,10 @@ _ZONE = 0.2
 """Allowed error of a journal's volume over it: drillings and collars err less, a millimetre of web more."""
 _SQUARE_ANGLES = (0, 90, 180, 270)
 _ROUNDS = 4
+_SHAFT = 1.25
+"""Length of a body over a throw's from which on it is a whole shaft."""
+_SMALLER, _MORE = 2.0, 4
+"""A throw's length over that of a body in another unit at least, and lengths of throws that ends may add."""
 _KEPT: tuple[Feature, ...] = ("fillets",)
 _NEAR = (0.4, 0.9)
 """Sections of the main journal that tell its direction: above the end face even where that is tilted."""
@@ -85,7 +91,7 @@ def placed(body: Manifold, scene: Scene, name: str, align: bool) -> Placement | 
     where = next((motion for motion in tried if motion is not None), None)
     if where is not None and align:
         return where
-    fits, hint = "", f"Is '{scene.name}' the design that it was made from?"
+    fits, hint = "", _other_body(body, scene) or f"Is '{scene.name}' the design that it was made from?"
     if where is not None:
         fits, hint = (
             f" It {where.words}.",
@@ -95,6 +101,31 @@ def placed(body: Manifold, scene: Scene, name: str, align: bool) -> Placement | 
             ),
         )
     raise CranktopoError(f"{name}: does not lie where the throw is: {found[0]}.{fits}", hint=hint)
+
+
+def _other_body(body: Manifold, scene: Scene) -> str:
+    """Return what a body of an unlike length is likely to be, and what to do; empty where its length fits."""
+    box = np.array(body.bounding_box()).reshape(2, 3)
+    found, throw = float(np.ptp(box, axis=0).max()), _longest_mm(scene)
+    longest = (throw_count(scene) + _MORE) * throw
+    for name, factor in (("metres", MM_PER_M), ("inches", MM_PER_INCH)):
+        if _SMALLER * found < throw < _SHAFT * factor * found and factor * found < longest:
+            what = f"It is {found:.4g} long, a throw of '{scene.name}' {throw:.4g} mm"
+            shaft = ", a whole shaft, which `cranktopo import` reads" * (factor * found > _SHAFT * throw)
+            return f"{what}: in {name} it would be {factor * found:.4g} mm{shaft}. Export it in mm."
+    if found > _SHAFT * throw:
+        return (
+            f"It is {found:.4g} mm long, a throw of '{scene.name}' {throw:.4g} mm. A whole shaft is read by "
+            "`cranktopo import`, which cuts its throws and writes a design of them."
+        )
+    return ""
+
+
+def _longest_mm(scene: Scene) -> float:
+    """Return the longest side of the box of a throw."""
+    low, high = scene.web.y_range_mm(scene.throw.radius_mm)
+    weight = scene.web.counterweight
+    return max(scene.pitch_mm, high - min(low, -weight.outer_radius_mm if weight else low))
 
 
 def without_bores_left_out(body: Manifold, scene: Scene) -> tuple[Scene, str]:

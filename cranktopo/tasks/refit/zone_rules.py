@@ -9,11 +9,12 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.spans import Section, holds, section_difference
+from cranktopo.base.spans import Section, common, holds, section_difference
 from cranktopo.bodies.envelope_file import envelope_bounds_mm
 from cranktopo.bodies.zones import frozen_at, own_section, staying_at, zone_heights_mm
 from cranktopo.design.halves import has_zones
@@ -23,11 +24,15 @@ from cranktopo.throw.counterweight.edge import EdgeCut
 from cranktopo.throw.counterweight.holes import RadialHole
 from cranktopo.throw.feature import Mask
 from cranktopo.throw.fitted import CLEAR_MM, FittedFeature, Named, Rule
-from cranktopo.throw.web import kept_holes, web_bodies
+from cranktopo.throw.web import kept_holes, web_bodies, web_spans
 
 _INWARD_MM = 0.05
 """Distance of the points inward of a surface; the web's own surfaces may move by a part of it."""
 _STEP_MM, _HEIGHTS = 1.0, 9
+_STEEP = 2.0
+"""Slope of a section's ends over the place along the throw from which every line is taken."""
+_WALL_MM = 0.15
+"""Distance along the throw within which points on every line are taken beside the wall of a cut."""
 _KEEPS, _EMPTY = "what stays of the web is not cut by the", "empty part of a frozen zone"
 
 
@@ -65,19 +70,26 @@ def _heights_mm(scene: Scene) -> list[float]:
 
 def _along_lines(scene: Scene, section: Section, own: Section, z_mm: float, *, solid: bool) -> Array:
     """Return points inside a section on lines across the web, at x >= 0, inward of the web's surfaces."""
-    y, found = _lines_mm(scene), []
-    for left, right in section(y, np.full_like(y, z_mm)):
+    y, found = _lines_mm(scene), [np.zeros((3, 0))]
+    every = np.arange(y.size) % round(_STEP_MM / _INWARD_MM) == 0
+    for left, right in _inward(section, own, solid=solid)(y, np.full_like(y, z_mm)):
         start, stop = np.maximum(left, 0.0) + _INWARD_MM * (left > 0), right - _INWARD_MM
-        held = _some_of(stop > start)
         share = np.linspace(0.0, 1.0, max(2, int(np.ceil(np.max(stop - start, initial=0.0) / _STEP_MM))))
-        x = start[held, None] + (stop - start)[held, None] * share
-        found.append(np.stack([x.ravel(), np.repeat(y[held], len(share)), np.full(x.size, z_mm)]))
-    at = np.concatenate([np.zeros((3, 0)), *found], axis=1)
-    around = [
-        holds(own(at[1] + up, at[2] + off), at[0]) == solid
-        for up, off in ((_INWARD_MM, 0.0), (-_INWARD_MM, 0.0), (0.0, _INWARD_MM), (0.0, -_INWARD_MM))
+        usual, steep = _some_of(stop > start, every), (stop > start) & _steep(start, stop)
+        for held in (usual, steep & ~usual):
+            x = start[held, None] + (stop - start)[held, None] * share
+            at = np.stack([x.ravel(), np.repeat(y[held], len(share)), np.full(x.size, z_mm)])
+            found.append(at if held is usual else at[:, _at_wall(scene, own, at, solid=solid)])
+    return np.concatenate(found, axis=1)
+
+
+def _inward(section: Section, own: Section, *, solid: bool) -> Section:
+    """Return what of a section keeps clear of the web's surfaces along the throw and along the crank."""
+    beside: list[Section] = [
+        lambda y, z, up=up, off=off: own(y + up, z + off)  # type: ignore[misc]
+        for up, off in product((_INWARD_MM, -_INWARD_MM), repeat=2)
     ]
-    return at[:, np.logical_and.reduce(around)]
+    return functools.reduce(common, beside, section) if solid else section_difference(section, *beside)
 
 
 def _lines_mm(scene: Scene) -> Array:
@@ -91,11 +103,32 @@ def _lines_mm(scene: Scene) -> Array:
     return np.unique(lines.round(6))
 
 
-def _some_of(held: Mask) -> Mask:
+def _some_of(held: Mask, every: Mask) -> Mask:
     """Return which lines to take of those that a section holds: some, and all near its ends."""
     near = np.pad(held, 2)
     inner = near[:-4] & near[1:-3] & near[3:-1] & near[4:]
-    return held & (~inner | (np.arange(held.size) % round(_STEP_MM / _INWARD_MM) == 0))
+    return held & (~inner | every)
+
+
+def _steep(start: Array, stop: Array) -> Mask:
+    """Return between which lines an end of a section moves by much, as at a wall across the throw."""
+    steps = np.abs(np.diff([start, stop], axis=1)).max(axis=0) > _STEEP * _INWARD_MM
+    return np.pad(steps, (1, 0)) | np.pad(steps, (0, 1))
+
+
+def _at_wall(scene: Scene, own: Section, at: Array, *, solid: bool) -> Mask:
+    """Tell which points lie near the wall of a cut along the throw, in the material or in the cut."""
+    x, y, z = at
+    added = [body for body in web_bodies(scene) if body.adds]
+
+    def within(up: float) -> tuple[Mask, Mask]:
+        filled = holds(list(zip(*web_spans(added, y + up, z), strict=True)), x)
+        return filled, holds(own(y + up, z), x)
+
+    beside = [within(side * _WALL_MM) for side in (-1, 1)]
+    if solid:
+        return np.logical_or.reduce([filled & ~held for filled, held in beside])
+    return within(0.0)[0] & np.logical_or.reduce([held for _, held in beside])
 
 
 def zone_rules(

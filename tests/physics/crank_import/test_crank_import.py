@@ -9,18 +9,21 @@ from typing import Any
 
 import numpy as np
 import pytest
+import tomlkit
 
 from cranktopo import load_scene
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.solid.step import step_solid
+from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.halves import halves
 from cranktopo.design.loading import builtin_designs, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout
 from cranktopo.tasks.crank_import.crank_finder import find_crank
-from cranktopo.tasks.crank_import.faces import PlaneFace, exact_faces
+from cranktopo.tasks.crank_import.design_text import crank_table
+from cranktopo.tasks.crank_import.faces import CylinderFace, Faces, PlaneFace, exact_faces
 from cranktopo.tasks.crank_import.result import CrankImport
 from cranktopo.tasks.crank_import.stage import import_crank
 from cranktopo.tasks.crank_import.text import import_text
@@ -226,7 +229,7 @@ def test_the_ends_of_a_crank_come_back(tmp_path: Path) -> None:
     assert found is not None
     assert wanted is not None
     assert flat(found.model_dump(mode="json")) == pytest.approx(flat(wanted.model_dump(mode="json")))
-    assert not [line for line in result.unread if line.startswith("step of")]
+    assert not [lack for lack in result.unread if lack.what.startswith("step of")]
 
 
 @pytest.mark.slow
@@ -244,7 +247,7 @@ def test_cones_and_keyways_come_back(tmp_path: Path) -> None:
     assert found is not None
     assert wanted is not None
     assert flat(found.model_dump(mode="json")) == pytest.approx(flat(wanted.model_dump(mode="json")))
-    assert not [line for line in result.unread if line.startswith("step of")]
+    assert not [lack for lack in result.unread if lack.what.startswith("step of")]
 
 
 @pytest.mark.slow
@@ -256,6 +259,125 @@ def test_a_main_journal_of_its_own_comes_back(tmp_path: Path) -> None:
     assert [(own.number, own.length_mm) for own in found.main_journal] == [(2, pytest.approx(50.0))]
     assert found.throws == ("throw",) * 4
     assert len(found.end) == 2
+
+
+def unlike_throws(folder: Path) -> Scene:
+    """Two throws: the second 22 mm thick at its first web, a pocket aside in its other; a flange."""
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True, exclude={"published"})
+    data["throw"]["crankpin"] |= {"fillet_mm": 2.5, "fillet_axial_mm": 4.0}
+    data["throw"]["main_journal"] |= {"fillet_mm": 2.0, "recess_mm": 0.4}
+    pocket = {
+        "shape": "cylinder",
+        "x_mm": 12.0,
+        "y_mm": 24.0,
+        "diameter_mm": 8.0,
+        "face": "pin",
+        "depth_mm": 5.0,
+    }
+    other = {key: data[key] for key in ("throw", "web", "material")} | {"name": "thick"}
+    other |= {"web": data["web"] | {"thickness_mm": 22.0}, "second_web": data["web"] | {"pocket": [pocket]}}
+    (folder / "thick.toml").write_text(tomlkit.dumps(other))
+    data["engine"] |= {"cylinders": 2, "firing_order": [1, 2]}
+    flange = {"kind": "flange", "diameter_mm": 140.0, "length_mm": 12.0, "bore_diameter_mm": 16.0, "bolts": 6}
+    flange |= {"bolt_circle_mm": 110.0, "bolt_diameter_mm": 9.0, "first_bolt_deg": 20.0}
+    data["crank"] = {
+        "throws": ["throw", str(folder / "thick.toml")],
+        "end": [{"side": "free", "step": []}, {"side": "output", "step": [flange]}],
+        "main_journal": [{"number": 1, "length_mm": 46.0, "fillet_mm": 1.6}],
+    }
+    return scene_from_dict(data, "unlike", whole=True)
+
+
+@pytest.mark.slow
+def test_a_crank_of_unlike_throws_comes_back(tmp_path: Path) -> None:
+    """Each distinct throw is a design that the crank's names; elliptical, recessed fillets, bolt holes."""
+    scene = unlike_throws(tmp_path)
+    result = imported(scene, tmp_path)
+    found = load_scene(result.files.design, whole=True)
+    assert found.crank is not None
+    assert scene.crank is not None
+    ends = [
+        flat(crank.model_dump(mode="json", include={"end", "main_journal"}))
+        for crank in (found.crank, scene.crank)
+    ]
+    assert ends[0] == pytest.approx(ends[1], abs=1e-6)
+    assert [Path(name).name for name in found.crank.throws] == ["throw", "unlike-throw-2.toml"]
+    assert [throw.same_as for throw in result.throws] == [None, None]
+    for own, wanted in zip(throw_scenes(found), throw_scenes(scene), strict=True):
+        for half, other in zip(halves(own), halves(wanted), strict=True):
+            assert dimensions(half) == pytest.approx(dimensions(other), rel=1e-6, abs=1e-6)
+    assert result.design_volume_mm3 == pytest.approx(result.volume_mm3, rel=1e-6)
+    assert not result.unread
+    assert Path(result.files.picture).stat().st_size > 10_000
+
+
+def cylinder(
+    radius: float, span: tuple[float, float], x: float = 0.0, y: float = 0.0, *, bore: bool = False
+) -> Any:
+    """A whole cylinder along z."""
+    point, axis = np.array([x, y, 0.0]), np.array([0.0, 0.0, 1.0])
+    middle = np.array([x + radius, y, sum(span) / 2])
+    return CylinderFace(point, axis, radius, span, 2 * np.pi, not bore, middle)
+
+
+def synthetic(*more: Any, journal: bool = True) -> Faces:
+    """Two throws with webs of 20 mm, or a flying one between their pins, and more faces."""
+    at = (116.0, 136.0) if journal else (96.0, 96.0)
+    mains = [(0.0, 20.0), *([(96.0, 116.0)] if journal else []), (at[1] + 76.0, at[1] + 96.0)]
+    faces = [cylinder(20.0, span) for span in mains]
+    faces += [cylinder(18.0, (40.0, 76.0), y=40.0)]
+    low = 136.0 if journal else 96.0
+    faces += [cylinder(18.0, (low, low + 36.0), y=-40.0)]
+    return Faces((*faces, *more), (), (), ())
+
+
+def test_a_flying_web_is_told() -> None:
+    """Two pins without a main journal between them: said, the outer journals whole, no [crank] written."""
+    crank = find_crank(synthetic(journal=False), "flying")
+    assert len(crank.pins) == 2
+    assert crank.flying == (1,)
+    assert any("crankpins 1 and 2 have no main journal between them" in line for line in crank.unread)
+    assert not any("cut in their middle" in line for line in crank.assumed)
+    assert not crank_table(load_scene("mikron-iiic-plain"), crank)
+    assert find_crank(synthetic(), "crank").flying == ()
+
+
+@pytest.mark.parametrize("turn_deg", [0.0, 7.0])
+def test_bolt_holes_of_a_flange_are_read_or_told(turn_deg: float) -> None:
+    """Six evenly spaced ones are a flange's; with one of them elsewhere each is told."""
+    flange = cylinder(70.0, (232.0, 244.0))
+    angles = np.radians(20.0 + 60.0 * np.arange(6) + np.array([0.0] * 5 + [turn_deg]))
+    holes = [cylinder(4.5, (232.0, 244.0), 55 * np.sin(a), 55 * np.cos(a), bore=True) for a in angles]
+    crank = find_crank(synthetic(flange, *holes), "crank")
+    assert crank.ends[1] is not None
+    (step,) = crank.ends[1]
+    told = [
+        line for line in crank.unread if "a hole of 9 mm in an end of the crank, 55 mm off its axis" in line
+    ]
+    if turn_deg:
+        assert step.bolts is None
+        assert len(told) == 6
+        return
+    table = crank_table(load_scene("mikron-iiic-plain"), crank)["end"][1]["step"][0]
+    assert {key: table[key] for key in ("kind", "bolts", "bolt_circle_mm", "bolt_diameter_mm")} == {
+        "kind": "flange",
+        "bolts": 6,
+        "bolt_circle_mm": pytest.approx(110.0),
+        "bolt_diameter_mm": pytest.approx(9.0),
+    }
+    assert not told
+
+
+@pytest.mark.slow
+def test_a_small_cut_is_told(tmp_path: Path) -> None:
+    """A box pocket of 32 mm3, 0.03 % of the volume, which is not read."""
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True, exclude={"published"})
+    box = {"size_x_mm": 4.0, "size_y_mm": 4.0, "depth_mm": 2.0, "y_mm": 24.0}
+    data["web"]["pocket"] = [{"shape": "box", "face": "pin", **box}]
+    export_solid(scene_from_dict(data, "box"), "half", tmp_path / "body.step")
+    result = import_crank(tmp_path / "body.step", "box", tmp_path / "out")
+    (line,) = [line for line in result.halves[0].unread if "the design adds" in line]
+    assert line == "the design adds 32 mm3, perhaps near (0, 24, 38) mm"
 
 
 @pytest.mark.slow

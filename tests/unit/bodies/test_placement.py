@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from manifold3d import Manifold
@@ -153,3 +155,32 @@ def test_a_square_journal_is_not_round(mikron: Scene) -> None:
         "not round" in line for line in misfits(bored + pin + cylinder(30.0, 24.0, (20.0, 39.0)), mikron)
     )
     assert main.volume() > 0
+
+
+@pytest.mark.parametrize(
+    ("scale", "words"),
+    [
+        (1.0, "A whole shaft is read by `cranktopo import`"),
+        (
+            1e-3,
+            r"is 0\.456 long.*in metres it would be 456 mm, a whole shaft, which `cranktopo import` reads",
+        ),
+        (1 / 25.4, r"in inches it would be 456 mm, a whole shaft"),
+    ],
+    ids=["mm", "metres", "inches"],
+)
+def test_a_whole_shaft_is_named_as_one(mikron: Scene, scale: float, words: str) -> None:
+    """Four throws of journals and discs, 456 mm, along the crank axis and across it."""
+    journals = cylinder(21.0, 0.0, (0.0, 456.0))
+    discs = (cylinder(60.0, 10.0, (at, at + 19.0)) for at in range(20, 400, 57))
+    shaft = sum(discs, journals).scale((scale,) * 3)
+    for lying in (shaft, shaft.rotate((0.0, 90.0, 0.0))):
+        with pytest.raises(CranktopoError) as raised:
+            placed(lying, mikron, "shaft.step", align=True)
+        assert re.search(words, raised.value.hint or ""), raised.value.hint
+
+
+def test_a_web_alone_is_no_shaft_of_another_unit(mikron: Scene) -> None:
+    with pytest.raises(CranktopoError) as raised:
+        placed(cylinder(20.0, 0.0, (0.0, 19.0)), mikron, "web.step", align=False)
+    assert raised.value.hint == "Is 'mikron-iiic-plain' the design that it was made from?"

@@ -176,6 +176,79 @@ def test_features_of_a_search_keep_zones(
     assert bool(rest) == bool(rule)
 
 
+SIDE = {"shape": "side", "y_mm": 24.0, "length_mm": 20.0, "height_mm": 6.0, "depth_mm": 4.0}
+SQUARE = {"shape": "box", "face": "pin", "y_mm": 22.0, "size_x_mm": 12.0, "size_y_mm": 10.0, "depth_mm": 4.0}
+CORNERS = {"draft_deg": 5.0, "corner_radius_mm": 2.0}
+AROUND = {"shape": "box", "x_min_mm": -24.0, "x_max_mm": 24.0, "y_min_mm": 6.0, "y_max_mm": 44.0}
+TOP = {"shape": "box", "x_min_mm": -14.0, "x_max_mm": 14.0, "y_min_mm": 50.0, "y_max_mm": 66.0}
+BOTTOM = {"shape": "box", "x_min_mm": -14.0, "x_max_mm": 14.0, "y_min_mm": -19.0, "y_max_mm": 5.0}
+ACROSS = {"shape": "box", "x_min_mm": -24.0, "x_max_mm": 24.0, "y_min_mm": 20.0, "y_max_mm": 28.0}
+RIM = {"shape": "box", "x_min_mm": -30.0, "x_max_mm": 30.0, "y_min_mm": 23.0, "y_max_mm": 25.0}
+
+
+def held(design: str, zone: dict[str, Any], **pocket: Any) -> Scene:
+    """A design with a frozen zone, and with one pocket in place of its own."""
+    data = load_scene(design).model_dump(mode="json", exclude_none=True)
+    data["envelope"]["frozen"] = [zone]
+    data["web"]["pocket"] = [pocket] if pocket else []
+    return scene_from_dict(data, "held")
+
+
+@pytest.mark.parametrize(
+    ("scene", "steps", "part"),
+    [
+        (
+            held("mikron-iiic-plain", AROUND, **SIDE, draft_deg=draft),
+            {"side.y": 0.2, "side.length": 0.2, "side.height": 0.2, "side.floor": 0.2, "side.offset": 0.2}
+            | ({"side.draft": 1.2} if draft else {}),
+            "side pocket",
+        )
+        for draft in (0.0, 10.0, 30.0)
+    ]
+    + [
+        (
+            held("mikron-iiic-plain", AROUND, **SQUARE, **CORNERS),
+            {f"box-pin.{name}": 0.2 for name in ("y", "size_x", "size_y", "depth")},
+            "box pocket",
+        ),
+        (
+            held("mikron-iiic-plain", AROUND, **POCKET),
+            {f"cylinder-pin.{name}": 0.2 for name in ("y", "diameter", "depth")},
+            "cylinder pocket",
+        ),
+        (
+            held("mikron-iiic-plain", ACROSS, **{**SIDE, "length_mm": 200.0}, draft_deg=10.0),
+            {"groove.height": 0.2, "groove.floor": 0.2, "groove.offset": 0.2},
+            "groove",
+        ),
+        (held("mikron-iiic", TOP), {"bevel-journal.y": 0.2, "bevel-journal.depth": 0.2}, "journal bevel"),
+        (held("mikron-iiic", BOTTOM), {"bevel-pin.y": 0.2, "bevel-pin.depth": 0.2}, "pin bevel"),
+        (held("mikron-iiic-plain", RIM), {"half_width_3": 0.3}, "outline"),
+    ],
+    ids=[
+        "side",
+        "side with draft",
+        "side with much draft",
+        "box",
+        "cylinder",
+        "groove",
+        "top",
+        "foot",
+        "outline",
+    ],
+)
+def test_no_dimension_of_a_feature_in_a_frozen_zone_moves(
+    scene: Scene, steps: dict[str, float], part: str
+) -> None:
+    """Each by 0.2 mm, or a draft by as much at its mouth, either way: it cuts what stays or fills a void."""
+    assert not broken(scene)
+    for name, step in steps.items():
+        for sign in (1, -1):
+            found = broken(scene, **{name.replace(".", "_dot_"): sign * step})
+            assert found, f"{name} {sign * step:+g}"
+            assert all(part in rule or FILLED in rule for rule in found), found
+
+
 LOW_CYLINDER = {"shape": "cylinder", "y_mm": -52.0, "diameter_mm": 16.0}
 BEYOND_RIM = {"shape": "box", "x_min_mm": -4.0, "x_max_mm": 4.0, "y_min_mm": -67.8, "y_max_mm": -66.2}
 
