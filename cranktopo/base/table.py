@@ -6,6 +6,7 @@ Units are in the field names. The ranges hold every engine from a model with 2 m
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Annotated, Any
 
@@ -87,6 +88,10 @@ def filled_in(data: Any, library: Mapping[str, dict[str, Any]], needed: frozense
     return {**(entry or {}), **data}
 
 
+UNSHOWN_TEXT = "unshown_text"
+"""Type of the error for a text that cannot be shown; its context has the place in the table."""
+_NOT_SHOWN = re.compile(r"[^\t\n\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""What XML holds no more than a terminal does."""
 # What the reference and the template of all keys need to know of a field beside its type.
 SHOWN: dict[str, JsonValue] = {"shown": True}
 """An optional key that the template has switched on, with its example."""
@@ -108,7 +113,21 @@ class SceneTable(Described):
     @classmethod
     def _arrays(cls, data: Any) -> Any:
         """Arrays of TOML and JSON are lists; a table that cannot change holds tuples."""
-        return {key: _tuple(value) for key, value in data.items()} if isinstance(data, dict) else data
+        if not isinstance(data, dict):
+            return data
+        for key, value in data.items():
+            _check_text(value, (key,))
+        return {key: _tuple(value) for key, value in data.items()}
+
+
+def _check_text(value: Any, place: tuple[str | int, ...]) -> None:
+    """Refuse text that no page or terminal can show: control characters but tab and new line."""
+    if isinstance(value, str) and (found := _NOT_SHOWN.search(value)):
+        context = {"place": place, "character": f"U+{ord(found[0]):04X}"}
+        raise PydanticCustomError(UNSHOWN_TEXT, "must hold no control character, here {character}", context)
+    if isinstance(value, list | tuple):
+        for number, item in enumerate(value):
+            _check_text(item, (*place, number))
 
 
 def _tuple(value: Any, depth: int = 3) -> Any:

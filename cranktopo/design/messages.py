@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import operator
 import types
 import typing
 from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
+from functools import reduce
 from typing import Any, cast
 
 from pydantic import BaseModel, ValidationError
@@ -13,6 +15,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from cranktopo.base.errors import CranktopoError, quoted, suggest
+from cranktopo.base.table import UNSHOWN_TEXT
 
 _MOST = 20
 """Problems that are listed; whoever has more has another file in hand."""
@@ -75,12 +78,21 @@ def listed(problems: Sequence[tuple[str, str]], source: str) -> CranktopoError:
 
 def _problems(found: list[ErrorDetails], table: tuple[str, ...]) -> list[tuple[str, str]]:
     """Message and next step of each problem, unknown keys first; a misspelt key is not missing too."""
-    details = [cast(ErrorDetails, {**detail, "loc": (*table, *detail["loc"])}) for detail in found]
+    details = [cast(ErrorDetails, {**_of_text(d), "loc": (*table, *_of_text(d)["loc"])}) for d in found]
     unknown = [d for d in details if d["type"] == "extra_forbidden"]
     meant = {(d["loc"][:-1], _nearest(d["loc"])) for d in unknown}
     missing = [d for d in details if d["type"] == "missing" and (d["loc"][:-1], d["loc"][-1]) not in meant]
     values = [d for d in details if d["type"] not in ("extra_forbidden", "missing")]
     return [_describe(d, _dotted(d["loc"])) for d in (*unknown, *missing, *values)]
+
+
+def _of_text(detail: ErrorDetails) -> ErrorDetails:
+    """Return a problem of a text as one of its own place: its table, which found it, tells itself."""
+    if detail["type"] != UNSHOWN_TEXT:
+        return detail
+    place = detail["ctx"]["place"]
+    text = reduce(operator.getitem, place, detail["input"])
+    return {**detail, "loc": (*detail["loc"], *place), "input": text}
 
 
 def _describe(detail: ErrorDetails, path: str) -> tuple[str, str]:

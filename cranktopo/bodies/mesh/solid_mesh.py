@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.frames import Parity, Span
-from cranktopo.bodies.solid.checked import SolidProperties, solid_properties
+from cranktopo.bodies.solid.checked import SolidProperties, check_parts, solid_properties, volume_mm3
 from cranktopo.bodies.solid.shapes import DimTags
 from cranktopo.bodies.solid.throw import add_full_throw, add_half_throw
 from cranktopo.bodies.volume import web_volume_mm3
@@ -180,11 +180,16 @@ def generate(
 
 
 def positive_x(occ: Any, body: DimTags, reach: float, *, quarter: bool = False) -> DimTags:
-    """Return the half x >= 0 of a body, or its quarter with z >= 0; `reach` is a length of its size, mm."""
-    size = 20 * reach
+    """Return the half x >= 0 of a symmetric body, or its quarter with z >= 0; `reach` has its size, mm.
+
+    Raises:
+        NotCutError: it has not that share of the body's volume.
+    """
+    size, whole = 20 * reach, volume_mm3(occ, body)
     low = 0 if quarter else -size
     box = occ.addBox(0, -size, low, size, 2 * size, size - low)
     kept, _ = occ.intersect(body, [(3, box)])
+    check_parts((4 if quarter else 2) * volume_mm3(occ, kept), whole)
     return list(kept)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from cranktopo.base.errors import CranktopoError, solver_error
+from cranktopo.base.errors import CranktopoError, ExitCode, solver_error
 from cranktopo.bodies.solid.culprit import Culprit
 from cranktopo.bodies.solid.shapes import DimTags
 
@@ -23,6 +23,30 @@ ROUNDING_TOLERANCE = 0.05
 The kernel's take less than a rolled ball: 1 % at 0.4 of the bore's radius, 13 % at 1.6 where the bore leans
 by 27 deg (`tests/physics/throw/test_outlet_roundings.py`).
 """
+
+
+class NotCutError(CranktopoError):
+    """The parts into which the CAD kernel cut a body do not add up to it."""
+
+
+def check_parts(parts_mm3: float, whole_mm3: float, share: float = VOLUME_TOLERANCE) -> None:
+    """Check that the volumes of a body's parts differ from its own by no more than a share of it.
+
+    Raises:
+        NotCutError: they do; the kernel may lose a part where a face lies in a plane but for rounding.
+    """
+    if abs(parts_mm3 - whole_mm3) > share * whole_mm3:
+        raise NotCutError(
+            f"the CAD kernel cannot cut this body: its parts have {parts_mm3:.2f} mm3 together, "
+            f"the whole {whole_mm3:.2f} mm3.",
+            hint="Repair the solid in CAD, or give it as STL.",
+            code=ExitCode.SOLVER,
+        )
+
+
+def volume_mm3(occ: Any, body: DimTags) -> float:
+    """Return the volume of all solids of a body, mm3."""
+    return float(sum(occ.getMass(*pair) for pair in _solids(body)))
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,11 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.frames import Z
+from cranktopo.base.notes import note
 from cranktopo.base.units import MM_PER_INCH
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_body, positive_x, ring_size_mm
 from cranktopo.bodies.prisms import is_mirror_image, web_region
-from cranktopo.bodies.solid.checked import SolidProperties, solid_properties
+from cranktopo.bodies.solid.checked import NotCutError, SolidProperties, solid_properties, volume_mm3
 from cranktopo.bodies.solid.files import cut_in_halves, surface_of
 from cranktopo.bodies.solid.shapes import DimTags
 from cranktopo.bodies.solid.step import STEP_SUFFIXES, by_kernel, kernel_surface, step_solid
@@ -25,22 +26,24 @@ from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.surfaces.files import as_stored, read_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, shell_volumes_mm3, solid_of
 from cranktopo.numerics.tetrahedra.mesh import TetMesh, tetrahedralise
-from cranktopo.tasks.importing.cad_body import between_planes, moved_rigidly
+from cranktopo.tasks.importing.cad_body import (
+    ALIKE,
+    REACH,
+    between_planes,
+    halves_apart,
+    moved_rigidly,
+    sides_alike,
+    volumes_between,
+)
 from cranktopo.tasks.importing.found_fillets import with_found_fillets
 from cranktopo.tasks.importing.placement import Placement, placed, without_bores_left_out
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-_ALIKE = 1e-6
-"""Share of the volume in which both sides may differ: reading a file joins vertices that almost coincide."""
-_HALVES = 1e-4
-"""Share of the volume, and of the pitch, in which the halves of a whole throw count as alike."""
 _SNAP_MM = 0.05
 """Largest distance of an end section from its plane; closer vertices are moved onto it."""
 _UNIT_SHARE = 0.01
-_REACH = 20.0
-"""Way from the axis beyond which no body reaches, over the pitch."""
 _ROUNDING = 1e-6
 """How far single precision and the mesher may move an end section, over the pitch."""
 
@@ -147,23 +150,32 @@ def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> _Solid:
     _check_unit(path, scene, low, high)
     apart = ""
     if _reaches(low, high, scene.pitch_mm):
-        apart = _halves_apart(occ, body, scene)
+        apart = halves_apart(occ, body, scene.pitch_mm)
         if not apart:
-            body = between_planes(occ, body, -1.0, scene.pitch_mm / 2, _REACH * scene.pitch_mm)
+            body = between_planes(occ, body, -1.0, scene.pitch_mm / 2, REACH * scene.pitch_mm)
     occ.synchronize()
     surface = solid_of(kernel_surface(gmsh), str(path))
     if apart:
         for half in _both(surface, scene):
             _placed(half, scene, path, align=False)
-        motion, note = None, f"its halves differ: {apart}. The whole throw is taken"
+        motion, told = None, f"{apart}. The whole throw is taken"
     else:
-        motion, note = _placed(surface, scene, path, align)
+        motion, told = _placed(surface, scene, path, align)
     if motion is not None:
         moved_rigidly(occ, body, motion.matrix, motion.shift_mm)
-    web = between_planes(occ, occ.copy(body), *scene.web_z_mm, _REACH * scene.pitch_mm)
-    web_volume = float(sum(occ.getMass(*pair) for pair in web))
-    occ.remove(web, recursive=True)
-    return _Solid(body, solid_properties(occ, body), web_volume, note, bool(apart))
+    return _Solid(body, solid_properties(occ, body), _web_mm3(gmsh, body, scene, path), told, bool(apart))
+
+
+def _web_mm3(gmsh: Any, body: DimTags, scene: Scene, path: Path) -> float:
+    """Return the volume of the first web, by triangles where the kernel cannot cut it out."""
+    occ = gmsh.model.occ
+    try:
+        return float(volumes_between(occ, body, scene.web_z_mm, REACH * scene.pitch_mm)[1])
+    except NotCutError:
+        note(f"{path}: the CAD kernel cannot cut out its web exactly: its mass is that of triangles")
+        occ.synchronize()
+        surface = solid_of(kernel_surface(gmsh), str(path))
+        return float(web_region(surface, scene).volume() / surface.volume()) * volume_mm3(occ, body)
 
 
 def _heights_mm(gmsh: Any, body: tuple[int, int], scene: Scene) -> tuple[float, float]:
@@ -191,58 +203,18 @@ def _both(throw: Manifold, scene: Scene) -> tuple[Manifold, Manifold]:
     return throw.trim_by_plane((0.0, 0.0, -1.0), -middle), far.translate((0.0, 0.0, scene.pitch_mm))
 
 
-def _halves_apart(occ: Any, body: DimTags, scene: Scene) -> str:
-    """Tell by how much the halves of a whole throw differ; empty where they are mirror images."""
-    reach, found = _REACH * scene.pitch_mm, []
-    for start, sign in ((0.0, 1.0), (scene.pitch_mm / 2, -1.0)):
-        half = between_planes(occ, occ.copy(body), start, start + scene.pitch_mm / 2, reach)
-        volume = float(sum(occ.getMass(*pair) for pair in half))
-        x, y, z = np.average(
-            [occ.getCenterOfMass(*pair) for pair in half],
-            axis=0,
-            weights=[occ.getMass(*pair) for pair in half],
-        )
-        found.append([volume, x, y, sign * (z - scene.pitch_mm / 2) + scene.pitch_mm / 2])
-        occ.remove(half, recursive=True)
-    near, far = np.array(found)
-    share, moved = far[0] / near[0] - 1, float(np.linalg.norm(far[1:] - near[1:]))
-    if abs(share) < _HALVES and moved < _HALVES * scene.pitch_mm:
-        return ""
-    return f"the second has {100 * share:+z.3g} % of volume, its centre of mass lies {moved:.3g} mm elsewhere"
-
-
 def _halved(occ: Any, body: DimTags, scene: Scene) -> bool:
     """Leave the half x >= 0 of a body that is its own mirror image, and tell whether that was done."""
-    if scene.effects.lateral_symmetry == "off" or not _sides_alike(occ, body, scene):
+    if scene.effects.lateral_symmetry == "off" or not sides_alike(occ, body, scene.pitch_mm):
         return False
     positive_x(occ, body, scene.pitch_mm)
     return True
 
 
-def _sides_alike(occ: Any, body: DimTags, scene: Scene) -> bool:
-    """Tell whether both sides of x = 0 have the same volume, centre of mass and moments of inertia."""
-    size = _REACH * scene.pitch_mm
-    properties = []
-    for start, sign in ((0.0, 1.0), (-size, -1.0)):
-        box = occ.addBox(start, -size, -size, size, 2 * size, 2 * size)
-        side, _ = occ.intersect(occ.copy(body), [(3, box)])
-        if len(side) != 1:
-            return False
-        volume, centre = occ.getMass(*side[0]), np.array(occ.getCenterOfMass(*side[0]))
-        flip = np.array([sign, 1.0, 1.0])
-        inertia = np.array(occ.getMatrixOfInertia(*side[0])).reshape(3, 3) * np.outer(flip, flip)
-        length = volume ** (1 / 3)
-        properties.append([*centre * flip / length, *(inertia / (volume * length**2)).ravel(), volume])
-        occ.remove(side, recursive=True)
-    right, left = (np.array(values) for values in properties)
-    right[-1], left[-1] = right[-1] / left[-1], 1.0
-    return bool(np.abs(right - left).max() < _ALIKE)
-
-
 def _mesh_stl(path: Path, scene: Scene, size: float, align: bool) -> MeshedThrow:
     surface, note = _half_throw(read_stl(path, str(path)), path, scene, align)
     body, half = solid_of(surface, str(path)), surface_properties(surface)
-    mirrored = scene.effects.lateral_symmetry != "off" and is_mirror_image(body, _ALIKE)
+    mirrored = scene.effects.lateral_symmetry != "off" and is_mirror_image(body, ALIKE)
     if mirrored:
         cut = mesh_of(body.trim_by_plane((1.0, 0.0, 0.0), 0.0))
         surface = SurfaceMesh(_on_planes(cut.vertices_mm, scene, _ROUNDING), cut.faces)
