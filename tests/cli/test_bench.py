@@ -190,6 +190,25 @@ def test_a_taken_port_is_one_line(tmp_path: Path) -> None:
     assert f"--port {port}: cannot be used" in ended.stderr
 
 
+@pytest.mark.slow
+def test_a_second_bench_on_one_session_is_one_line(tmp_path: Path) -> None:
+    """Both went on, and wrote their steps over each other's."""
+    process, address = started(tmp_path)
+    state_after(address, {"do": "edit", "changes": CHANGES, "what": "wider"})
+    words = [*PROGRAM, "bench", "mikron-iiic-plain", "--no-browser"]
+    second = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=600)
+    assert second.returncode != 0
+    told = [line for line in second.stderr.splitlines() if line.startswith("error: ")]
+    assert len(told) == 1
+    assert f"in use by process {process.pid}." in told[0]
+    process.send_signal(signal.SIGINT)
+    assert process.wait(600) == 0
+    process, address = started(tmp_path)
+    assert state_after(address, {"do": "hello"})["at"] == 1, "nothing of the first is lost, and it was left"
+    process.send_signal(signal.SIGINT)
+    process.wait(600)
+
+
 def test_help_does_not_load_the_server(tmp_path: Path) -> None:
     code = "from cranktopo.app.main import main; main(['--help']); sys.exit('tornado' in sys.modules)"
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}

@@ -61,6 +61,7 @@ class Bench:
         self.answers.close()
         if self._watch:
             self._watch.cancel()
+        self._leave_project()
 
     def enter(self, tell: Tell) -> None:
         """Take note of a page that was opened."""
@@ -90,10 +91,18 @@ class Bench:
             tell({"type": "error", "message": "The page asked for something that makes no sense here."})
 
     def open_text(self, text: str, source: str, what: str, command: str) -> None:
-        """Put a design on the bench."""
+        """Put a design on the bench; raises CranktopoError where another bench has its session."""
+        opened = Project.opened(self.folder, text, source, what, command, self.project)
+        if opened is not self.project:
+            self._leave_project()
         self.answers.forget()
-        self.project = Project.opened(self.folder, text, source, what, command)
+        self.project = opened
         self._moved()
+
+    def _leave_project(self) -> None:
+        if self.project is not None:
+            self.project.close()
+        self.project = None
 
     async def uploaded(self, name: str, content: bytes) -> dict[str, Any]:
         """Read a dropped file in a process of its own: a design, a crank from CAD, or a pressure trace."""
@@ -317,7 +326,7 @@ class Bench:
         self.open_text(text, path.name, f"opened {name}", f"cranktopo bench {name}")
 
     def _close(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        self.project = None
+        self._leave_project()
         self._tell_state()
 
     # Helpers.
