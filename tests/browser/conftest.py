@@ -17,7 +17,7 @@ from tests.browser.bench_page import START_MS, quick_bench, running_bench
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 ARGUMENTS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 
-
+QUICK_MS = 120_000
 NEXT_FRAMES = "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
@@ -125,7 +125,9 @@ def quick(tmp_path: Path, browser: Any) -> Iterator[Any]:
 
         def opened(design: str = "", **window: Any) -> Visit:
             address = open_ones.enter_context(quick_bench(tmp_path, design))
-            return _visited(browser, address, open_ones, window)
+            found = _visited(browser, address, open_ones, window)
+            found.page.set_default_timeout(QUICK_MS)
+            return found
 
         yield opened
 

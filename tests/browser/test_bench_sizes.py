@@ -44,7 +44,8 @@ def test_light_and_dark_can_be_read(quick: Any) -> None:
     for scheme in ("light", "dark"):
         page.emulate_media(color_scheme=scheme)
         colours = page.evaluate(
-            """() => Object.fromEntries(["page", "panel", "ink", "muted", "accent", "good", "bad", "wait"].map((name) =>
+            """() => Object.fromEntries(
+                ["page", "panel", "ink", "muted", "accent", "good", "bad", "wait"].map((name) =>
                 [name, getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim()]))"""
         )
         for ground in ("page", "panel"):

@@ -20,7 +20,7 @@ import pytest
 
 pytest.importorskip("tornado")
 from tornado.httpclient import HTTPRequest
-from tornado.websocket import websocket_connect
+from tornado.websocket import WebSocketClientConnection, websocket_connect
 
 from cranktopo.app.main import main
 from cranktopo.design.loading import design_text
@@ -59,10 +59,17 @@ def state_after(address: str, *messages: dict[str, Any]) -> dict[str, Any]:
             ] != "state":
                 assert told["type"] != "error", told
             found = told["project"]
-        line.close()
+        await _closed(line)
         return found
 
     return asyncio.run(talk())
+
+
+async def _closed(line: WebSocketClientConnection) -> None:
+    """Close the line of a page, its socket included."""
+    line.close()
+    while await line.read_message() is not None:
+        pass
 
 
 @pytest.mark.slow
@@ -117,7 +124,7 @@ async def _edits_until_killed(
                 break
         else:
             break
-    line.close()
+    await _closed(line)
     await asyncio.sleep(0.1)
     process.wait(600)
     assert process.stdout is not None

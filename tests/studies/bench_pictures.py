@@ -30,14 +30,17 @@ SIZES: dict[str, dict[str, Any]] = {
 CUT = """() => {
     const width = document.documentElement.clientWidth, found = [];
     const named = (node) => node.id || node.className.baseVal || node.className || node.tagName;
-    if (document.documentElement.scrollWidth > width) found.push(`the page: ${document.documentElement.scrollWidth}`);
+    const whole = document.documentElement.scrollWidth;
+    if (whole > width) found.push(`the page: ${whole}`);
     for (const node of document.body.querySelectorAll("*")) {
         if (node.closest("svg, .scroll, .skip, datalist") || !node.checkVisibility()) continue;
         const box = node.getBoundingClientRect();
-        if (box.width && (box.right > width + 1 || box.left < -1)) found.push(`${named(node)}: ${box.left} to ${box.right}`);
+        if (box.width && (box.right > width + 1 || box.left < -1))
+            found.push(`${named(node)}: ${box.left} to ${box.right}`);
         const sideways = getComputedStyle(node).overflowX;
         const inner = node.scrollWidth - node.clientWidth;
-        if (inner > 1 && (sideways !== "visible" || node.tagName === "BUTTON") && !(node.matches("input, select")))
+        const clips = sideways !== "visible" || node.tagName === "BUTTON";
+        if (inner > 1 && clips && !node.matches("input, select"))
             found.push(`${named(node)}: cut by ${inner}`);
     }
     return found;

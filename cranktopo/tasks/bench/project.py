@@ -52,6 +52,13 @@ class Variant(Result):
     pinned: bool = False
 
 
+class MadeFile(Result):
+    """A file that was written, and the command that writes it."""
+
+    name: str
+    command: str
+
+
 class _State(Result):
     schema_version: int = 1
     name: str
@@ -60,6 +67,7 @@ class _State(Result):
     original: int = 0
     steps: tuple[DesignStep, ...] = ()
     variants: tuple[Variant, ...] = ()
+    made: tuple[MadeFile, ...] = ()
 
 
 class Project:
@@ -243,6 +251,25 @@ class Project:
         """Give up a variant; its file stays."""
         self._write(variants=tuple(variant for variant in self.variants if variant.id != id_))
 
+    @property
+    def made(self) -> tuple[MadeFile, ...]:
+        """Files that were written, each once, the newest last."""
+        return self._state.made
+
+    def note_made(self, name: str, command: str) -> None:
+        """Record a file that was written."""
+        others = (file for file in self.made if file.name != name)
+        self._write(made=(*others, MadeFile(name=name, command=command)))
+
+    def _compared(self) -> str:
+        """Return how the second of the variants that are compared differs from the first; empty for fewer."""
+        pinned = [variant for variant in self.variants if variant.pinned][:2]
+        if len(pinned) < 2:
+            return ""
+        first, second = (self.data(self.variant_text(variant.id)) for variant in pinned)
+        differs = difference_words(first, second) or "the same"
+        return f"{pinned[1].name} beside {pinned[0].name}: {differs}"
+
     def variant_text(self, id_: str) -> str:
         """Return the design of a variant."""
         for variant in self.variants:
@@ -259,6 +286,8 @@ class Project:
             "original": self._state.original,
             "steps": [step.as_json() for step in self._state.steps],
             "variants": [variant.as_json() for variant in self.variants],
+            "compared": self._compared(),
+            "made": [file.as_json() for file in self.made],
             "data": self.data(),
             "limits": told_limits(self.data()),
             "commands": self.commands(),

@@ -133,7 +133,7 @@ class Bench:
 
     def made(self, name: str) -> Path:
         """Return a file that the bench wrote; raises CranktopoError for any other."""
-        if name not in self._made:
+        if name not in {file.name for file in self._required.made}:
             raise CranktopoError("file: was not made here.")
         return file_in(self.folder, name, _GIVEN)
 
@@ -263,7 +263,8 @@ class Bench:
     def _job(self, asked: Mapping[str, Any], tell: Tell) -> None:
         design = self._portable(self._required.text, "check").read_text(encoding="utf-8")
         step = self._required.step.file
-        self._jobs.start(str(asked["kind"]), design, dict(asked.get("options", {})), step)
+        options, run = dict(asked.get("options", {})), str(asked.get("run", ""))
+        self._jobs.start(str(asked["kind"]), design, options, step, run)
         self._tell_state()
 
     def _stop(self, asked: Mapping[str, Any], tell: Tell) -> None:
@@ -308,7 +309,6 @@ class Bench:
         write_text(path, project.text)
         words = ["cranktopo", "designs", "copy", project.runnable(project.at), path.name, "--force"]
         self._tell_made(path, shlex.join(words))
-        self._tell_state()
 
     def _start(self, asked: Mapping[str, Any], tell: Tell) -> None:
         text, name, command, assumed = new_design(dict(asked["answers"]))
@@ -362,7 +362,9 @@ class Bench:
 
     def _tell_made(self, path: Path, command: str, warned: list[str] | None = None) -> None:
         self._made.add(path.name)
+        self._required.note_made(path.name, command)
         self._tell_all({"type": "made", "name": path.name, "command": command, "warnings": warned or []})
+        self._tell_state()
 
     async def _watch_jobs(self) -> None:
         """Tell pages how jobs go on, and keep what finished ones found."""
@@ -393,6 +395,6 @@ class Bench:
                 id_ = project.keep(f"{job.known.kind} {job.known.id}", told, text, "; ".join(found[:1])).id
         except (CranktopoError, OSError, subprocess.SubprocessError) as error:
             found = [f"its result cannot be kept: {error}"]
-        job.note_result(id_, found)
-        self._tell_all({"type": "proof", "kind": job.known.kind, "gauges": numbers, "step": job.known.step})
+        job.note_result(id_, found, numbers)
+        self._tell_all({"type": "proof", "kind": job.known.kind})
         self._tell_state()

@@ -54,6 +54,7 @@ WRITTEN: Mapping[str, Written] = {
     "vibration": Written("-vibration.html", ("vibration", "{design}", "--report={file}")),
     "compare": Written("-compare.html", (*_COMPARED, "--report={file}")),
     "table": Written("-table.md", (*_COMPARED, "--format=markdown"), printed=True),
+    "latex": Written("-table.tex", (*_COMPARED, "--format=latex"), printed=True),
 }
 ENDINGS = tuple({f".{kind.ending.rpartition('.')[2]}": None for kind in WRITTEN.values()})
 

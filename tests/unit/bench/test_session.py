@@ -65,6 +65,15 @@ def test_what_is_told_as_commands_runs_in_the_folder(tmp_path: Path) -> None:
     told = asked(tmp_path, edit, {"do": "save", "name": "own.toml"})
     (made,) = (message for message in told if message["type"] == "made")
     assert made["command"] == "cranktopo designs copy bench/mine/0001.toml own.toml --force"
-    commands = told[-1]["project"]["commands"]
-    assert commands == ["cranktopo designs copy bench/mine/0001.toml mine-0001.toml"]
+    project = told[-1]["project"]
+    assert project["commands"] == ["cranktopo designs copy bench/mine/0001.toml mine-0001.toml"]
+    assert project["made"] == [{"name": "own.toml", "command": made["command"]}], "kept for the next page"
     assert (tmp_path / "bench" / "mine" / "0001.toml").is_file()
+
+
+def test_two_variants_that_are_compared_are_told_apart_key_by_key(tmp_path: Path) -> None:
+    edit = {"do": "edit", "changes": {THICKNESS: 21.0}, "what": "thickness: 21 mm"}
+    pins = [{"do": "compare", "id": id_, "pinned": True} for id_ in ("v1", "v2")]
+    told = asked(tmp_path, {"do": "keep"}, edit, {"do": "keep"}, *pins)
+    assert told[-1]["project"]["compared"] == f"variant 2 beside variant 1: {THICKNESS}: 19 to 21"
+    assert told[-2]["project"]["compared"] == ""

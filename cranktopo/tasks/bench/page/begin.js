@@ -37,7 +37,21 @@ export function beginForm() {
       event.preventDefault();
       if (kind === "drop" && event.dataTransfer.files[0]) upload(event.dataTransfer.files[0]);
     });
+  document.addEventListener("paste", (event) => {
+    const file = event.clipboardData.files[0] ?? pastedText(event);
+    if (!file) return;
+    event.preventDefault();
+    upload(file);
+  });
   $("file").addEventListener("change", () => $("file").files[0] && upload($("file").files[0]));
+}
+
+// Copied text as a file: a STEP file, a design under its own name, or a pressure trace; none in a field.
+function pastedText(event) {
+  if (event.target.closest?.("input, select, textarea")) return null;
+  const text = event.clipboardData.getData("text/plain"), name = text.match(/^name\s*=\s*"([\w-]+)"/m)?.[1] ?? "pasted";
+  const ending = text.startsWith("ISO-10303-21") ? ".step" : /^\s*\[\w[\w.]*\]/m.test(text) ? ".toml" : /^[^\n]+[,;]/.test(text) ? ".csv" : "";
+  return ending ? new File([text], `${name}${ending}`) : null;
 }
 
 async function upload(file) {
