@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from cranktopo.design.edits import changed_text
-from cranktopo.design.loading import design_text
+from cranktopo.design.loading import design_text, scene_from_dict
+from cranktopo.design.toml_text import parse_toml
+from cranktopo.tasks.bench.forms import new_design
 from tests.browser.bench_page import gauge, set_slider, shown, stays_shown
 
 pytest.importorskip("tornado")
@@ -191,3 +193,144 @@ def test_files_are_dropped_and_pasted(quick: Any, tmp_path: Path) -> None:
     assert page.evaluate(DROP, ["", trace, "paste"])
     page.wait_for_selector("#history li.here:has-text('pressure trace')")
     assert not page.evaluate(DROP, ["", "just some words", "paste"])
+
+
+def test_a_drag_beyond_a_rule_ends_at_the_rule(quick: Any) -> None:
+    """A slider that was let go where a rule is broken fell back to where it began."""
+    page = quick(PLAIN).page
+    shown(page)
+    set_slider(page, "web.width_mm", 40, release=True)
+    page.wait_for_selector("#history li.here:has-text('web.width_mm: 4')")
+    page.wait_for_selector("#message.calm:has-text('Taken is the nearest value')")
+    assert "throw.main_journal.fillet_mm" in page.locator("#message").inner_text(), "the rule is told"
+    taken = float(page.locator("[id='f-web.width_mm']").input_value())
+    assert 42 < taken < 50
+    assert page.locator("#tree .is-broken").count() == 0
+
+
+def test_variants_are_lines_across_their_gauges(quick: Any) -> None:
+    """A heavier variant lies below at the mass; a bound is a line of the picture beside."""
+    seen = quick(PLAIN)
+    page = seen.page
+    shown(page)
+    known = [{"mass": 1.5, "torsion": 1.2e5, "torsion_per_mass": 8e4}, {"mass": 1.6, "torsion": 1.5e5}]
+    known[1]["torsion_per_mass"] = known[1]["torsion"] / known[1]["mass"]
+    page.evaluate(
+        """async (known) => {
+            const [{ state }, { showVariants }] = [await import("./state.js"), await import("./variants.js")];
+            const named = (i) => ({ id: `v${i}`, name: `variant ${i}`, what: "", pinned: false });
+            state.project.variants = known.map((gauges, i) => ({ ...named(i), gauges }));
+            const step = state.project.steps[state.project.at].file;
+            state.jobs = [{ step, gauges: { bound_mass: 1.4 } }];
+            showVariants();
+        }""",
+        known,
+    )
+    first, second = (
+        [[float(part) for part in point.split(",")] for point in line.get_attribute("d")[1:].split("L")]
+        for line in page.locator("#parallels path").all()
+    )
+    assert first[0][0] == second[0][0]
+    assert first[0][1] < second[0][1], "lighter is better, above"
+    assert first[1][1] > second[1][1], "stiffer is better, above"
+    bound = page.locator("#scatter line.bound")
+    lefts = [float(dot.get_attribute("cx")) for dot in page.locator("#scatter circle").all()]
+    assert float(bound.get_attribute("x1")) < min(lefts), "no variant is lighter than the proof allows"
+    assert seen.complaints == []
+
+
+def test_how_far_a_job_is_is_a_bar_with_the_time_left(quick: Any) -> None:
+    page = quick(PLAIN).page
+    shown(page)
+    page.evaluate(
+        """async () => {
+            const [{ state }, { showJobs }] = [await import("./state.js"), await import("./work.js")];
+            const job = { id: "001", kind: "shape", state: "running", seconds: 9, found: [], notes: [] };
+            const pace = { share: 0.25, left: "about 40 s" };
+            state.jobs = [{ ...job, gauges: {}, pace }, { ...job, id: "002", gauges: {}, pace: null }];
+            showJobs();
+        }"""
+    )
+    silent, told = page.locator("#jobs progress").all()
+    assert told.evaluate("(bar) => bar.value") == 0.25
+    assert page.locator("#jobs .left").last.inner_text() == "25 %, about 40 s left"
+    assert silent.evaluate("(bar) => bar.position") == -1, "one that tells nothing has no end"
+
+
+GROUPS = {
+    "Bearings": "bearings",
+    "Forging": "forging",
+    "Drawing": "drawing",
+    "Crank and ends": "crank",
+}
+
+
+def test_bearings_crank_forging_and_drawing_have_forms(quick: Any) -> None:
+    page = quick("car-diesel").page
+    shown(page)
+    data = page.evaluate("async () => (await import('./state.js')).state.project.data")
+    for title, table in GROUPS.items():
+        group = page.locator(f"#tree [data-path='group:{title}']")
+        assert group.count() == 1
+        group.locator("summary").first.click()
+        if table in data:
+            assert group.locator(f"[data-row^='{table}.']").count() > 0
+            continue
+        group.get_by_role("button", name=f"Add {table}", exact=True).click()
+        page.wait_for_selector(f"#history li.here:has-text('added {table}')")
+        assert page.locator(f"#tree [data-row^='{table}.']").count() > 0
+    assert page.locator("#tree [data-path='group:Second web'] button").count() > 0
+
+
+def test_a_task_by_keyboard_alone(quick: Any, tmp_path: Path) -> None:
+    """From the first page to the STEP file: a design is begun, made wider, kept, and written."""
+    page = quick().page
+    page.wait_for_selector("#begin:not([hidden])")
+    keys = page.keyboard
+
+    def reach(selector: str) -> None:
+        for _ in range(400):
+            if page.evaluate("(wanted) => Boolean(document.activeElement?.matches(wanted))", selector):
+                return
+            keys.press("Tab")
+        raise AssertionError(f"{selector}: is not reached")
+
+    for name, text in {"bore_mm": "80", "stroke_mm": "90", "name": "keys"}.items():
+        reach(f"#questions [name={name}]")
+        keys.insert_text(text)
+    keys.press("Enter")
+    shown(page)
+    reach("input[type=range][data-key='web.width_mm']")
+    before = float(page.locator("[id='f-web.width_mm']").input_value())
+    for _ in range(3):
+        keys.press("ArrowRight")
+    page.wait_for_selector("#history li.here:has-text('width: ')")
+    assert float(page.locator("[id='f-web.width_mm']").input_value()) > before
+    reach("[data-handle-key='throw.crankpin.outer_diameter_mm']")
+    keys.press("ArrowUp")
+    page.wait_for_selector("#history li.here:has-text('crankpin outer diameter')")
+    keys.press("Control+k")
+    page.wait_for_selector("tr[data-variant=v1]")
+    reach("#write [data-kind=step-throw]")
+    keys.press("Enter")
+    page.wait_for_selector("#made a:has-text('keys.step')")
+    assert (tmp_path / "keys.step").read_text(encoding="ascii").startswith("ISO-10303-21")
+
+
+def test_a_use_fills_in_a_sound_beginning(quick: Any) -> None:
+    page = quick().page
+    page.wait_for_selector("#begin:not([hidden])")
+    tiles = page.locator("#uses button")
+    assert tiles.all_inner_texts() == ["car", "motorcycle", "aircraft", "medium speed"]
+    for tile in tiles.all():
+        tile.click()
+        answers = page.evaluate(
+            """() => Object.fromEntries([...new FormData(document.getElementById("questions"))]
+                .filter(([, text]) => text).map(([name, text]) => [name, Number(text) || text]))"""
+        )
+        scene = scene_from_dict(parse_toml(new_design(answers).text, "begun"), "begun", whole=True)
+        assert scene.engine is not None
+        assert scene.engine.bore_mm == answers["bore_mm"]
+    page.get_by_role("button", name="Begin").click()
+    shown(page)
+    assert page.locator("#name").inner_text() == "my-engine"

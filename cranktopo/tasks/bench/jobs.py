@@ -23,6 +23,7 @@ from pydantic import Field
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import write_json
+from cranktopo.base.notes import pace_of
 from cranktopo.base.result import Result
 
 JobState = Literal["running", "done", "stopped", "failed"]
@@ -144,6 +145,7 @@ class BenchJob:
             "state": state,
             "resumable": self.resumable,
             "notes": lines[-6:],
+            "pace": self._pace(lines),
             "seconds": round(time.time() - self.known.started),
             "variant": self.known.variant,
             "found": list(self.known.found),
@@ -175,6 +177,13 @@ class BenchJob:
         kept = {"variant": variant, "found": tuple(found), "gauges": dict(gauges)}
         self.known = self.known.model_copy(update=kept)
         write_json(self.place / _JOB, self.known.as_json())
+
+    def _pace(self, lines: Sequence[str]) -> dict[str, Any] | None:
+        """Return the share that is done and the time left by its newest line of a pace."""
+        if self.state != "running":
+            return None
+        found = next(filter(None, map(pace_of, reversed(lines))), None)
+        return found and {"share": found[0], "left": found[1]}
 
     def _notes(self) -> list[str]:
         with suppress(OSError), (self.place / _NOTES).open("rb") as file:

@@ -86,7 +86,7 @@ function handleOf(handle) {
     if (held === null) return;
     held = null;
     delete svg.dataset.held;
-    edit({ [handle.key]: value }, `${name}: ${value} ${unitOf(handle.key)}`);
+    edit({ [handle.key]: value }, `${name}: ${value} ${unitOf(handle.key)}`, true);
   };
   dot.addEventListener("pointerdown", (event) => {
     dot.setPointerCapture(event.pointerId);

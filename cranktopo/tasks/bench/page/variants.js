@@ -18,7 +18,8 @@ export function showVariants() {
   const variants = state.project.variants, table = $("variants").querySelector("table"), checked = variants.some((one) => one.gauges.m53_pin_elements);
   const gauges = [...COLUMNS, ...(checked ? SOMETIMES : [])].map((name) => GAUGES.find((g) => g[0] === name));
   if (!variants.length) {
-    $("scatter").toggleAttribute("hidden", true);
+    for (const id of ["scatter", "parallels"]) $(id).toggleAttribute("hidden", true);
+    $("compared").textContent = "";
     return table.replaceChildren(make("tbody", {}, make("tr", {}, make("th", {}, "Keep variant puts the design here."))));
   }
   const head = make("tr", {}, make("th", { scope: "col" }, "Variant"), ...gauges.map(([, label, unit]) => make("th", { scope: "col" }, `${label.replace("stiffness ", "").replace(", least", "")} ${unit}`)), make("th", {}, ""));
@@ -33,6 +34,29 @@ export function showVariants() {
   table.replaceChildren(make("thead", {}, head), make("tbody", {}, ...rows));
   $("compared").textContent = state.project.compared;
   scatter(variants);
+  parallels(variants);
+}
+
+// Variants as lines across one axis for each gauge that all of them know; what is better is up, as far as it has a way.
+function parallels(variants) {
+  const known = GAUGES.filter(([name, , , , way]) => way && variants.every((one) => one.gauges[name] !== undefined) && new Set(variants.map((one) => one.gauges[name])).size > 1);
+  const svg = $("parallels"), step = 380 / Math.max(known.length - 1, 1), shown = variants.length > 1 && known.length > 1;
+  svg.toggleAttribute("hidden", !shown);
+  if (!shown) return;
+  svg.setAttribute("viewBox", "0 0 520 210");
+  const x = (i) => 60 + i * step, y = ([name, , , , way], value) => {
+    const all = variants.map((one) => one.gauges[name]), share = (value - Math.min(...all)) / (Math.max(...all) - Math.min(...all));
+    return 130 - 100 * (way > 0 ? share : 1 - share);
+  };
+  const axis = (gauge, i) => {
+    const [name, label, , digits, way, size = 1] = gauge, all = variants.map((one) => one.gauges[name] / size), ends = [Math.max(...all), Math.min(...all)].map((v) => plain(v, digits));
+    const [top, foot] = way > 0 ? ends : ends.reverse();
+    return [make("line", { x1: x(i), x2: x(i), y1: 30, y2: 130 }), make("text", { x: x(i), y: 22, "text-anchor": "middle" }, top), make("text", { x: x(i), y: 143, "text-anchor": "middle" }, foot),
+      make("text", { x: x(i), y: 156, transform: `rotate(20 ${x(i)} 156)` }, label.replace(" about the crank axis", "").replace(", least", ""))];
+  };
+  const line = (one, i) => make("path", { class: `of-${i % 5}`, "data-variant-line": one.id, d: `M${known.map((gauge, k) => `${x(k)},${y(gauge, one.gauges[gauge[0]])}`).join("L")}` }, make("title", {}, one.name));
+  const name = (one, i) => make("text", { class: `of-${i % 5}`, x: x(known.length - 1) + 8, y: 34 + 12 * i }, one.name);
+  svg.replaceChildren(...known.flatMap(axis), ...variants.map(line), ...variants.slice(0, 9).map(name));
 }
 
 function scatter(variants) {

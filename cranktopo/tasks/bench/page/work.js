@@ -22,7 +22,7 @@ const JOBS = {
 const FILES = {
   toml: "design (TOML)", "step-throw": "STEP, throw", "step-web": "STEP, web", "step-crank": "STEP, crank", stl: "STL",
   "drawing-pdf": "drawing, PDF", "drawing-svg": "drawing, SVG", m53: "UR M53 papers, PDF", vibration: "torsional vibration, page",
-  compare: "comparison with the original, page", table: "table against the original, Markdown", latex: "table, LaTeX",
+  compare: "comparison with the original, page", table: "table against the original, Markdown", latex: "table, LaTeX", python: "the steps, Python script",
 };
 
 // The goal of the design is the first choice where it has one: another goal leaves the design's limits out.
@@ -47,6 +47,14 @@ function limitWords(goal) {
   return `${own} What no limit names may not get worse than it is, but for the goal's own quantity: mass, both stiffnesses, the unbalance of a counterweight, and the fatigue safety where engine and material make it known.`.trim();
 }
 
+// How far a job is, and the time left, as it tells itself; one that does not tell has a bar without an end.
+function progressOf({ state: at, pace }) {
+  if (at !== "running") return [];
+  const bar = make("progress", { max: 1, "aria-label": "Progress" });
+  if (pace) bar.value = pace.share;
+  return [bar, make("span", { class: "left" }, pace ? `${Math.round(100 * pace.share)} %${pace.left ? `, ${pace.left} left` : ""}` : "")];
+}
+
 export function showJobs() {
   const list = $("jobs").querySelector("ul");
   list.replaceChildren(...state.jobs.slice().reverse().map((job) => {
@@ -54,7 +62,7 @@ export function showJobs() {
     if (job.state === "running") buttons.append(make("button", { type: "button", onclick: () => say({ do: "stop", id: job.id }) }, "Stop"));
     if (job.resumable) buttons.append(make("button", { type: "button", onclick: () => say({ do: "resume", id: job.id }) }, "Continue"));
     if (job.page) buttons.append(make("a", { href: `job/${job.id}`, target: "_blank", rel: "noreferrer" }, "Report"));
-    return make("li", { "data-job": job.state }, make("strong", {}, `${job.kind} ${job.id}: ${job.state}`), ` ${job.state === "running" ? `${job.seconds} s` : ""} `, buttons, ...(job.found.length ? job.found : job.notes.slice(-2)).map((text) => make("p", { class: text.startsWith("NOT MET") ? "missed" : "" }, text)));
+    return make("li", { "data-job": job.state }, make("strong", {}, `${job.kind} ${job.id}: ${job.state}`), ` ${job.state === "running" ? `${job.seconds} s` : ""} `, buttons, ...progressOf(job), ...(job.found.length ? job.found : job.notes.slice(-2)).map((text) => make("p", { class: text.startsWith("NOT MET") ? "missed" : "" }, text)));
   }));
   const runs = state.jobs.filter((job) => job.kind === "optimise" && job.state === "done").map((job) => job.id), select = $("job").elements.run;
   if ([...select.options].map((one) => one.value).join() !== runs.join()) select.replaceChildren(...runs.map((id) => make("option", { value: id }, `optimise ${id}`)));
@@ -93,5 +101,6 @@ export function outForms() {
 function write(kind) {
   const { name, replace } = $("write").elements, plain = name.value.trim().replace(/\.(toml|step|stl|pdf|svg|tex|md)$/i, "");
   if (kind === "toml") say({ do: "save", name: `${plain}.toml`, replace: replace.checked });
+  else if (kind === "python") say({ do: "script", name: plain, replace: replace.checked });
   else say({ do: "write", kind, name: plain, replace: replace.checked });
 }
