@@ -6,6 +6,7 @@ A script hears them with `logging.basicConfig(level="INFO", format="%(message)s"
 from __future__ import annotations
 
 import logging
+import re
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
@@ -89,8 +90,14 @@ class Pace:
         self._most = "at most " if at_most else ""
         self._began = self._told = time.perf_counter()
 
-    def begin(self, part: str = "") -> None:
-        """Tell that the next part begins, unless the last line is new."""
+    def begin(self, part: str = "", parts: int | None = None) -> None:
+        """Tell that the next part begins, unless the last line is new.
+
+        Args:
+            part: its name.
+            parts: how many there are, where that has changed.
+        """
+        self._parts = self._parts if parts is None else max(parts, 1)
         now = time.perf_counter()
         if now - self._told >= self._quiet_s:
             self._told = now
@@ -108,6 +115,15 @@ class Pace:
         if not self._done or left <= 0:
             return []
         return [f"{self._most or 'about '}{duration_text(left * (now - self._began) / self._done)} left"]
+
+
+_PACE = re.compile(r"\[[#-]+\] (\d+) of (?:at most )?(\d+)(?:,.*?((?:about|at most) [\dhmins ]+) left)?")
+
+
+def pace_of(line: str) -> tuple[float, str] | None:
+    """Return the share that is done and the time left by a line of a `Pace`; None for any other line."""
+    found = _PACE.search(line)
+    return found and ((int(found[1]) - 1) / int(found[2]), found[3] or "")
 
 
 def duration_text(seconds: float) -> str:

@@ -18,10 +18,17 @@ LOCK = ".lock"
 
 
 @contextmanager
-def locked(folder: Path) -> Iterator[None]:
+def locked(
+    folder: Path, what: str = "run", hint: str = "Wait for it to end, or stop it first."
+) -> Iterator[None]:
     """Hold a run directory for the length of the block (POSIX `flock`; elsewhere no protection).
 
-    Raises CranktopoError where another process holds it or the lock file cannot be written.
+    Args:
+        what: it is, for the message.
+        hint: what to do where another process holds it.
+
+    Raises:
+        CranktopoError: another process holds it, or the lock file cannot be written.
     """
     try:
         import fcntl
@@ -39,8 +46,7 @@ def locked(folder: Path) -> Iterator[None]:
         except OSError:
             file.seek(0)
             raise CranktopoError(
-                f"run '{folder}': in use by process {file.read().strip() or 'unknown'}.",
-                hint="Wait for it to end, or stop it first.",
+                f"{what} '{folder}': in use by process {file.read().strip() or 'unknown'}.", hint=hint
             ) from None
         file.truncate(0)
         file.write(str(os.getpid()))

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+import threading
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.design.loading import design_text
 
 PROGRAM = [sys.executable, "-c", "from cranktopo.app.launch import main; main()"]
 START_MS = 600_000
@@ -39,6 +42,39 @@ def running_bench(folder: Path, *words: str) -> Iterator[tuple[subprocess.Popen[
         process.stdout.close()
 
 
+@contextmanager
+def quick_bench(folder: Path, design: str = "") -> Iterator[str]:
+    """A bench in a thread, its address: it answers drags, but solves nothing; it ends with the block."""
+    from cranktopo.tasks.bench.server import Server
+    from cranktopo.tasks.bench.session import Bench
+
+    loop = asyncio.new_event_loop()
+    thread = threading.Thread(target=loop.run_forever, daemon=True)
+    thread.start()
+
+    def do(work: Callable[[], Any]) -> Any:
+        async def done() -> Any:
+            return work()
+
+        return asyncio.run_coroutine_threadsafe(done(), loop).result(600)
+
+    def started() -> Any:
+        bench = Bench(folder)
+        for name in ("settle", "coarse"):
+            setattr(bench.answers, name, lambda *asked: None)
+        if design:
+            bench.open_text(design_text(design), f"{design}.toml", f"opened {design}", "cranktopo bench")
+        return Server(bench)
+
+    server = do(started)
+    try:
+        yield server.address
+    finally:
+        do(server.close)
+        loop.call_soon_threadsafe(loop.stop)
+        thread.join(60)
+
+
 def shown(page: Any, within_ms: int = START_MS) -> None:
     """Wait for the first picture."""
     page.wait_for_selector("#viewer[data-shown]", timeout=within_ms)
@@ -49,6 +85,17 @@ def settled(page: Any) -> None:
     page.wait_for_function(
         "() => document.querySelector('#status').textContent === 'Settled'", timeout=JOB_MS
     )
+
+
+def stays_shown(page: Any) -> None:
+    """Wait until the newest drag is answered and painted."""
+    page.wait_for_function(
+        """async () => {
+            const { line } = await import("./talk.js");
+            return line.answered >= line.seq && !line.waiting;
+        }"""
+    )
+    page.wait_for_timeout(500)
 
 
 def gauge(page: Any, name: str) -> float:

@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.browser.bench_page import START_MS, running_bench
+from tests.browser.bench_page import START_MS, quick_bench, running_bench
 
 # Debian's Chromium; software rendering, because a test machine has no screen.
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 ARGUMENTS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 
-
+QUICK_MS = 120_000
 NEXT_FRAMES = "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
@@ -50,16 +50,29 @@ class Visit:
         return pixels[::-1].astype(int)
 
 
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Any]:
-    path = next((found for name in NAMES if (found := shutil.which(name))), None)
-    if path is None:
-        pytest.skip("no Chromium (apt-get install chromium): the report is not opened in a browser")
-    api = pytest.importorskip("playwright.sync_api", reason="no playwright (pip install playwright)")
-    with api.sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=path, args=ARGUMENTS)
+def chromium() -> str | None:
+    """Path of the browser; None where there is none."""
+    return next((found for name in NAMES if (found := shutil.which(name))), None)
+
+
+@contextmanager
+def opened_browser() -> Iterator[Any]:
+    """A browser without a window; it closes with the block."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=chromium(), args=ARGUMENTS)
         yield opened
         opened.close()
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    if chromium() is None:
+        pytest.skip("no Chromium (apt-get install chromium): the report is not opened in a browser")
+    pytest.importorskip("playwright.sync_api", reason="no playwright (pip install playwright)")
+    with opened_browser() as opened:
+        yield opened
 
 
 @contextmanager
@@ -100,17 +113,35 @@ def bench(tmp_path: Path, browser: Any) -> Iterator[Any]:
 
         def opened(*words: str, **window: Any) -> Visit:
             _, address = open_ones.enter_context(running_bench(tmp_path, *words))
-            context = browser.new_context(**{"viewport": {"width": 1500, "height": 950}, **window})
-            open_ones.callback(context.close)
-            found = Visit(context.new_page())
-            found.page.on("console", lambda message: found.complaints.append(message.text))
-            found.page.on("pageerror", lambda error: found.complaints.append(str(error)))
-            found.page.on("request", lambda request: found.requests.append(request.url))
-            found.page.set_default_timeout(START_MS)
-            found.page.goto(address, timeout=START_MS)
+            return _visited(browser, address, open_ones, window)
+
+        yield opened
+
+
+@pytest.fixture
+def quick(tmp_path: Path, browser: Any) -> Iterator[Any]:
+    """Open a bench that solves nothing with a design, or none, in a browser window; all end with the test."""
+    with ExitStack() as open_ones:
+
+        def opened(design: str = "", **window: Any) -> Visit:
+            address = open_ones.enter_context(quick_bench(tmp_path, design))
+            found = _visited(browser, address, open_ones, window)
+            found.page.set_default_timeout(QUICK_MS)
             return found
 
         yield opened
+
+
+def _visited(browser: Any, address: str, open_ones: ExitStack, window: dict[str, Any]) -> Visit:
+    context = browser.new_context(**{"viewport": {"width": 1500, "height": 950}, **window})
+    open_ones.callback(context.close)
+    found = Visit(context.new_page())
+    found.page.on("console", lambda message: found.complaints.append(message.text))
+    found.page.on("pageerror", lambda error: found.complaints.append(str(error)))
+    found.page.on("request", lambda request: found.requests.append(request.url))
+    found.page.set_default_timeout(START_MS)
+    found.page.goto(address, timeout=START_MS)
+    return found
 
 
 @pytest.fixture(scope="session")

@@ -20,21 +20,25 @@ import pytest
 
 pytest.importorskip("tornado")
 from tornado.httpclient import HTTPRequest
-from tornado.websocket import websocket_connect
+from tornado.websocket import WebSocketClientConnection, websocket_connect
 
 from cranktopo.app.main import main
 from cranktopo.design.loading import design_text
 from cranktopo.tasks.bench.jobs import Jobs, reap
 
 PROGRAM = [sys.executable, "-c", "from cranktopo.app.launch import main; main()"]
+WORDS = [*PROGRAM, "bench", "mikron-iiic-plain", "--no-browser"]
 CHANGES = {"web.width_mm": 52, "web.thickness_mm": 20}
 
 
+def environment() -> dict[str, str]:
+    """That of a command that takes the code of this test run."""
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+
+
 def started(folder: Path) -> tuple[subprocess.Popen[str], str]:
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    words = [*PROGRAM, "bench", "mikron-iiic-plain", "--no-browser"]
     process = subprocess.Popen(
-        words, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+        WORDS, cwd=folder, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
     )
     assert process.stdout is not None
     return process, process.stdout.readline().strip()
@@ -55,10 +59,17 @@ def state_after(address: str, *messages: dict[str, Any]) -> dict[str, Any]:
             ] != "state":
                 assert told["type"] != "error", told
             found = told["project"]
-        line.close()
+        await _closed(line)
         return found
 
     return asyncio.run(talk())
+
+
+async def _closed(line: WebSocketClientConnection) -> None:
+    """Close the line of a page, its socket included."""
+    line.close()
+    while await line.read_message() is not None:
+        pass
 
 
 @pytest.mark.slow
@@ -75,10 +86,7 @@ def test_a_killed_bench_loses_nothing_and_leaves_no_process(tmp_path: Path) -> N
     process, address = started(tmp_path)
     again = state_after(address, {"do": "hello"})
     assert (again["at"], again["data"]["web"]["width_mm"]) == (1, 52.0)
-    process.send_signal(signal.SIGINT)
-    assert process.wait(600) == 0, "Ctrl-C ends it well"
-    assert process.stdout is not None
-    process.stdout.close()
+    _ended(process)
 
 
 @pytest.mark.slow
@@ -95,10 +103,7 @@ def test_a_server_killed_at_any_moment_loses_no_step(tmp_path: Path) -> None:
     assert told <= len(state["steps"]) <= told + 1
     files = {step["file"] for step in state["steps"]}
     assert files <= {path.name for path in (tmp_path / "bench" / "mikron-iiic-plain").iterdir()}
-    process.send_signal(signal.SIGINT)
-    assert process.wait(600) == 0
-    assert process.stdout is not None
-    process.stdout.close()
+    _ended(process)
 
 
 async def _edits_until_killed(
@@ -119,7 +124,7 @@ async def _edits_until_killed(
                 break
         else:
             break
-    line.close()
+    await _closed(line)
     await asyncio.sleep(0.1)
     process.wait(600)
     assert process.stdout is not None
@@ -190,12 +195,36 @@ def test_a_taken_port_is_one_line(tmp_path: Path) -> None:
     assert f"--port {port}: cannot be used" in ended.stderr
 
 
+@pytest.mark.slow
+def test_a_second_bench_on_one_session_is_one_line(tmp_path: Path) -> None:
+    """Both went on, and wrote their steps over each other's."""
+    process, address = started(tmp_path)
+    state_after(address, {"do": "edit", "changes": CHANGES, "what": "wider"})
+    second = subprocess.run(
+        WORDS, cwd=tmp_path, env=environment(), capture_output=True, text=True, check=False, timeout=600
+    )
+    assert second.returncode != 0
+    told = [line for line in second.stderr.splitlines() if line.startswith("error: ")]
+    assert len(told) == 1
+    assert f"in use by process {process.pid}." in told[0]
+    _ended(process)
+    process, address = started(tmp_path)
+    assert state_after(address, {"do": "hello"})["at"] == 1, "nothing of the first is lost, and it was left"
+    _ended(process)
+
+
+def _ended(process: subprocess.Popen[str]) -> None:
+    process.send_signal(signal.SIGINT)
+    assert process.wait(600) == 0, "Ctrl-C ends it well"
+    assert process.stdout is not None
+    process.stdout.close()
+
+
 def test_help_does_not_load_the_server(tmp_path: Path) -> None:
     code = "from cranktopo.app.main import main; main(['--help']); sys.exit('tornado' in sys.modules)"
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     done = subprocess.run(
         [sys.executable, "-c", f"import sys; {code}"],
-        env=environment,
+        env=environment(),
         capture_output=True,
         text=True,
         check=False,

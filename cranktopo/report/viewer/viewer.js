@@ -56,7 +56,9 @@
   const steps = header.steps;
   const state = { ...START, body: header.first, colour: -1,
     step: steps ? steps.iterations.length : 0, cut: 0.25, whole: false };
+  const SPOT = [0.85, 0.12, 0.08], SPOT_SHARE = 0.025; // of the largest length of the body
   let blocks = null, waiting = false, other = null, asked = 0, ghost = null, aimed = null, turns = null, section = null;
+  let spot = null, dot3 = null;
 
   gl.enable(gl.DEPTH_TEST);
   controls();
@@ -83,6 +85,20 @@
   box.section = (x) => {
     section = x;
     redraw();
+  };
+  // Marks a point of the throw, mm, through whatever lies before it; none without it.
+  box.spot = (point) => {
+    spot = point;
+    redraw();
+  };
+  // Turns the view to a point of the throw, mm, as seen from outside of the body.
+  box.lookAt = (point) => {
+    const body = other ?? bodies[state.body], beyond = point[2] > body.half_pitch_mm + 1e-6;
+    if (beyond && !state.whole) box.querySelector("[data-whole]")?.click();
+    const middle = body.low_mm.map((low, i) => low + body.size_mm[i] / 2);
+    if (beyond) middle[2] = pitch(body) - middle[2];
+    const out = less(point, middle);
+    look({ yaw: Math.atan2(out[0], out[2]), pitch: Math.asin(out[1] / Math.hypot(...out)), zoom: 1 });
   };
   box.dataset.ready = "yes";
   box.dispatchEvent(new Event("ready"));
@@ -371,6 +387,7 @@
       gl.uniform2f(uniforms.spin, Math.cos(angle), Math.sin(angle));
       drawHalves(body, number * pitch(body), JOURNAL, WEB);
     });
+    if (spot && !turns) drawSpot(body);
     if (!ghost || turns) return;
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
@@ -383,6 +400,21 @@
     gl.depthMask(true);
     gl.disable(gl.POLYGON_OFFSET_FILL);
     gl.disable(gl.BLEND);
+  }
+
+  function drawSpot(body) {
+    dot3 ??= buffers([[Float32Array.of(1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1), 3, gl.FLOAT, false],
+      [Int8Array.of(127, 0, 0, -127, 0, 0, 0, 127, 0, 0, -127, 0, 0, 0, 127, 0, 0, -127), 3, gl.BYTE, true]],
+      Uint32Array.of(0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5));
+    const radius = SPOT_SHARE * Math.max(...body.size_mm);
+    gl.disable(gl.DEPTH_TEST);
+    gl.uniform1i(uniforms.ramped, 0);
+    gl.uniform3f(uniforms.flip, 1, 1, 1);
+    gl.uniform1f(uniforms.cut, NEVER);
+    gl.uniform3f(uniforms.shift, ...spot);
+    place([0, 0, 0], [radius, radius, radius]);
+    paint(dot3, SPOT, SPOT);
+    gl.enable(gl.DEPTH_TEST);
   }
 
   function drawHalves(body, along, journal, web) {

@@ -72,7 +72,7 @@ class Answers:
         found: list[dict[str, str]] = await self._workers["live"].ask("live.broken_rules_of", data)
         return found
 
-    async def proposed(self, name: str, data: Data, wanted: float | str) -> dict[str, Any]:
+    async def proposed(self, name: str, data: Data, wanted: Any) -> dict[str, Any]:
         """Return changes that a function of `proposals` finds for what is wanted."""
         found: dict[str, Any] = await self._workers["live"].ask(f"proposals.{name}", data, wanted)
         return found

@@ -19,9 +19,11 @@ from pathlib import Path
 from typing import Any, Literal
 
 import psutil
+from pydantic import Field
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import write_json
+from cranktopo.base.notes import pace_of
 from cranktopo.base.result import Result
 
 JobState = Literal["running", "done", "stopped", "failed"]
@@ -38,10 +40,16 @@ KINDS: Mapping[str, tuple[str, ...]] = {
     "bound": (*_GOAL, "resolution-mm"),
     "fatigue": ("method",),
     "sweep": ("vary", "stage", "workers"),
-    "remodel": (),
     "evaluate": ("accuracy",),
+    "shaft": ("bearings", "method"),
+    "remodel": ("min-wall-mm", "min-radius-mm", "draft-deg"),
+    "extract": (),
 }
 """Jobs, with the options that the page may give them."""
+OF_RUN = ("remodel", "extract")
+"""Those that take the run of another job in place of the design."""
+_OUTPUT = dict.fromkeys(("optimise", "shape", "sweep", "remodel"), _OUT) | {"extract": "surface.stl"}
+"""What they write, in their own folder; the others print it."""
 RESUMABLE = ("optimise", "shape", "sweep")
 PARTLY = (0, 5, 6)
 """Exit codes with a result."""
@@ -62,6 +70,7 @@ class _KnownJob(Result):
     step: str = ""
     variant: str = ""
     found: tuple[str, ...] = ()
+    gauges: dict[str, float] = Field(default_factory=dict)
 
 
 @dataclass
@@ -109,7 +118,13 @@ class BenchJob:
     def line(self, folder: Path) -> str:
         """Return the command line that does the same in a folder above its own."""
         design = (self.place / _DESIGN).relative_to(folder).as_posix()
-        names = {_DESIGN: design, _OUT: f"{self.known.kind}-{self.known.id}"}
+        own = f"{self.known.kind}-{self.known.id}"
+        names = {_DESIGN: design, _OUT: own, "surface.stl": f"{own}.stl"}
+        names |= {
+            word: (self.place / word).resolve().relative_to(folder.resolve()).as_posix()
+            for word in self.known.words
+            if word.startswith("../")
+        }
         return shlex.join(["cranktopo", *(names.get(word, word) for word in self.known.words)])
 
     @property
@@ -130,9 +145,12 @@ class BenchJob:
             "state": state,
             "resumable": self.resumable,
             "notes": lines[-6:],
+            "pace": self._pace(lines),
             "seconds": round(time.time() - self.known.started),
             "variant": self.known.variant,
             "found": list(self.known.found),
+            "gauges": self.known.gauges,
+            "step": self.known.step,
             "page": self.page,
         }
 
@@ -154,10 +172,18 @@ class BenchJob:
                 with suppress(psutil.Error):
                     child.send_signal(signal.SIGINT)
 
-    def note_result(self, variant: str, found: Sequence[str]) -> None:
-        """Record that its result was kept as a variant, or `-`, and what it found, in words."""
-        self.known = self.known.model_copy(update={"variant": variant, "found": tuple(found)})
+    def note_result(self, variant: str, found: Sequence[str], gauges: Mapping[str, float]) -> None:
+        """Record that its result was kept as a variant, or `-`, and what it found, in words and numbers."""
+        kept = {"variant": variant, "found": tuple(found), "gauges": dict(gauges)}
+        self.known = self.known.model_copy(update=kept)
         write_json(self.place / _JOB, self.known.as_json())
+
+    def _pace(self, lines: Sequence[str]) -> dict[str, Any] | None:
+        """Return the share that is done and the time left by its newest line of a pace."""
+        if self.state != "running":
+            return None
+        found = next(filter(None, map(pace_of, reversed(lines))), None)
+        return found and {"share": found[0], "left": found[1]}
 
     def _notes(self) -> list[str]:
         with suppress(OSError), (self.place / _NOTES).open("rb") as file:
@@ -189,19 +215,29 @@ class Jobs:
                 return job
         raise CranktopoError("job: there is no such job.")
 
-    def start(self, kind: str, design: str, options: Mapping[str, Any], step: str = "") -> BenchJob:
-        """Start a command on the text of a design, that of a step of the session."""
+    def start(
+        self, kind: str, design: str, options: Mapping[str, Any], step: str = "", run: str = ""
+    ) -> BenchJob:
+        """Start a command on the text of a design, that of a step of the session, or on the run of a job."""
         if kind not in KINDS:
             raise CranktopoError("job: there is no such command.")
         given = _option_words(kind, options)
+        target = self._run_of(run) if kind in OF_RUN else _DESIGN
         number = 1 + max((int(place.name) for place in self._folder.glob("[0-9][0-9][0-9]")), default=0)
         place = self._folder / f"{number:03d}"
         place.mkdir(parents=True)
         (place / _DESIGN).write_text(design, encoding="utf-8")
-        words = [kind, _DESIGN, *given]
-        words += ["--out", _OUT] if kind in ("optimise", "shape", "sweep") else ["--json"]
+        words = [kind, target, *given]
+        words += ["--out", _OUTPUT[kind]] if kind in _OUTPUT else ["--json"]
         known = _KnownJob(id=place.name, kind=kind, words=tuple(words), started=time.time(), step=step)
         return self._run(place, known, words)
+
+    def _run_of(self, id_: str) -> str:
+        """Return the run of an optimisation, as it is named in the folder of another job."""
+        job = self.job(id_)
+        if job.known.kind != "optimise" or job.state != "done":
+            raise CranktopoError(f"run: job {id_} is no finished optimise job.")
+        return f"../{job.place.name}/{_OUT}"
 
     def resume(self, id_: str) -> BenchJob:
         """Continue a job that was stopped."""

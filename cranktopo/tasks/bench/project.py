@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Mapping
+from contextlib import ExitStack
 from difflib import unified_diff
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -22,12 +23,14 @@ from cranktopo.design.edits import changed_text, difference_words
 from cranktopo.design.scene_files import with_resolved_files
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.design.writing import design_name
+from cranktopo.runs.destination import locked
 from cranktopo.tasks.bench.design_files import changed_files, check_files_inside
 from cranktopo.tasks.bench.limits import told_limits
 
 _BEGINNINGS = ("cranktopo designs new ", "cranktopo import ")
 """Commands that make the design that a session began with."""
 _FOLDER, _STATE = "bench", "state.json"
+_HELD = "Go on at the page of that bench, or end it first."
 
 
 class DesignStep(Result):
@@ -49,6 +52,13 @@ class Variant(Result):
     pinned: bool = False
 
 
+class MadeFile(Result):
+    """A file that was written, and the command that writes it."""
+
+    name: str
+    command: str
+
+
 class _State(Result):
     schema_version: int = 1
     name: str
@@ -57,6 +67,7 @@ class _State(Result):
     original: int = 0
     steps: tuple[DesignStep, ...] = ()
     variants: tuple[Variant, ...] = ()
+    made: tuple[MadeFile, ...] = ()
 
 
 class Project:
@@ -64,36 +75,50 @@ class Project:
 
     Attributes:
         folder: folder that the user chose; nothing outside it is read or written.
-        place: where the session is kept.
+        place: where the session is kept; no other bench has it until `close`.
     """
 
-    def __init__(self, folder: Path, place: Path, state: _State) -> None:
-        self.folder, self.place, self._state = folder, place, state
-        self._text = read_text_file(place / self.step.file, "design")
+    def __init__(self, folder: Path, place: Path) -> None:
+        """Take hold of a session and read it; raises CranktopoError where another bench has it."""
+        self.folder, self.place = folder, place
+        with ExitStack() as held:
+            held.enter_context(locked(place, "session", _HELD))
+            self._state = _State.read(place / _STATE)
+            self._text = self.text_of(self._state.at)
+            self._held = held.pop_all()
 
     @classmethod
-    def opened(cls, folder: Path, text: str, source: str, what: str, command: str) -> Project:
+    def opened(
+        cls, folder: Path, text: str, source: str, what: str, command: str, at_hand: Project | None = None
+    ) -> Project:
         """Return the session of a design; one that was left goes on, if it began with the same text.
 
         Args:
             text: of the design, file names relative to the folder or absolute.
             source: file name of the design, for messages and for the name.
+            at_hand: session that is open here, which is returned if it is that of the design.
+
+        Raises:
+            CranktopoError: another bench has the session.
         """
         name = design_name(Path(source).with_suffix(".toml"))
         root = folder / _FOLDER
         for number in range(1, 1000):
             place = root / (name if number == 1 else f"{name}-{number}")
-            if not (place / _STATE).is_file():
+            if not (place / _STATE).is_file() or _first_text(place) == text:
                 break
-            kept = cls(folder, place, _State.read(place / _STATE))
-            if kept.text_of(0) == text:
-                return kept
-        place.mkdir(parents=True, exist_ok=True)
+        if at_hand is not None and at_hand.place == place:
+            return at_hand
         first = DesignStep(file="0000.toml", what=what, command=command)
-        write_text(place / first.file, text)
-        state = _State(name=name, source=source, steps=(first,))
-        write_json(place / _STATE, state.as_json())
-        return cls(folder, place, state)
+        if not (place / _STATE).is_file():
+            place.mkdir(parents=True, exist_ok=True)
+            write_text(place / first.file, text)
+            write_json(place / _STATE, _State(name=name, source=source, steps=(first,)).as_json())
+        return cls(folder, place)
+
+    def close(self) -> None:
+        """Leave the session to other benches."""
+        self._held.close()
 
     @property
     def name(self) -> str:
@@ -226,6 +251,25 @@ class Project:
         """Give up a variant; its file stays."""
         self._write(variants=tuple(variant for variant in self.variants if variant.id != id_))
 
+    @property
+    def made(self) -> tuple[MadeFile, ...]:
+        """Files that were written, each once, the newest last."""
+        return self._state.made
+
+    def note_made(self, name: str, command: str) -> None:
+        """Record a file that was written."""
+        others = (file for file in self.made if file.name != name)
+        self._write(made=(*others, MadeFile(name=name, command=command)))
+
+    def _compared(self) -> str:
+        """Return how the second of the variants that are compared differs from the first; empty for fewer."""
+        pinned = [variant for variant in self.variants if variant.pinned][:2]
+        if len(pinned) < 2:
+            return ""
+        first, second = (self.data(self.variant_text(variant.id)) for variant in pinned)
+        differs = difference_words(first, second) or "the same"
+        return f"{pinned[1].name} beside {pinned[0].name}: {differs}"
+
     def variant_text(self, id_: str) -> str:
         """Return the design of a variant."""
         for variant in self.variants:
@@ -242,6 +286,8 @@ class Project:
             "original": self._state.original,
             "steps": [step.as_json() for step in self._state.steps],
             "variants": [variant.as_json() for variant in self.variants],
+            "compared": self._compared(),
+            "made": [file.as_json() for file in self.made],
             "data": self.data(),
             "limits": told_limits(self.data()),
             "commands": self.commands(),
@@ -254,6 +300,12 @@ class Project:
         state = self._state.model_copy(update=changes)
         write_json(self.place / _STATE, state.as_json())
         self._state = state
+
+
+def _first_text(place: Path) -> str:
+    """Return the design that a session began with."""
+    first = _State.read(place / _STATE).steps[0]
+    return read_text_file(place / first.file, "design")
 
 
 @lru_cache(maxsize=4)

@@ -6,11 +6,14 @@ import math
 from typing import Any
 
 from cranktopo.design.edits import changed_data
-from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.loading import scene_from_dict, value_at
 from cranktopo.design.pitch import lengths_at_pitch
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.tasks.balance.proposal import ProposedCounterweight, propose_counterweight
+from cranktopo.tasks.bench.live import broken_rules_of
 from cranktopo.throw.envelope import BoxEnvelope
+
+_HALVINGS, _STEPS = 12, 100
 
 
 def counterweight_changes(data: dict[str, Any], percent: float) -> dict[str, Any]:
@@ -43,6 +46,30 @@ def trace_changes(data: dict[str, Any], path: str) -> dict[str, Any]:
     }
     pressure_curve(scene_from_dict(changed_data(data, changes), "design", whole=True))
     return changes
+
+
+def nearest_sound(data: dict[str, Any], changes: dict[str, float]) -> dict[str, float]:
+    """Return a change of one number as near to what is wanted as the rules allow, from a sound design on.
+
+    To a hundredth; sound is what lies before the first rule that is broken on the way. Nothing where the
+    next hundredth breaks one.
+    """
+    ((key, wanted),) = changes.items()
+    begun = float(value_at(data, key))
+    sound, broken = 0.0, 1.0
+    for _ in range(_HALVINGS):
+        middle = (sound + broken) / 2
+        kept = not broken_rules_of(changed_data(data, {key: _on_way(begun, wanted, middle)}))
+        sound, broken = (middle, broken) if kept else (sound, middle)
+    found = _on_way(begun, wanted, sound)
+    return {} if found == begun else {key: found}
+
+
+def _on_way(begun: float, wanted: float, share: float) -> float:
+    """Return the value at a share of the way, rounded to a hundredth back to where that begins."""
+    steps = (begun + share * (wanted - begun)) * _STEPS
+    back = math.floor if wanted > begun else math.ceil
+    return begun if share == 0 else back(round(steps, 6)) / _STEPS
 
 
 def with_pitch_kept(data: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:

@@ -17,7 +17,8 @@ _REMODEL_S = 3600
 
 def job_numbers(job: BenchJob) -> dict[str, float]:
     """Return the gauges that a finished job tells, by name; a bound is called `bound_` and its quantity."""
-    reader = {"shape": _of_shape, "bound": _of_bound, "fatigue": _of_fatigue, "optimise": _of_optimise}
+    reader = {"shape": _of_shape, "bound": _of_bound, "fatigue": _of_fatigue}
+    reader |= {"optimise": _of_optimise, "evaluate": _of_evaluation}
     if job.known.kind not in reader:
         return {}
     try:
@@ -36,6 +37,12 @@ def job_words(job: BenchJob) -> list[str]:
         if job.known.kind == "bound":
             bound = json.loads(job.stdout())["bound"]
             return [f"no web of the design space has {bound['quantity']} beyond {bound['value']:.4g}"]
+        if job.known.kind == "shaft":
+            return _shaft_words(json.loads(job.stdout()))
+        if job.known.kind == "evaluate":
+            return _evaluation_words(json.loads(job.stdout())["evaluations"][0])
+        if job.known.kind == "extract":
+            return [f"surface written: {(job.place / 'surface.stl').resolve()}"]
     except (CranktopoError, KeyError, TypeError, ValueError, IndexError):
         return []
     return [line for line in job.stdout().splitlines() if line.strip()][:1]
@@ -49,6 +56,31 @@ def _prices(told: dict[str, Any]) -> list[str]:
         for price in told["prices"]
         if abs(price["goal_percent_per_percent"] or 0.0) >= 0.005  # as it is rounded
     ]
+
+
+def _evaluation_words(told: dict[str, Any]) -> list[str]:
+    found = _evaluated(told)
+    units = {"torsion": ("kN m/rad", 1e3), "bending": ("kN/mm", 1e3)}
+    return [
+        f"{name} {found[name] / size:.4g} {unit}, within {told['error_estimate_percent'][name]:.2g} %"
+        for name, (unit, size) in units.items()
+    ]
+
+
+def _shaft_words(told: dict[str, Any]) -> list[str]:
+    stiff = told["torsion"]["end_to_end_Nm_per_rad"] / 1e3
+    lines = [f"whole shaft: {told['mass_kg']:.4g} kg, {stiff:.4g} kN m/rad from end to end"]
+    lines += [f"first natural frequency {hz:.4g} Hz" for hz in told["natural_frequencies_Hz"][:1]]
+    if told["on_bearings"]:
+        loads = [bearing for speed in told["on_bearings"] for bearing in speed["main_bearings"]]
+        worst = max(loads, key=lambda bearing: bearing["largest_N"])
+        lines.append(
+            f"largest main bearing force {worst['largest_N'] / 1e3:.4g} kN, bearing {worst['bearing']}"
+        )
+    if safety := told.get("safety"):
+        place = safety["worst"]["critical"]["place"]
+        lines.append(f"least safety {safety['safety']:.3g}, web {safety['worst']['web']}: {place}")
+    return lines
 
 
 def _fatigue_words(told: dict[str, Any]) -> list[str]:
@@ -74,6 +106,8 @@ def variant_of(job: BenchJob) -> str | None:
         return _design(job.out / "web.toml")
     if job.known.kind in ("fatigue", "evaluate"):
         return _design(job.place / "design.toml")
+    if job.known.kind == "remodel":
+        return next(_design(file) for file in sorted(job.out.glob("*.toml")))
     if job.known.kind != "optimise":
         return None
     if not (job.out / "remodel").is_dir():
@@ -106,6 +140,10 @@ def _evaluated(entry: dict[str, Any]) -> dict[str, float]:
     }
     safety = entry.get("fatigue_safety")
     return {**found, **({} if safety is None else {"fatigue_safety": safety})}
+
+
+def _of_evaluation(job: BenchJob) -> dict[str, float]:
+    return _evaluated(json.loads(job.stdout())["evaluations"][0])
 
 
 def _of_bound(job: BenchJob) -> dict[str, float]:

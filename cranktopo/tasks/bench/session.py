@@ -29,7 +29,7 @@ from cranktopo.tasks.bench.jobs import BenchJob, Jobs, reap
 from cranktopo.tasks.bench.project import Project, file_in
 from cranktopo.tasks.bench.proposals import with_pitch_kept
 from cranktopo.tasks.bench.results import job_numbers, job_words, variant_of
-from cranktopo.tasks.bench.writes import ENDINGS, WRITTEN, Written, written_by
+from cranktopo.tasks.bench.writes import ENDINGS, SCRIPT_ENDING, WRITTEN, Written, script_of, written_by
 
 Tell = Callable[[dict[str, Any]], None]
 _WATCH_S = 1.0
@@ -37,8 +37,12 @@ _REMARKS = 8
 _UPLOADS = (".toml", ".csv", *BODIES)
 _GIVEN = (".toml", *ENDINGS)
 _ACTIONS = re.compile(
-    "hello|drag|edit|balance|undo|redo|pin|keep|drop|take|compare|job|stop|resume|write|save|start|open|close"
+    "hello|drag|edit|balance|undo|redo|pin|keep|drop|take|compare|job|stop|resume|write|script|save|start|open|close"
 )
+
+
+def _values_words(values: Mapping[str, float]) -> str:
+    return "; ".join(f"{key}: {value:g}" for key, value in values.items())
 
 
 @dataclass
@@ -61,6 +65,7 @@ class Bench:
         self.answers.close()
         if self._watch:
             self._watch.cancel()
+        self._leave_project()
 
     def enter(self, tell: Tell) -> None:
         """Take note of a page that was opened."""
@@ -90,10 +95,18 @@ class Bench:
             tell({"type": "error", "message": "The page asked for something that makes no sense here."})
 
     def open_text(self, text: str, source: str, what: str, command: str) -> None:
-        """Put a design on the bench."""
+        """Put a design on the bench; raises CranktopoError where another bench has its session."""
+        opened = Project.opened(self.folder, text, source, what, command, self.project)
+        if opened is not self.project:
+            self._leave_project()
         self.answers.forget()
-        self.project = Project.opened(self.folder, text, source, what, command)
+        self.project = opened
         self._moved()
+
+    def _leave_project(self) -> None:
+        if self.project is not None:
+            self.project.close()
+        self.project = None
 
     async def uploaded(self, name: str, content: bytes) -> dict[str, Any]:
         """Read a dropped file in a process of its own: a design, a crank from CAD, or a pressure trace."""
@@ -124,7 +137,7 @@ class Bench:
 
     def made(self, name: str) -> Path:
         """Return a file that the bench wrote; raises CranktopoError for any other."""
-        if name not in self._made:
+        if name not in {file.name for file in self._required.made}:
             raise CranktopoError("file: was not made here.")
         return file_in(self.folder, name, _GIVEN)
 
@@ -196,20 +209,38 @@ class Bench:
     async def _edit(self, asked: Mapping[str, Any], tell: Tell) -> None:
         """Take a step; a single value that breaks a sound design is told to the page and not taken.
 
-        A drag that ended where it began is no step: its page is told of the design in hand again.
+        What was dragged there goes to the nearest value that breaks none. A drag that ended where it began
+        is no step: its page is told of the design in hand again.
         """
         project, changes = self._required, self._wanted(asked)
         if self._changed(changes) == project.data():
             self._show(tell)
             return
-        if len(asked["changes"]) == 1 and not isinstance(next(iter(changes.values())), dict | None):
-            found = await self.answers.checked(self._changed(changes))
-            if found and not await self.answers.checked(project.data()):
-                tell({"type": "live", "seq": None, "broken": found})
-                return
-        besides = [f"{key}: {value:g}" for key, value in changes.items() if key not in asked["changes"]]
-        project.change(changes, "; ".join([str(asked.get("what", ""))[:200], *besides]))
+        broken = await self._newly_broken(asked, changes)
+        nearest = await self._nearest(asked) if broken else {}
+        if broken and not nearest:
+            tell({"type": "live", "seq": None, "broken": broken})
+            return
+        what = str(asked.get("what", ""))[:200] if not nearest else _values_words(nearest)
+        besides = {key: value for key, value in changes.items() if key not in asked["changes"]}
+        project.change(nearest or changes, "; ".join(filter(None, [what, _values_words(besides)])))
         self._moved()
+        if nearest:
+            rules = [rule["message"] for rule in broken]
+            tell({"type": "told", "message": "\n".join([*rules, f"Taken is the nearest value, {what}."])})
+
+    async def _newly_broken(self, asked: Mapping[str, Any], changes: dict[str, Any]) -> list[dict[str, str]]:
+        """Return the rules that a single value breaks in a design that broke none."""
+        if len(asked["changes"]) != 1 or isinstance(next(iter(changes.values())), dict | None):
+            return []
+        found = await self.answers.checked(self._changed(changes))
+        return found if found and not await self.answers.checked(self._required.data()) else []
+
+    async def _nearest(self, asked: Mapping[str, Any]) -> dict[str, float]:
+        """Return the value nearest to where a dimension was dragged that keeps the rules, by its key."""
+        if not asked.get("snap") or asked.get("keep_pitch"):
+            return {}
+        return await self.answers.proposed("nearest_sound", self._required.data(), dict(asked["changes"]))
 
     async def _balance(self, asked: Mapping[str, Any], tell: Tell) -> None:
         """Give the web the counterweight that balances a share of the oscillating mass."""
@@ -254,7 +285,8 @@ class Bench:
     def _job(self, asked: Mapping[str, Any], tell: Tell) -> None:
         design = self._portable(self._required.text, "check").read_text(encoding="utf-8")
         step = self._required.step.file
-        self._jobs.start(str(asked["kind"]), design, dict(asked.get("options", {})), step)
+        options, run = dict(asked.get("options", {})), str(asked.get("run", ""))
+        self._jobs.start(str(asked["kind"]), design, options, step, run)
         self._tell_state()
 
     def _stop(self, asked: Mapping[str, Any], tell: Tell) -> None:
@@ -299,7 +331,14 @@ class Bench:
         write_text(path, project.text)
         words = ["cranktopo", "designs", "copy", project.runnable(project.at), path.name, "--force"]
         self._tell_made(path, shlex.join(words))
-        self._tell_state()
+
+    def _script(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        """Write a Python script that repeats the session as far as the step in hand."""
+        path, project = self._target(asked, SCRIPT_ENDING), self._required
+        done = enumerate(project.as_steps(-1, project.at))
+        steps = {project.runnable(number): step.what for number, step in done}
+        write_text(path, script_of(steps, f"{project.name}-steps.step"))
+        self._tell_made(path, shlex.join(["python", path.name]))
 
     def _start(self, asked: Mapping[str, Any], tell: Tell) -> None:
         text, name, command, assumed = new_design(dict(asked["answers"]))
@@ -317,7 +356,7 @@ class Bench:
         self.open_text(text, path.name, f"opened {name}", f"cranktopo bench {name}")
 
     def _close(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        self.project = None
+        self._leave_project()
         self._tell_state()
 
     # Helpers.
@@ -353,7 +392,9 @@ class Bench:
 
     def _tell_made(self, path: Path, command: str, warned: list[str] | None = None) -> None:
         self._made.add(path.name)
+        self._required.note_made(path.name, command)
         self._tell_all({"type": "made", "name": path.name, "command": command, "warnings": warned or []})
+        self._tell_state()
 
     async def _watch_jobs(self) -> None:
         """Tell pages how jobs go on, and keep what finished ones found."""
@@ -384,6 +425,6 @@ class Bench:
                 id_ = project.keep(f"{job.known.kind} {job.known.id}", told, text, "; ".join(found[:1])).id
         except (CranktopoError, OSError, subprocess.SubprocessError) as error:
             found = [f"its result cannot be kept: {error}"]
-        job.note_result(id_, found)
-        self._tell_all({"type": "proof", "kind": job.known.kind, "gauges": numbers, "step": job.known.step})
+        job.note_result(id_, found, numbers)
+        self._tell_all({"type": "proof", "kind": job.known.kind})
         self._tell_state()

@@ -88,6 +88,8 @@ def settled_safety(
         "journal_fillet_safety": field.fillet_safety["journal"],
         "stress": largest_of_field_MPa(field),
     }
+    if field.at_outlet is not None:
+        gauges["outlet_safety"] = float(field.at_outlet.safety)
     return {
         "gauges": gauges,
         "error_percent": dict.fromkeys(gauges, _SAFETY_ERROR_PERCENT),

@@ -25,14 +25,19 @@ class Worker:
     def __init__(self, *, background: bool = False) -> None:
         self._background = background
         self._pool: ProcessPoolExecutor | None = None
+        self._closed = False
 
     async def ask(self, function: str, *asked: Any) -> Any:
         """Return what a function says of a design; raises CranktopoError as it, or if its process dies.
+
+        What still waits when the process is closed raises one, too: another process would keep the bench.
 
         Args:
             function: module of this task and name, such as `live.live_numbers`: the server does not load it.
         """
         for _ in range(2):
+            if self._closed:
+                break
             pool = self._pool = self._pool or self._started()
             try:
                 return await asyncio.get_running_loop().run_in_executor(pool, _answer, function, *asked)
@@ -42,8 +47,8 @@ class Worker:
         raise CranktopoError("The computing process ended twice.", hint="Change the design slightly.")
 
     def close(self) -> None:
-        """End the process, whatever it is at."""
-        pool, self._pool = self._pool, None
+        """End the process, whatever it is at, for good."""
+        pool, self._pool, self._closed = self._pool, None, True
         if pool is not None:
             processes = list((pool._processes or {}).values())
             pool.shutdown(wait=False, cancel_futures=True)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cranktopo.base.errors import ExitCode
-from cranktopo.base.notes import detail, note
+from cranktopo.base.notes import Pace, detail, note
 from cranktopo.base.units import number_text
 from cranktopo.cli.options import (
     CELL_MM,
@@ -181,10 +181,14 @@ def _exit_code(metrics: RunMetrics) -> ExitCode:
     return ExitCode.CRITERION_NOT_MET if unmet else ExitCode.DONE
 
 
+_QUIET_S = 10.0
+"""Least time between lines of the pace, where there is no bar."""
+
+
 class _Bar:
     """Progress on stderr: compliances, volume, greyness, time left.
 
-    A bar on a terminal, a line per iteration with --verbose, nothing but the solver's notices otherwise.
+    A bar on a terminal, a line per iteration with --verbose, otherwise the pace now and then.
     """
 
     def __enter__(self) -> _Bar:
@@ -192,6 +196,7 @@ class _Bar:
 
         hidden = level() != NORMAL or not sys.stderr.isatty()
         self._bar = tqdm(unit="it", file=sys.stderr, disable=hidden, dynamic_ncols=True)
+        self._pace = Pace("optimise, iterations", 1, quiet_s=_QUIET_S)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -203,6 +208,8 @@ class _Bar:
         row = state.last
         done = len(state.history)
         self._bar.total = done + (0 if state.done else iterations_left(problem, state))
+        if self._bar.disable and not state.done:
+            self._pace.begin(parts=self._bar.total)
         cases = zip(problem.model.case_names, row.compliance_N_mm, strict=True)
         work = ", ".join(f"{name} {number_text(value)} N mm" for name, value in cases)
         reached = [

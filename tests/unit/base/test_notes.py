@@ -6,7 +6,7 @@ import logging
 
 import pytest
 
-from cranktopo.base.notes import Pace, detail, duration_text, indented, note, redirected, silent
+from cranktopo.base.notes import Pace, detail, duration_text, indented, note, pace_of, redirected, silent
 from cranktopo.base.side_by_side import LazyFuture, side_by_side
 
 
@@ -66,3 +66,21 @@ def test_silent_work_still_tells_its_pace(monkeypatch: pytest.MonkeyPatch) -> No
         note("not heard")
         Pace("mesh", 2).begin()
     assert lines == ["mesh: [------------] 1 of 2"]
+
+
+def test_a_line_of_a_pace_is_read_again() -> None:
+    """As the bench does, to show a bar: the share that is done, and the time left."""
+    lines: list[str] = []
+    with redirected(lines.append):
+        pace = Pace("fit", 4, quiet_s=0.0)
+        pace.begin("search")
+        pace.begin("search")
+        pace.begin(parts=8)
+    assert [found and found[0] for found in map(pace_of, lines)] == [0.0, 1 / 4, 2 / 8]
+    assert pace_of(lines[0]) == (0.0, "")
+    assert pace_of("x: [####--------] 3 of at most 9, at most 12 min left") == (2 / 9, "at most 12 min")
+    assert pace_of("x: [####--------] 3 of 9, unit loads, about 3 h 20 min left") == (
+        2 / 9,
+        "about 3 h 20 min",
+    )
+    assert pace_of("solving, 423,852 unknowns: 7 s so far") is None

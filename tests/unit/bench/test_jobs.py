@@ -81,3 +81,59 @@ def test_the_words_of_a_job_name_what_governs_and_what_limits_cost(tmp_path: Pat
     told["prices"] += [{**price, "goal_percent_per_percent": nothing} for nothing in (0.0, None)]
     (shape.out / "shape.json").write_text(json.dumps(told), encoding="utf-8")
     assert job_words(shape) == ["met: mass -5.0 %", "1 % of bending >= costs 1.59 % mass"]
+
+
+def finished(folder: Path, kind: str, printed: object, code: int = 0) -> BenchJob:
+    """A job as it is found when it has ended well."""
+    place = folder / f"{1 + len(list(folder.glob('0*'))):03d}"
+    place.mkdir(parents=True)
+    known = {"id": place.name, "kind": kind, "words": [kind, "design.toml"], "started": 0.0}
+    for name, text in {
+        "job.json": json.dumps(known),
+        "stdout.txt": json.dumps(printed),
+        "code": str(code),
+    }.items():
+        (place / name).write_text(text, encoding="utf-8")
+    (place / "design.toml").write_text(TEXT, encoding="utf-8")
+    return Jobs(folder).job(place.name)
+
+
+def test_the_words_of_an_evaluation_and_of_a_shaft(tmp_path: Path) -> None:
+    evaluation = {
+        "mass_kg": {"throw": 1.5}, "inertia_kg_mm2": 2000.0, "unbalance_kg_mm": 30.0,
+        "supports": {"torsion": "free", "bending": "pinned"},
+        "torsion": {"free_Nm_per_rad": 136_900.0}, "bending": {"pinned_N_per_mm": 227_200.0},
+        "stiffness_per_mass": {"torsion_Nm_per_rad_kg": 9.1e4, "bending_N_per_mm_kg": 1.5e5},
+        "error_estimate_percent": {"torsion": 0.42, "bending": 0.61},
+    }  # fmt: skip
+    job = finished(tmp_path, "evaluate", {"evaluations": [evaluation]})
+    assert job_words(job) == ["torsion 136.9 kN m/rad, within 0.42 %", "bending 227.2 kN/mm, within 0.61 %"]
+    assert job_numbers(job)["torsion"] == 136_900.0
+    assert variant_of(job) == TEXT
+    bearings = [{"bearing": 2, "largest_N": 31_000.0}, {"bearing": 1, "largest_N": 9_000.0}]
+    shaft = {
+        "mass_kg": 12.3, "torsion": {"end_to_end_Nm_per_rad": 42_000.0},
+        "natural_frequencies_Hz": [250.0, 600.0], "on_bearings": [{"main_bearings": bearings}],
+    }  # fmt: skip
+    job = finished(tmp_path, "shaft", shaft)
+    assert job_words(job) == [
+        "whole shaft: 12.3 kg, 42 kN m/rad from end to end",
+        "first natural frequency 250 Hz",
+        "largest main bearing force 31 kN, bearing 2",
+    ]
+    assert variant_of(job) is None
+
+
+def test_a_job_on_the_run_of_another_names_it_as_it_is_typed_in_the_folder(tmp_path: Path) -> None:
+    jobs = Jobs(tmp_path / "bench" / "mine" / "jobs")
+    finished(tmp_path / "bench" / "mine" / "jobs", "optimise", "")
+    with pytest.raises(CranktopoError, match=r"run: job 009|there is no such job"):
+        jobs.start("remodel", TEXT, {}, run="009")
+    job = jobs.start("extract", TEXT, {}, run="001")
+    assert job.known.words == ("extract", "../001/out", "--out", "surface.stl")
+    assert job.line(tmp_path) == "cranktopo extract bench/mine/jobs/001/out --out extract-002.stl"
+    told = ended(jobs, job.known.id).as_json()
+    assert told["state"] == "failed", "this run has no files"
+    failed = finished(tmp_path / "bench" / "mine" / "jobs", "optimise", "", code=3)
+    with pytest.raises(CranktopoError, match="is no finished optimise job"):
+        jobs.start("remodel", TEXT, {}, run=failed.known.id)

@@ -78,12 +78,35 @@ def test_a_session_goes_on_where_it_was_left(tmp_path: Path) -> None:
     project = opened(tmp_path)
     project.change({"web.width_mm": 52}, "width 52")
     project.keep("wide", {"mass": 1.5})
+    for command in ("first", "second"):
+        project.note_made("mine.step", command)
+    project.close()
     again = opened(tmp_path)
+    assert [(file.name, file.command) for file in again.made] == [("mine.step", "second")]
     assert again.text == project.text
     assert [variant.name for variant in again.variants] == ["wide"]
     assert again.variant_text("v1") == project.text
     other = opened(tmp_path, TEXT.replace("19.0", "18.0"))
     assert other.place != again.place
+
+
+def test_a_session_is_of_one_bench_alone(tmp_path: Path) -> None:
+    """Two benches on one session wrote steps over each other: those of the first were lost."""
+    project = opened(tmp_path)
+    with pytest.raises(CranktopoError, match=r"session '.*bench/mine': in use by process \d+\.") as refused:
+        opened(tmp_path)
+    assert len(str(refused.value).splitlines()) == 1
+    assert "that bench" in (refused.value.hint or "")
+    project.change({"web.width_mm": 52}, "width 52")
+    other = opened(tmp_path, TEXT.replace("19.0", "18.0"))
+    assert other.place.name == "mine-2", "another design has a session of its own"
+    project.close()
+    assert opened(tmp_path).data()["web"]["width_mm"] == 52
+
+
+def test_the_session_at_hand_is_opened_again_and_another_leaves_it(tmp_path: Path) -> None:
+    project = opened(tmp_path)
+    assert Project.opened(tmp_path, TEXT, "mine.toml", "opened", "", project) is project
 
 
 def test_a_variant_comes_back_as_a_step(tmp_path: Path) -> None:

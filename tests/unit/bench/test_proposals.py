@@ -9,11 +9,17 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.edits import changed_data
-from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.loading import design_text, scene_from_dict
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.bench.forms import new_design
-from cranktopo.tasks.bench.proposals import counterweight_changes, trace_changes, with_pitch_kept
+from cranktopo.tasks.bench.live import broken_rules_of
+from cranktopo.tasks.bench.proposals import (
+    counterweight_changes,
+    nearest_sound,
+    trace_changes,
+    with_pitch_kept,
+)
 
 TWIN = {"layout": "V", "cylinders": 2, "bore_mm": 100, "stroke_mm": 67.5, "rod_length_mm": 124}
 DATA = parse_toml(new_design(TWIN)[0], "twin")
@@ -51,3 +57,14 @@ def test_a_dropped_trace_takes_the_place_of_the_peak(tmp_path: Path) -> None:
     trace.write_text("angle,force\n1,2\n", encoding="utf-8")
     with pytest.raises(CranktopoError, match=r"trace\.csv"):
         trace_changes(DATA, str(trace))
+
+
+def test_the_nearest_value_that_keeps_the_rules_is_sound_and_the_next_is_not() -> None:
+    """The fillet of a journal needs a shoulder: a web that gets too narrow stops where it still fits."""
+    data = parse_toml(design_text("mikron-iiic-plain"), "own")
+    (key,) = wanted = {"web.width_mm": 40.0}
+    found = nearest_sound(data, wanted)[key]
+    assert wanted[key] < found < data["web"]["width_mm"]
+    assert broken_rules_of(changed_data(data, {key: found})) == []
+    assert broken_rules_of(changed_data(data, {key: found - 0.02})) != []
+    assert nearest_sound(changed_data(data, {key: found}), wanted) == {}, "at the rule already"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import runpy
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,8 @@ from unittest.mock import AsyncMock, MagicMock
 import pytest
 
 pytest.importorskip("tornado")
+import cranktopo
+from cranktopo import Target
 from cranktopo.design.loading import design_text
 from cranktopo.tasks.bench.session import Bench
 
@@ -65,6 +68,37 @@ def test_what_is_told_as_commands_runs_in_the_folder(tmp_path: Path) -> None:
     told = asked(tmp_path, edit, {"do": "save", "name": "own.toml"})
     (made,) = (message for message in told if message["type"] == "made")
     assert made["command"] == "cranktopo designs copy bench/mine/0001.toml own.toml --force"
-    commands = told[-1]["project"]["commands"]
-    assert commands == ["cranktopo designs copy bench/mine/0001.toml mine-0001.toml"]
+    project = told[-1]["project"]
+    assert project["commands"] == ["cranktopo designs copy bench/mine/0001.toml mine-0001.toml"]
+    assert project["made"] == [{"name": "own.toml", "command": made["command"]}], "kept for the next page"
     assert (tmp_path / "bench" / "mine" / "0001.toml").is_file()
+
+
+def test_two_variants_that_are_compared_are_told_apart_key_by_key(tmp_path: Path) -> None:
+    edit = {"do": "edit", "changes": {THICKNESS: 21.0}, "what": "thickness: 21 mm"}
+    pins = [{"do": "compare", "id": id_, "pinned": True} for id_ in ("v1", "v2")]
+    told = asked(tmp_path, {"do": "keep"}, edit, {"do": "keep"}, *pins)
+    assert told[-1]["project"]["compared"] == f"variant 2 beside variant 1: {THICKNESS}: 19 to 21"
+    assert told[-2]["project"]["compared"] == ""
+
+
+def test_the_script_of_a_session_repeats_its_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run as Python with the evaluation left out: every step is loaded, with words that cannot be code."""
+    what = 'thickness: 21 mm"); import os #'
+    edit = {"do": "edit", "changes": {THICKNESS: 21.0}, "what": what}
+    told = asked(
+        tmp_path, edit, edit | {"changes": {THICKNESS: 22.0}}, {"do": "undo"}, {"do": "script", "name": "own"}
+    )
+    assert told[-1]["project"]["made"] == [{"name": "own-steps.py", "command": "python own-steps.py"}]
+    seen, written = [], []
+
+    def evaluated(target: Target) -> Any:
+        seen.append((target.name, target.scene.web.thickness_mm))
+        return MagicMock(throw_kg=1.0, torsion_Nm_per_rad=1.0, bending_N_per_mm=1.0)
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(cranktopo, "evaluate_target", evaluated, raising=False)
+    monkeypatch.setattr(cranktopo, "export_solid", lambda *asked: written.append(asked[1:]), raising=False)
+    runpy.run_path(str(tmp_path / "own-steps.py"))
+    assert seen == [("opened", 19.0), (what, 21.0)]
+    assert written == [("throw", "mine-steps.step")]

@@ -4,6 +4,25 @@ import { complain, say, status } from "./talk.js";
 
 const LAYOUTS = ["single", "in-line", "V", "boxer"];
 
+// Engines of each use with values that are usual there: a beginning, to be replaced by what is known.
+const USES = {
+  car: { layout: "in-line", cylinders: 4, bore_mm: 80, stroke_mm: 85, speed_rpm: 5500, peak_pressure_MPa: 8, compression_ratio: 10.5 },
+  motorcycle: { layout: "V", cylinders: 2, bore_mm: 95, stroke_mm: 70, speed_rpm: 9000, peak_pressure_MPa: 8.5, compression_ratio: 12 },
+  aircraft: { layout: "boxer", cylinders: 4, bore_mm: 110, stroke_mm: 98, speed_rpm: 2700, peak_pressure_MPa: 6, compression_ratio: 8.5 },
+  "medium speed": { layout: "in-line", cylinders: 6, bore_mm: 320, stroke_mm: 420, speed_rpm: 750, peak_pressure_MPa: 18, compression_ratio: 14 },
+};
+const NUMBERS = ["cylinders", "bore_mm", "stroke_mm", "speed_rpm", "peak_pressure_MPa", "compression_ratio"];
+
+function useTile([name, values]) {
+  return make("button", { type: "button", "data-use": name, title: "Fills in what is usual there", onclick: () => {
+    const fields = $("questions").elements;
+    fields.layout.value = values.layout;
+    for (const key of NUMBERS) fields[key].value = values[key];
+    status(`Usual values of ${name}: replace what is known`);
+    fields.bore_mm.focus();
+  } }, name);
+}
+
 export function showBegin(message) {
   const open = (name) => make("li", {}, make("button", { type: "button", onclick: () => say({ do: "open", name }) }, name));
   $("own").replaceChildren(...message.files.map(open));
@@ -21,6 +40,7 @@ export function beginForm() {
     ...LAYOUTS.map((name) => make("label", {}, make("input", { type: "radio", name: "layout", value: name, checked: name === "single",
       onchange: () => (form.elements.cylinders.value = usual[name]) }), ` ${name}`)),
   );
+  $("uses").append(...Object.entries(USES).map(useTile));
   form.addEventListener("submit", (event) => {
     event.preventDefault();
     const answers = {};
@@ -37,7 +57,21 @@ export function beginForm() {
       event.preventDefault();
       if (kind === "drop" && event.dataTransfer.files[0]) upload(event.dataTransfer.files[0]);
     });
+  document.addEventListener("paste", (event) => {
+    const file = event.clipboardData.files[0] ?? pastedText(event);
+    if (!file) return;
+    event.preventDefault();
+    upload(file);
+  });
   $("file").addEventListener("change", () => $("file").files[0] && upload($("file").files[0]));
+}
+
+// Copied text as a file: a STEP file, a design under its own name, or a pressure trace; none in a field.
+function pastedText(event) {
+  if (event.target.closest?.("input, select, textarea")) return null;
+  const text = event.clipboardData.getData("text/plain"), name = text.match(/^name\s*=\s*"([\w-]+)"/m)?.[1] ?? "pasted";
+  const ending = text.startsWith("ISO-10303-21") ? ".step" : /^\s*\[\w[\w.]*\]/m.test(text) ? ".toml" : /^[^\n]+[,;]/.test(text) ? ".csv" : "";
+  return ending ? new File([text], `${name}${ending}`) : null;
 }
 
 async function upload(file) {

@@ -23,7 +23,7 @@ function hear(message) {
     coarse: () => hearCoarse(message),
     settled: () => hearSettled(message),
     jobs: () => ((state.jobs = message.jobs), showJobs()),
-    proof: () => hearProof(message),
+    proof: () => status(`${message.kind} is done`),
     made: () => hearMade(message),
     busy: () => status(message.what),
     error: () => (complain(message.message), answered(line.sent)),
@@ -43,13 +43,13 @@ function hearState(message) {
     $("warnings").hidden = true;
     return showBegin(message);
   }
-  complain("");
+  complain(state.madeWarnings, true);
+  state.madeWarnings = "";
   $("name").textContent = project.name;
   document.querySelector("[data-do=undo]").disabled = project.at === 0;
   document.querySelector("[data-do=redo]").disabled = project.at + 1 >= project.steps.length;
   if (!before || before.name !== project.name) {
     Object.assign(state, ofDesign());
-    $("made").replaceChildren();
     $("write").elements.name.value = project.name;
     $("hint").hidden = localStorage.getItem("cranktopo-hint") === "seen";
   }
@@ -61,6 +61,7 @@ function hearState(message) {
   }
   showForms();
   showHistory();
+  showMade();
   showVariants();
   showJobs();
   showGauges();
@@ -118,6 +119,7 @@ function hearSettled(message) {
     state.errors = message.error_percent || {};
     state.settledParts = message.parts;
     state.place = message.place;
+    state.point = message.point_mm;
     state.missing = message.missing;
     Object.assign(state, { coarse: {}, tooFar: false });
     state.fresh = true;
@@ -129,19 +131,15 @@ function hearSettled(message) {
   showGauges();
 }
 
-function hearProof(message) {
-  for (const [name, value] of Object.entries(message.gauges))
-    if (name.startsWith("bound_")) state.bound[name.slice(6)] = { value, step: message.step };
-  status(`${message.kind} is done`);
-  showGauges();
+function hearMade(message) {
+  status(`${message.name} is written`);
+  state.madeWarnings = message.warnings?.length ? `${message.name}:\n${message.warnings.join("\n")}` : "";
 }
 
-function hearMade(message) {
-  state.made.push(message);
-  status(`${message.name} is written`);
-  if (message.warnings?.length) complain(`${message.name}:\n${message.warnings.join("\n")}`, true);
-  $("made").append(make("li", {}, make("a", { href: `made/${encodeURIComponent(message.name)}`, download: message.name }, message.name)));
-  showHistory();
+// Files that the session has written, to be downloaded.
+function showMade() {
+  const link = ({ name }) => make("li", {}, make("a", { href: `made/${encodeURIComponent(name)}`, download: name }, name));
+  $("made").replaceChildren(...state.project.made.map(link));
 }
 
 function keep() {
@@ -166,6 +164,8 @@ $("find").addEventListener("input", filterForms);
 $("tree").addEventListener("focusin", (event) => ($("help").textContent = event.target.closest(".row")?.querySelector(".help")?.textContent ?? ""));
 $("ghost").addEventListener("change", () => (showGhost(), showFront()));
 for (const id of ["colours", "crank", "section"]) $(id).addEventListener("change", () => showPicture());
+$("section").addEventListener("change", () => ($("section-x").hidden = !$("section").checked));
+$("section-x").addEventListener("input", () => showPicture());
 new ResizeObserver(() => state.front && ((state.frontDrawn = false), delete $("front").dataset.held, showFront())).observe($("front"));
 beginForm();
 outForms();

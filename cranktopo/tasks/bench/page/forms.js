@@ -6,6 +6,7 @@ import { complain, drag, edit, say, status } from "./talk.js";
 const GROUPS = [
   ["Engine", ["engine"]], ["Throw and journals", ["throw"]], ["Web", ["web"]], ["Material", ["material"]],
   ["Goal and limits", ["goal"]], ["Design space", ["envelope"]], ["Supports", ["supports"]], ["Shaft line", ["shaft"]],
+  ["Bearings", ["bearings"]], ["Crank and ends", ["crank"]], ["Second web", ["second_web"]], ["Forging", ["forging"]], ["Drawing", ["drawing"]],
   ["Fatigue", ["fatigue"]], ["Original", ["original"]], ["Search", ["shape", "optimise"]], ["Effects", ["effects"]],
 ];
 
@@ -173,7 +174,7 @@ function sliderOf(path, key, value) {
       number.value = slider.value;
       drag({ [path]: Number(slider.value) });
     },
-    onchange: () => edit({ [path]: Number(slider.value) }, `${words(key.name)}: ${slider.value} ${key.unit}`) });
+    onchange: () => edit({ [path]: Number(slider.value) }, `${words(key.name)}: ${slider.value} ${key.unit}`, true) });
   return slider;
 }
 

@@ -26,10 +26,10 @@ function moveFront(svg, view) {
   const ghost = state.project?.at !== state.project?.original || state.dragging ? state.ghostFront : null;
   const ghosts = ghost && $("ghost").checked ? ghost.paths.filter((p) => p.kind === "web").map((p) => line(p, "ghost")) : [];
   svg.firstChild.replaceChildren(...view.room.map((p) => line(p)), ...view.paths.map((p) => line(p)), ...view.circles.map((c) => round(c)), ...ghosts);
-  const byKey = Object.fromEntries(view.handles.map((handle) => [handle.key, handle]));
+  const byKey = Object.fromEntries(view.handles.map((handle) => [handle.key, handle])), written = [];
   for (const node of svg.querySelectorAll("[data-handle]")) {
     const handle = byKey[node.dataset.handle];
-    if (handle) placeHandle(node, handle, Number(svg.dataset.scale));
+    if (handle) placeHandle(node, handle, Number(svg.dataset.scale), written);
   }
 }
 
@@ -41,7 +41,16 @@ function nameOf(key) {
   return table === "web" ? words(name) : `${place} ${words(name)}`;
 }
 
-function placeHandle(node, handle, scale) {
+// Lines by which a name is moved up or down until it stands on no other.
+const WAYS = [0, -1, 1, -2, 2, -3, 3];
+function freeLine(start, end, y, letter, written) {
+  const free = (way) => written.every((one) => end < one.start || start > one.end || Math.abs(y + way * letter - one.y) >= letter);
+  const found = y + letter * (WAYS.find(free) ?? 0);
+  written.push({ start, end, y: found });
+  return found;
+}
+
+function placeHandle(node, handle, scale, written) {
   const [dot, text] = node.children, [x, y] = [handle.at[0], -handle.at[1]];
   dot.setAttribute("cx", x);
   dot.setAttribute("cy", y);
@@ -51,8 +60,9 @@ function placeHandle(node, handle, scale) {
   const letter = 0.8 * scale * parseFloat(getComputedStyle(document.documentElement).fontSize), name = `${nameOf(handle.key)} ${handle.value.toFixed(1)}`;
   const width = 0.55 * letter * name.length, [start, end] = ["start", "end"].map((edge) => Number($("front").dataset[edge]));
   const right = x + 10 * scale + width > end, neither = right && x - 10 * scale - width < start;
-  text.setAttribute("x", neither ? Math.max(start, end - width) : x + (right ? -10 : 10) * scale);
-  text.setAttribute("y", y - (neither ? 14 : 8) * scale);
+  const at = neither ? Math.max(start, end - width) : x + (right ? -10 : 10) * scale, from = right && !neither ? at - width : at;
+  text.setAttribute("x", at);
+  text.setAttribute("y", freeLine(from, from + width, y - (neither ? 14 : 8) * scale, letter, written));
   text.setAttribute("text-anchor", right && !neither ? "end" : "start");
   text.style.fontSize = `${letter}px`;
   text.style.strokeWidth = `${3 * scale}px`;
@@ -76,7 +86,7 @@ function handleOf(handle) {
     if (held === null) return;
     held = null;
     delete svg.dataset.held;
-    edit({ [handle.key]: value }, `${name}: ${value} ${unitOf(handle.key)}`);
+    edit({ [handle.key]: value }, `${name}: ${value} ${unitOf(handle.key)}`, true);
   };
   dot.addEventListener("pointerdown", (event) => {
     dot.setPointerCapture(event.pointerId);

@@ -1,7 +1,8 @@
 // Gauges against original and limit.
 import { $, lower, make, plain, signed, words } from "./base.js";
-import { FAILS_BELOW, GAUGES, SAFETIES, SOLVED, changeOf, comparable, errorOf, inPoints, limitsOf, state, valueAt, valueOf } from "./state.js";
+import { FAILS_BELOW, GAUGES, SAFETIES, SOLVED, boundOf, changeOf, comparable, errorOf, inPoints, limitsOf, state, valueAt, valueOf } from "./state.js";
 import { edit } from "./talk.js";
+import { showPlace } from "./view.js";
 
 export function showGauges() {
   if (!state.project) return;
@@ -11,7 +12,7 @@ export function showGauges() {
   const rows = GAUGES.map((gauge) => {
     const [name, label] = gauge, [value, ring] = valueOf(name), original = state.original[name];
     if (value === undefined && original === undefined && !SOLVED.has(name)) return null;
-    if (value === undefined && original === undefined && state.missing && SAFETIES(name)) return null;
+    if (value === undefined && original === undefined && (state.missing && SAFETIES(name) || name === "outlet_safety" && !hasOutlets())) return null;
     const percent = value !== undefined && original && comparable(name) ? changeOf(name, value) : null, better = gauge[4];
     const way = percent === null || !better || Math.abs(percent) < (SAFETIES(name) ? errorOf(name) : 0.05) ? 0 : Math.sign(percent) * better * Math.sign(original);
     const limits = limitsOf(name, value), text = shownValue(gauge, value);
@@ -27,8 +28,14 @@ export function showGauges() {
   const same = state.project.at === state.project.original && !state.dragging;
   $("worse").textContent = same ? ["This is the original.", line].filter(Boolean).join(" ") : !state.fresh && !worse.length && !line ? "Nothing known so far is worse than the original." : [line, worse.length ? `Worse than the original: ${worse.join("; ")}.` : "Nothing is worse than the original."].filter(Boolean).join(" ");
   $("worse").className = line || (!same && worse.length) ? "bad" : same ? "" : "good";
-  $("place").textContent = state.place && state.fresh && !state.dragging ? `Least safety: ${state.place}.` : state.missing || "";
+  showWhere();
   $("notes").replaceChildren(...[...(state.notes ?? []), ...withoutGauge()].map((text) => make("li", {}, text)));
+}
+
+function showWhere() {
+  const known = state.place && state.fresh && !state.dragging, text = known ? `Least safety: ${state.place}.` : state.missing || "";
+  if ($("place").textContent === text) return; // a press of its button goes on
+  $("place").replaceChildren(known ? make("button", { type: "button", title: "Turn the view there", onclick: showPlace }, text) : text);
 }
 
 function showWarnings(texts) {
@@ -37,6 +44,7 @@ function showWarnings(texts) {
   if (shown.join("\n") !== wanted.join("\n")) list.replaceChildren(...wanted.map((text) => make("li", {}, text)));
 }
 
+const hasOutlets = () => Boolean(valueAt("throw.drilling")?.length);
 const shownValue = ([, , unit, digits, , size = 1], value) => (value === undefined ? "…" : `${plain(value / size, digits)} ${unit}`.trim());
 
 // Limits that no gauge stands for are the jobs' alone.
@@ -58,9 +66,6 @@ function gaugeRow(gauge, value, text, ring, percent, way, limits, stale) {
   item.append(line);
   return item;
 }
-
-// A bound holds for the design that it was found for.
-const boundOf = (name) => (state.bound[name]?.step === state.project.steps[state.project.at].file && !state.dragging ? state.bound[name].value : undefined);
 
 // A bar from 70 to 130 % of the original, or 30 points below and above it; black: original, red: limits. A limit is set by dragging its mark.
 function trackOf(gauge, percent, limits, original, bound) {

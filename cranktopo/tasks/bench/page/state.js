@@ -5,7 +5,7 @@ export const GAUGES = [
   ["mass", "Mass", "kg", 4, -1], ["torsion_per_mass", "Torsional stiffness per mass", "kN m/rad/kg", 4, 1, 1e3],
   ["bending_per_mass", "Bending stiffness per mass", "kN/mm/kg", 4, 1, 1e3],
   ["fatigue_safety", "Fatigue safety, least", "", 3, 1], ["pin_fillet_safety", "Safety, pin fillet", "", 3, 1],
-  ["journal_fillet_safety", "Safety, journal fillet", "", 3, 1], ["stress", "Largest von Mises stress", "MPa", 4, -1],
+  ["journal_fillet_safety", "Safety, journal fillet", "", 3, 1], ["outlet_safety", "Safety, oil outlets", "", 3, 1], ["stress", "Largest von Mises stress", "MPa", 4, -1],
   ["torsion", "Torsional stiffness", "kN m/rad", 4, 1, 1e3], ["bending", "Bending stiffness", "kN/mm", 4, 1, 1e3],
   ["inertia", "Inertia about the crank axis", "kg mm2", 5, -1], ["unbalance", "Unbalance", "kg mm", 4, 0],
   ["balance_factor", "Balance factor of the oscillating mass", "%", 3, 0],
@@ -16,7 +16,7 @@ export const GAUGES = [
   ["pin_force", "Largest rod force", "kN", 4, 0, 1e3], ["mean_torque", "Mean torque of the engine", "N m", 4, 0],
   ["mean_pressure", "Indicated mean pressure", "bar", 3, 0], ["power", "Indicated power", "kW", 4, 0],
 ];
-export const SOLVED = new Set(["torsion", "bending", "torsion_per_mass", "bending_per_mass", "fatigue_safety", "pin_fillet_safety", "journal_fillet_safety", "stress"]);
+export const SOLVED = new Set(["torsion", "bending", "torsion_per_mass", "bending_per_mass", "fatigue_safety", "pin_fillet_safety", "journal_fillet_safety", "outlet_safety", "stress"]);
 
 // That of nearly equal webs scatters from mesh to mesh, where the errors of stiffness are alike.
 export const SAFETIES = (name) => name.includes("safety") || name === "stress";
@@ -26,13 +26,16 @@ export const FAILS_BELOW = 1;
 export const OF_STIFFNESS = new Set(["m53_pin", "m53_journal", "natural_frequency"]);
 
 // What is known of one design alone: forgotten with every step, or with the design.
-export const ofStep = () => ({ fresh: false, settledPicture: null, colours: [], dragging: false, place: null, missing: null, coarse: {}, tooFar: false, settledParts: [], settledWarnings: [] });
-export const ofDesign = () => ({ ...ofStep(), live: {}, rings: {}, marks: {}, stiffness: "", originalStiffness: "", warnings: [], notes: [], settled: {}, errors: {}, original: {}, bound: {}, made: [], picture: null, ghostPicture: null, broken: [], refit: true });
+export const ofStep = () => ({ fresh: false, settledPicture: null, colours: [], dragging: false, place: null, point: null, spot: false, missing: null, coarse: {}, tooFar: false, settledParts: [], settledWarnings: [] });
+export const ofDesign = () => ({ ...ofStep(), live: {}, rings: {}, marks: {}, stiffness: "", originalStiffness: "", warnings: [], notes: [], settled: {}, errors: {}, original: {}, madeWarnings: "", picture: null, ghostPicture: null, broken: [], refit: true });
 
 export const state = { reference: null, project: null, jobs: [], turns: [0], front: null, ghostFront: null, keepPitch: false, ...ofDesign() };
 
 // No change is told between a stiffness in closed form and a settled one.
 export const comparable = (name) => !OF_STIFFNESS.has(name) || [state.stiffness, state.originalStiffness].sort().join() !== "closed form,settled";
+
+// A bound holds for the design that it was found for: that of the newest job on the step in hand.
+export const boundOf = (name) => (state.dragging ? undefined : state.jobs.filter((job) => job.step === state.project.steps[state.project.at].file).map((job) => job.gauges[`bound_${name}`]).findLast((value) => value !== undefined));
 
 export const pick = (gauges) => Object.fromEntries(Object.entries(gauges).filter(([name]) => SOLVED.has(name)));
 

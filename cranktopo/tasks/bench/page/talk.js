@@ -53,8 +53,9 @@ function next() {
   line.waiting = null;
 }
 
-export function edit(changes, what) {
+// Takes a step; what was dragged goes to the nearest value that keeps the rules, what was typed is taken or refused.
+export function edit(changes, what, dragged = false) {
   line.waiting = null;
   state.dragging = false;
-  say({ do: "edit", changes, what, keep_pitch: state.keepPitch });
+  say({ do: "edit", changes, what, snap: dragged, keep_pitch: state.keepPitch });
 }

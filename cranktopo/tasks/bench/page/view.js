@@ -23,7 +23,24 @@ export function showPicture(number) {
     viewer.dataset.shown = String(number ?? 0); // of the drag that is painted
   });
   viewer.turns($("crank").checked ? state.turns : null);
-  viewer.section($("section").checked ? 0 : null);
+  viewer.section($("section").checked ? sectionAt() : null);
+  viewer.spot(state.spot && state.fresh && !state.dragging ? state.point : null);
+}
+
+// The place of the section, mm, on its slider, which goes from side to side of the web.
+function sectionAt() {
+  const slider = $("section-x"), half = Math.max(...state.front.paths.flatMap((path) => path.points.map(([x]) => Math.abs(x))));
+  slider.hidden = false;
+  [slider.min, slider.max] = [-half.toFixed(1), half.toFixed(1)];
+  slider.setAttribute("aria-valuetext", `x = ${slider.value} mm`);
+  return Number(slider.value);
+}
+
+// Turns the view to the place of the least safety, and marks it.
+export function showPlace() {
+  state.spot = true;
+  viewer?.lookAt(state.point);
+  showPicture();
 }
 
 function startViewer(text) {

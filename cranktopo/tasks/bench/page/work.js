@@ -11,13 +11,18 @@ const JOBS = {
   bound: { goal: true, help: "What no web of this design space can beat: half a minute. Comes back as a mark on the gauge.", left: "Stress and bearings are not part of the proof." },
   fatigue: { help: "Least safety by local stress analysis, with stress and strength there: half a minute. Comes back as a variant." },
   "UR M53": { kind: "fatigue", options: { method: "m53" }, help: "Both fillets by the rule's polynomials and by elements, and which governs: about a minute. Comes back as a variant." },
+  evaluate: { help: "Mass and both stiffnesses on body-fitted elements, each with a bound of its error: seconds. Comes back as a variant." },
+  "whole shaft": { kind: "shaft", help: "All throws together: stiffness, first natural frequency, forces on the main bearings: about a minute." },
+  "safety of every web": { kind: "shaft", options: { method: "lsa" }, help: "Every fillet and outlet of every web in the shaft on all its bearings over the cycle: minutes." },
+  remodel: { run: true, help: "A web that a die or a mill can make, fitted to the body of a run: about a minute. Comes back as a variant." },
+  extract: { run: true, help: "The watertight surface of a run as STL: seconds." },
   sweep: { vary: true, help: "Many values of one dimension, each evaluated; a page of its own." },
 };
 
 const FILES = {
   toml: "design (TOML)", "step-throw": "STEP, throw", "step-web": "STEP, web", "step-crank": "STEP, crank", stl: "STL",
   "drawing-pdf": "drawing, PDF", "drawing-svg": "drawing, SVG", m53: "UR M53 papers, PDF", vibration: "torsional vibration, page",
-  compare: "comparison with the original, page", table: "table against the original, Markdown",
+  compare: "comparison with the original, page", table: "table against the original, Markdown", latex: "table, LaTeX", python: "the steps, Python script",
 };
 
 // The goal of the design is the first choice where it has one: another goal leaves the design's limits out.
@@ -42,6 +47,14 @@ function limitWords(goal) {
   return `${own} What no limit names may not get worse than it is, but for the goal's own quantity: mass, both stiffnesses, the unbalance of a counterweight, and the fatigue safety where engine and material make it known.`.trim();
 }
 
+// How far a job is, and the time left, as it tells itself; one that does not tell has a bar without an end.
+function progressOf({ state: at, pace }) {
+  if (at !== "running") return [];
+  const bar = make("progress", { max: 1, "aria-label": "Progress" });
+  if (pace) bar.value = pace.share;
+  return [bar, make("span", { class: "left" }, pace ? `${Math.round(100 * pace.share)} %${pace.left ? `, ${pace.left} left` : ""}` : "")];
+}
+
 export function showJobs() {
   const list = $("jobs").querySelector("ul");
   list.replaceChildren(...state.jobs.slice().reverse().map((job) => {
@@ -49,8 +62,10 @@ export function showJobs() {
     if (job.state === "running") buttons.append(make("button", { type: "button", onclick: () => say({ do: "stop", id: job.id }) }, "Stop"));
     if (job.resumable) buttons.append(make("button", { type: "button", onclick: () => say({ do: "resume", id: job.id }) }, "Continue"));
     if (job.page) buttons.append(make("a", { href: `job/${job.id}`, target: "_blank", rel: "noreferrer" }, "Report"));
-    return make("li", { "data-job": job.state }, make("strong", {}, `${job.kind} ${job.id}: ${job.state}`), ` ${job.state === "running" ? `${job.seconds} s` : ""} `, buttons, ...(job.found.length ? job.found : job.notes.slice(-2)).map((text) => make("p", { class: text.startsWith("NOT MET") ? "missed" : "" }, text)));
+    return make("li", { "data-job": job.state }, make("strong", {}, `${job.kind} ${job.id}: ${job.state}`), ` ${job.state === "running" ? `${job.seconds} s` : ""} `, buttons, ...progressOf(job), ...(job.found.length ? job.found : job.notes.slice(-2)).map((text) => make("p", { class: text.startsWith("NOT MET") ? "missed" : "" }, text)));
   }));
+  const runs = state.jobs.filter((job) => job.kind === "optimise" && job.state === "done").map((job) => job.id), select = $("job").elements.run;
+  if ([...select.options].map((one) => one.value).join() !== runs.join()) select.replaceChildren(...runs.map((id) => make("option", { value: id }, `optimise ${id}`)));
   showGoals();
   if (state.project) showHistory();
 }
@@ -59,21 +74,22 @@ export function outForms() {
   const form = $("job");
   form.elements.kind.append(...Object.keys(JOBS).map((name) => make("option", {}, name)));
   const chosen = () => {
-    const { goal, vary } = JOBS[form.elements.kind.value];
+    const { goal, vary, run } = JOBS[form.elements.kind.value];
     showHelp();
     for (const name of ["goal", "limit", "web"]) form.elements[name].parentElement.hidden = !goal;
     form.elements.vary.parentElement.hidden = !vary;
+    form.elements.run.parentElement.hidden = !run;
   };
   form.elements.kind.addEventListener("change", chosen);
   form.elements.goal.addEventListener("change", showHelp);
   chosen();
   form.addEventListener("submit", (event) => {
     event.preventDefault();
-    const name = form.elements.kind.value, { kind = name, goal, vary, options } = JOBS[name], asked = { ...options };
+    const name = form.elements.kind.value, { kind = name, goal, vary, run, options } = JOBS[name], asked = { ...options };
     const limits = form.elements.limit.value.split(";").map((one) => one.trim()).filter(Boolean);
     if (goal) Object.assign(asked, form.elements.goal.value === OWN_GOAL ? {} : Object.fromEntries([form.elements.goal.value.split("=")]), limits.length ? { limit: limits } : {}, form.elements.web.value ? { web: form.elements.web.value } : {});
     if (vary) asked.vary = form.elements.vary.value.trim();
-    say({ do: "job", kind, options: asked });
+    say({ do: "job", kind, options: asked, run: run ? form.elements.run.value : "" });
     status(`${name} starts`);
   });
   const button = ([kind, text]) => make("button", { type: "button", "data-kind": kind, onclick: () => write(kind) }, text);
@@ -83,7 +99,8 @@ export function outForms() {
 }
 
 function write(kind) {
-  const { name, replace } = $("write").elements, plain = name.value.trim().replace(/\.(toml|step|stl|pdf|svg)$/i, "");
+  const { name, replace } = $("write").elements, plain = name.value.trim().replace(/\.(toml|step|stl|pdf|svg|tex|md)$/i, "");
   if (kind === "toml") say({ do: "save", name: `${plain}.toml`, replace: replace.checked });
+  else if (kind === "python") say({ do: "script", name: plain, replace: replace.checked });
   else say({ do: "write", kind, name: plain, replace: replace.checked });
 }
