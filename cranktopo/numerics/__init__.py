@@ -1,1 +1,1 @@
-"""Numerical methods that know no crank: elements, kernels, filters, optimisers, surfaces."""
+"""Numerical methods for any part: elements, kernels, filters, optimisers, surfaces."""

@@ -76,6 +76,17 @@ METHODS = (
 )
 
 
+@dataclass(frozen=True)
+class Advice:
+    """Hints for a user whose system no method solves; a caller who knows the part says it in its words."""
+
+    rounded: str = "Stiff parts move far on soft ones: take stiffer supports or stiffer parts between them."
+    unsolved: str = "Check that a load path joins loads and supports, or use a smaller stiffness contrast."
+
+
+ADVICE = Advice()
+
+
 def solve_system(
     tables: GridTables,
     system: System,
@@ -83,6 +94,7 @@ def solve_system(
     tolerance: float,
     names: tuple[str, ...],
     precision: Precision = "float32",
+    advice: Advice = ADVICE,
 ) -> Solution:
     """Return the displacements of every case, their true residual at most the tolerance.
 
@@ -106,7 +118,7 @@ def solve_system(
         if float(jnp.max(found.relative_residual)) <= aim:  # it stopped too early, deceived by rounding
             aim /= 2
         guess = result.displacements if isfinite(residual) else jnp.zeros_like(guess)
-    raise _failure(system, result, tolerance, iterations, names)
+    raise _failure(system, result, tolerance, iterations, names, advice)
 
 
 def run_method(
@@ -187,11 +199,16 @@ def _check_load_path(system: System, names: tuple[str, ...]) -> None:
 
 
 def _failure(
-    system: System, result: CgResult, tolerance: float, iterations: int, names: tuple[str, ...]
+    system: System,
+    result: CgResult,
+    tolerance: float,
+    iterations: int,
+    names: tuple[str, ...],
+    advice: Advice,
 ) -> CranktopoError:
     residual = [float(r) for r in result.relative_residual]
     worst = residual.index(max(residual))
-    reason, hint = _reason(system, result, worst, tolerance, names)
+    reason, hint = _reason(system, result, worst, tolerance, names, advice)
     return solver_error(
         f"solver: load case {names[worst]} stopped at relative residual {residual[worst]:.1e} after "
         f"{iterations} iterations of {len(METHODS)} methods; {tolerance:.0e} is required.{reason}",
@@ -200,7 +217,7 @@ def _failure(
 
 
 def _reason(
-    system: System, result: CgResult, worst: int, tolerance: float, names: tuple[str, ...]
+    system: System, result: CgResult, worst: int, tolerance: float, names: tuple[str, ...], advice: Advice
 ) -> tuple[str, str]:
     """Return why the worst case has no solution, empty where nobody knows, and what to do."""
     found = unsupported_load(system, _JOINED_STIFFNESS_RATIO) or _hinge(system, _JOINED_STIFFNESS_RATIO)
@@ -208,11 +225,11 @@ def _reason(
     if limit > _ROUNDED * tolerance and (found is None or found[0] != worst):
         return (
             f" Float64 ends there: rounding of displacements alone may leave {limit:.0e}.",
-            "Stiff parts move far on soft ones: take stiffer bearing springs, a shorter throw or more web.",
+            advice.rounded,
         )
     return (
         f" In load case {names[found[0]]} {found[1]}." if found else "",
-        "Check that a load path joins the journals, or use a smaller stiffness contrast.",
+        advice.unsolved,
     )
 
 

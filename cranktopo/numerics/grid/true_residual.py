@@ -1,7 +1,7 @@
 """The residual where rounding hides it: a body that moves much further than it bends.
 
 The product of the stiffness with displacements is rounded in proportion to the displacements; forces follow
-from their differences. Where a soft web or soft bearings let stiff parts travel, that rounding is as large as
+from their differences. Where soft parts or soft supports let stiff ones travel, that rounding is as large as
 the residual of a good solution. Here every cell is seen from one of its own corners, so that only what its
 corners differ by is rounded.
 """

@@ -113,7 +113,7 @@ _FAR = 5.0
 _RESTORED, _RESTORE_EVALUATIONS = 1e-3, 100
 _VALUE_DIGITS, _SLOPE_DIGITS = 7, 6
 """Digits of values and slopes that a search sees. The last bits of sums depend on the machine, and on where
-in memory an array lies; a search that saw them would end with another web."""
+in memory an array lies; a search that saw them would end at another design."""
 
 
 def minimise(

@@ -189,7 +189,7 @@ def basis_above_plane(model: Elasticity, z_from_mm: float, z_to_mm: float = math
 
 
 def centrifugal_force(model: Elasticity, density_tonne_per_mm3: float) -> Array:
-    """Return the nodal forces of rotation about the crank axis at 1 rad/s, shape (unknowns,), N."""
+    """Return the nodal forces of rotation about the z axis at 1 rad/s, shape (unknowns,), N."""
     elements = np.arange(model.mesh.nelements)
     places, dx = _load_points(model, elements)
     force = np.zeros(model.nodes_mm.shape)

@@ -9,6 +9,7 @@ from cranktopo.base.units import plain_number, stem_and_unit
 from cranktopo.design.published import PublishedValues
 from cranktopo.report.result_table import Cell, ResultTable, Row, records
 from cranktopo.tasks.compare.result import ChangeErrors, Comparison, ComparisonResult, safety_by
+from cranktopo.tasks.fatigue import criteria
 from cranktopo.tasks.fea.quantities import (
     BENDING,
     COMPARED,
@@ -183,19 +184,8 @@ def method_lines(comparison: Comparison) -> list[str]:
     methods = list(comparison.safeties)
     if len(methods) < 2:
         return []
-    told = " ".join(f"{method}: {_INCLUDES[method]}." for method in methods)
+    told = " ".join(f"{method}: {criteria.safety_method(method).includes}." for method in methods)
     return [f"Safeties of different methods do not compare as numbers. {told}"]
-
-
-_INCLUDES = {
-    "lsa": "size and survival by factors, tensile mean stress, no roughness; names no least safety",
-    "fkm": "roughness, survival of 97.5 %, mean stress, no size; FKM asks for 1.2 to 1.5 for steel, by "
-    "consequence of failure and inspection",
-    "m53": "size, no mean stress, strength by the rule's formula; UR M53 asks for 1.15",
-    "findley": "strength as lsa, mean stress normal to the critical plane; names no least safety",
-    "dang_van": "strength as lsa, mean stress by the hydrostatic stress; names no least safety",
-}
-"""What each method counts, and the safety that it asks for; of the FKM guideline, table of j_F."""
 
 
 def comparison_tables(comparison: Comparison) -> list[ResultTable]:

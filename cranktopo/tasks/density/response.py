@@ -18,12 +18,17 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.units import KG_PER_TONNE, NMM_PER_NM, density_tonne_per_mm3
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.numerics.grid.conjugate_gradients import System
-from cranktopo.numerics.grid.equilibrium import Solution, solve_system
+from cranktopo.numerics.grid.equilibrium import Advice, Solution, solve_system
 from cranktopo.numerics.grid.lattice import WHOLE, layer_blocks
 from cranktopo.numerics.grid.multigrid import build_tables
 from cranktopo.numerics.grid.operator import strain_energy_densities, strain_energy_density
 from cranktopo.numerics.precision import Precision
 from cranktopo.tasks.density.model import ThrowModel, case_forces, cell_volumes_mm3
+
+_ADVICE = Advice(
+    rounded="Stiff parts move far on soft ones: take stiffer bearing springs, a shorter throw or more web.",
+    unsolved="Check that a load path joins the journals, or use a smaller stiffness contrast.",
+)
 
 
 def solve(
@@ -40,7 +45,7 @@ def solve(
     start = jnp.zeros_like(load) if guess is None else guess
     tables = build_tables(model.lattice, model.levels)
     system = System(jnp.asarray(tables.blocks), model.supports, moduli, load)
-    return solve_system(tables, system, start, tolerance, model.case_names, precision)
+    return solve_system(tables, system, start, tolerance, model.case_names, precision, _ADVICE)
 
 
 def displacements(model: ThrowModel, moduli: jax.Array, tolerance: float = 1e-8) -> jax.Array:

@@ -63,10 +63,13 @@ class SafetyMethod:
         load_packages: loads the optional packages that it takes; fails before any solve where one is missing.
         check: checks what else it needs of a scene.
         title: in words, after "by"; its name where it gives none.
+        includes: what its safety counts and the least safety that it asks for, said where a comparison shows
+            several methods.
     """
 
     name: str
     needs: tuple[str, ...]
+    includes: str = field(kw_only=True)
     takes: tuple[str, ...] = field(default=TREATMENT, kw_only=True)
     load_packages: Callable[[], object] = field(default=lambda: None, kw_only=True)
     check: Callable[[Scene], None] = field(default=lambda _: None, kw_only=True)

@@ -97,4 +97,5 @@ DANG_VAN = PlaneCriterion(
     takes=FACTORS,
     check=check_scene,
     title="Dang Van's criterion",
+    includes="strength as lsa, mean stress by the hydrostatic stress; names no least safety",
 )

@@ -81,4 +81,5 @@ FINDLEY = PlaneCriterion(
     takes=FACTORS,
     check=check_scene,
     title="Findley's criterion",
+    includes="strength as lsa, mean stress normal to the critical plane; names no least safety",
 )

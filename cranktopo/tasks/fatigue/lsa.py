@@ -118,5 +118,6 @@ LSA = FatigueCriterion(
     _haigh_limit_MPa,
     takes=(*FACTORS, *LAYERS, "spectrum", "scatter"),
     title="local stress analysis",
+    includes="size and survival by factors, tensile mean stress, no roughness; names no least safety",
     line_of="Goodman",
 )

@@ -339,4 +339,5 @@ M53 = SafetyMethod(
     ("ultimate_MPa",),
     takes=(*TREATMENT, *LAYERS, "process_factor", "additional_stress_MPa", "m53_factors"),
     check=_check,
+    includes="size, no mean stress, strength by the rule's formula; UR M53 asks for 1.15",
 )

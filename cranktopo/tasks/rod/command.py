@@ -15,6 +15,7 @@ from cranktopo.base.formats import DRAWINGS
 from cranktopo.base.notes import note
 from cranktopo.cli.options import CELL_MM, Choice, designs
 from cranktopo.cli.verbosity import verbosity_options
+from cranktopo.tasks.fatigue.criteria import LOCAL_METHODS
 
 _DESIGN = "mikron-iiic-rod"
 
@@ -23,7 +24,7 @@ _DESIGN = "mikron-iiic-rod"
 @click.argument("design", default=_DESIGN, shell_complete=designs)
 @click.option(
     "--method",
-    type=Choice(["lsa", "fkm"]),
+    type=Choice(tuple(LOCAL_METHODS)),
     default="lsa",
     show_default=True,
     help="Fatigue by local stress analysis or by the FKM guideline.",

@@ -1,4 +1,4 @@
-"""The registry of fatigue criteria: its names, and assessments by criteria of its own and of others."""
+"""The registry of fatigue criteria: its names, and criteria of planes against each other."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import LoadHistory, load_history
 from cranktopo.tasks.fatigue.criteria import METHODS, safety_method
-from cranktopo.tasks.fatigue.criterion import FatigueCriterion, LocalStress, PointSafety
 from cranktopo.tasks.fatigue.lsa import lsa_strength, point_strength_MPa
 from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.picture import save_fatigue_picture
@@ -21,45 +20,15 @@ from cranktopo.tasks.fatigue.plane_criterion import HistoryBounds, PlaneCriterio
 from cranktopo.tasks.fatigue.plane_field import histories
 from cranktopo.tasks.fatigue.safety_field import FatigueField, safety_field, unit_loads
 from cranktopo.tasks.fatigue.spectrum import speed_histories
-from cranktopo.tasks.fatigue.stage import assess_by_methods, assess_fatigue
+from cranktopo.tasks.fatigue.stage import assess_by_methods
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
 from cranktopo.tasks.fatigue.target_safety import with_lives
 from cranktopo.tasks.fea.targets import resolve_targets
 
 
-def limit_MPa(scene: Scene) -> float:
-    return 0.4 * (scene.material.ultimate_MPa or 0.0)
-
-
-def without_mean(scene: Scene, stress: LocalStress) -> PointSafety:
-    limit = np.full(stress.amplitude_MPa.shape, limit_MPa(scene))
-    one = np.ones_like(limit)
-    return PointSafety(limit / np.maximum(stress.amplitude_MPa, 1e-9), limit, one, {"share": 0.4 * one})
-
-
-def level_line(scene: Scene, strength_MPa: float, gradient_per_mm: float, mean_MPa: Array) -> Array:
-    return np.full(mean_MPa.shape, strength_MPa)
-
-
-AMPLITUDE = FatigueCriterion("amplitude", ("ultimate_MPa",), without_mean, level_line)
-
-
 def test_the_registry_names_every_method_as_it_names_itself() -> None:
     assert list(METHODS) == ["lsa", "fkm", "m53", "findley", "dang_van"]
     assert [safety_method(name).name for name in METHODS] == list(METHODS)
-
-
-def test_a_registered_criterion_is_assessed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setitem(METHODS, "amplitude", f"{__name__}:AMPLITUDE")
-    found = assess_fatigue(["mikron-iiic-plain"], "amplitude", fillet_fraction=1.0, out=tmp_path)
-    (field,) = found.fields
-    limit = limit_MPa(field.model.scene)
-    assert field.critical.strength_MPa == limit
-    assert field.critical.safety == pytest.approx(limit / field.amplitude_MPa[:, field.model.on_fillet].max())
-    data = found.as_json()
-    assert data["method"] == "amplitude"
-    assert data["fatigue"][0]["critical"]["factors"] == {"share": 0.4}
-    assert (tmp_path / "fatigue-amplitude-mikron-iiic-plain.png").exists()
 
 
 def all_tensors(scene: Scene, history: Array) -> Severity:
@@ -76,7 +45,13 @@ def axial_path(scene: Scene, history: Array, strength_MPa: float) -> PlaneDiagra
 
 
 AXIAL = PlaneCriterion(
-    "axial", ("fatigue_tension_MPa",), all_tensors, axial_at_most, axial_path, "normal stress"
+    "axial",
+    ("fatigue_tension_MPa",),
+    all_tensors,
+    axial_at_most,
+    axial_path,
+    "normal stress",
+    includes="stress along x",
 )
 
 

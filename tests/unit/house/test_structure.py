@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from functools import cache
@@ -160,6 +161,22 @@ def test_pages_only_show(file: Path) -> None:
         return
     folders = {f.relative_to(PACKAGE).parent.as_posix() for n in imported_names(file) for f in files_of(n)}
     assert not folders & {"numerics/grid", "numerics/kernels", "bodies/solid", "bodies/mesh", "tasks/density"}
+
+
+PARTS_OF_AN_ENGINE = re.compile(r"(?<![a-z])(crank|crankpin|crankshaft|throw|web|piston)s?(?![a-z])", re.I)
+
+
+@pytest.mark.parametrize(
+    "file", sorted((PACKAGE / "numerics").rglob("*.py")), ids=lambda f: str(f.relative_to(PACKAGE))
+)
+def test_numerics_names_no_part_of_an_engine(file: Path) -> None:
+    """Neither code nor comments nor messages: who calls it says what a hint means for a crank.
+
+    A journal has no place outside the theory of bearings.
+    """
+    text = file.read_text(encoding="utf-8")
+    assert not PARTS_OF_AN_ENGINE.findall(text)
+    assert file.parent.name == "bearing_film" or not re.search(r"(?<![a-z])journal", text, re.I)
 
 
 def test_help_loads_nothing_heavy() -> None:
