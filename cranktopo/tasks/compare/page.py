@@ -35,10 +35,10 @@ from cranktopo.tasks.compare.text import (
     fillet_lines,
     method_lines,
     safety_method,
+    safety_places,
     star_lines,
 )
 from cranktopo.tasks.extraction.text import DesignUndercuts, undercut_table
-from cranktopo.tasks.fatigue.result import FieldFatigue
 from cranktopo.tasks.fatigue.text import FatigueComparison
 from cranktopo.tasks.fea.quantities import (
     BENDING,
@@ -255,13 +255,7 @@ def _safety(comparison: Comparison) -> str:
 
 
 def _safety_by(fatigue: FatigueComparison) -> str:
-    places = [
-        f"{entry.target}: {entry.critical.place}"
-        for entry in fatigue.result.fatigue
-        if isinstance(entry, FieldFatigue)
-    ]
-    worst = f" Least safety: {'; '.join(places)}." if places else ""
-    return f" By {fatigue.result.method}: {' '.join(fatigue.verdicts)}{worst}"
+    return f" By {fatigue.result.method}: {' '.join([*fatigue.verdicts, *safety_places(fatigue)])}"
 
 
 def _accuracy(comparison: Comparison) -> Section:

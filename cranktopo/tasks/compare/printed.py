@@ -17,6 +17,7 @@ from cranktopo.tasks.compare.text import (
     flat_table,
     method_lines,
     safety_method,
+    safety_places,
     star_lines,
 )
 
@@ -57,7 +58,9 @@ def comparison_text(comparison: Comparison, form: str) -> str:
 
 def _verdicts(comparison: Comparison, by: _Form) -> list[str]:
     """Return a block for each method, under its name."""
-    blocks = ((f"Safety by {one.result.method}:", *one.verdicts) for one in comparison.fatigues)
+    blocks = (
+        (f"Safety by {one.result.method}:", *one.verdicts, *safety_places(one)) for one in comparison.fatigues
+    )
     return [by.between.join(map(by.line, lines)) for lines in blocks]
 
 

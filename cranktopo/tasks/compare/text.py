@@ -10,6 +10,8 @@ from cranktopo.design.published import PublishedValues
 from cranktopo.report.result_table import Cell, ResultTable, Row, records
 from cranktopo.tasks.compare.result import ChangeErrors, Comparison, ComparisonResult, safety_by
 from cranktopo.tasks.fatigue import criteria
+from cranktopo.tasks.fatigue.result import FieldFatigue
+from cranktopo.tasks.fatigue.text import FatigueComparison
 from cranktopo.tasks.fea.quantities import (
     BENDING,
     COMPARED,
@@ -166,6 +168,16 @@ def safety_method(comparison: Comparison) -> list[str]:
     if comparison.fatigue is None or all(limit.quantity != "fatigue_safety" for limit in limits):
         return []
     return [f"fatigue_safety in limits is by {comparison.fatigue.result.method}, the first method asked for."]
+
+
+def safety_places(fatigue: FatigueComparison) -> list[str]:
+    """Return the line that names the place of the least safety of each target; none by the rule."""
+    places = [
+        f"{entry.target} {entry.safety:.{SAFETY.digits}f} at {entry.critical.place}"
+        for entry in fatigue.result.fatigue
+        if isinstance(entry, FieldFatigue)
+    ]
+    return [f"Least safety: {'; '.join(places)}."] if places else []
 
 
 def star_lines(comparison: Comparison) -> list[str]:

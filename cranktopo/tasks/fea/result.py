@@ -83,6 +83,8 @@ class EvaluationResult(Result):
     """First of the shaft in torsion, where it was asked for."""
     fatigue_safety: float | None = UNLESS_NONE
     """Minimum by local stress analysis, where it was asked for."""
+    fatigue_place: str | None = UNLESS_NONE
+    """Place of that minimum in words; None in results of an earlier version too."""
     stress_MPa: float | None = UNLESS_NONE
     """Largest von Mises stress over the extreme load states, where it was asked for."""
 

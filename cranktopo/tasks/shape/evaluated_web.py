@@ -18,6 +18,7 @@ from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
 from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa, largest_stress_MPa
 from cranktopo.tasks.fatigue.needs import check_inputs, check_loads
+from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fatigue.target_safety import fatigue_field, web_field
 from cranktopo.tasks.fea.evaluation import evaluate, evaluate_on_mesh
@@ -188,10 +189,14 @@ def _stressed(target: Target, stressed: Collection[str], judging: Judging) -> Js
     """Return the quantities of the stresses as an evaluation has them; of both one mesh is solved."""
     loads, fraction = judging.loads, judging.fillet_fraction
     if isinstance(loads, WebLoads):
-        return {"fatigue_safety": float(web_field(target, "lsa", loads, fraction).critical.safety)}
+        return _least(web_field(target, "lsa", loads, fraction))
     target = with_throw_stiffness(target)
     if "fatigue_safety" not in stressed:
         return {"stress_MPa": largest_stress_MPa(target, loads, fraction)}
     field = fatigue_field(target, "lsa", loads, fraction)
     more = {"stress_MPa": largest_of_field_MPa(field)} if "stress" in stressed else {}
-    return {"fatigue_safety": float(field.critical.safety), **more}
+    return {**_least(field), **more}
+
+
+def _least(field: FatigueField) -> Json:
+    return {"fatigue_safety": float(field.critical.safety), "fatigue_place": field.critical.place}

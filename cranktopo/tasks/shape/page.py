@@ -40,6 +40,7 @@ from cranktopo.tasks.shape.text import (
     named_first,
     original_keeps,
     rounds_table,
+    safety_places,
     shape_headline,
     stress_loads,
     value_words,
@@ -81,6 +82,8 @@ def quantity_fact(found: ShapeResult, key: str) -> Fact:
     original, result, unit = value_words(found, key)
     label, value = quantity.label.capitalize(), f"{result} {unit}".rstrip()
     note = f"{value} against the original's {f'{original} {unit}'.rstrip()}"
+    if quantity is SAFETY and found.result.fatigue_place:
+        note = f"{note}; least at {found.result.fatigue_place}"
     shown = change_text(change, error)
     if quantity is SAFETY and found.values.result[key] < 1:
         return Fact(label, shown, f"{note}; below 1: it fails", "bad")
@@ -128,7 +131,8 @@ def _change_error_percent(found: ShapeResult, key: str) -> float:
 def _wanted(found: ShapeResult) -> Section:
     goal, doubt = found.goal, multiplier_doubt(found)
     sense = "minimise" if goal.minimise else "maximise"
-    said = [found.stop_reason.capitalize(), stress_loads(found), original_keeps(found), ended_words(found)]
+    said = [found.stop_reason.capitalize(), safety_places(found), stress_loads(found)]
+    said += [original_keeps(found), ended_words(found)]
     return Section(
         "goal",
         f"Goal: {sense} {goal.quantity.name.replace('_', ' ')}",

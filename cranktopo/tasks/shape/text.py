@@ -214,11 +214,21 @@ def _failing(found: ShapeResult) -> str:
     return f" IT FAILS by fatigue: the safety of {safety:.3f} is below 1{alike}."
 
 
+def safety_places(found: ShapeResult) -> str:
+    """Return the least safety of result and original with their places; empty where none is known."""
+    told = [
+        f"{web}{of.fatigue_safety:.{SAFETY.digits}f} at {of.fatigue_place}"
+        for web, of in (("", found.result), ("of the original ", found.original))
+        if of.fatigue_safety is not None and of.fatigue_place
+    ]
+    return f"least {SAFETY.label} {'; '.join(told)}" if told else ""
+
+
 def shape_summary(found: ShapeResult, folder: Path) -> str:
     """Return what `cranktopo shape` prints of a finished optimisation."""
     lines = [
         shape_headline(found),
-        *filter(None, [found.balance, original_keeps(found), found.stop_reason]),
+        *filter(None, [safety_places(found), found.balance, original_keeps(found), found.stop_reason]),
         *([judged] if (judged := stress_loads(found)) else []),
         *filter(None, [ended_words(found)]),
         *([f"go on from this web: {shlex.join(_going_on(found, folder))}"] if found.unfinished else []),

@@ -15,7 +15,7 @@ from cranktopo.report.result_table import ResultTable
 from cranktopo.report.typeset import typeset
 from cranktopo.report.viewer.scene3d import SCRIPT
 from cranktopo.tasks.sweep.result import COARSE, ERRORS, PointResult, SweepResult
-from cranktopo.tasks.sweep.text import condition_words, fillet_words, shown_name, shown_number
+from cranktopo.tasks.sweep.text import condition_words, fillet_words, safety_words, shown_name, shown_number
 
 _FOLDER = Path(__file__).parent
 _TEMPLATES, _SCRIPT = _FOLDER / "template", _FOLDER / "sweep.js"
@@ -55,7 +55,10 @@ def sweep_html(data: SweepResult, webs: Mapping[str, str]) -> str:
     return environment.get_template("sweep.html.j2").render(
         data=data,
         objectives=", ".join(ResultTable({}, ()).head(name)[0] for name in data.objectives),
-        picks=[(name, _pick_words(data.points, rows[one])) for name, one in data.picks.items()],
+        picks=[
+            (name, _pick_words(data.points, rows[one]) + safety_words(rows[one]))
+            for name, one in data.picks.items()
+        ],
         conditions=condition_words(data),
         fillets=fillet_words(data),
         style=Markup(_joined(TEMPLATES / "report.css", _TEMPLATES / "sweep.css")),

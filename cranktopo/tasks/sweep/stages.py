@@ -77,7 +77,7 @@ def run_stage(stage: Stage, scene: Scene, folder: Path, fineness: Fineness) -> J
     return _STAGES[stage](scene, folder, fineness)
 
 
-_WHERE_ASKED = ("natural_frequency_Hz", "stress_MPa")
+_WHERE_ASKED = ("natural_frequency_Hz", "stress_MPa", "fatigue_safety", "fatigue_place")
 """Quantities that an evaluation has where a goal asks for them."""
 
 
@@ -109,9 +109,10 @@ def _fatigue(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     from cranktopo.tasks.fatigue.stage import assess_fatigue
 
     web = Target(scene.name, simulated(scene, fillets=True))
-    safety = assess_fatigue([web]).fields[0].critical.safety
+    least = assess_fatigue([web]).fields[0].critical
     judged = _judged(Target(scene.name, simulated(scene)), fineness)
-    return {**judged, "fatigue_safety": safety, "target": DESIGN, VIEW: web_view(web)}
+    told = {"fatigue_safety": least.safety, "fatigue_place": least.place}
+    return {**judged, **told, "target": DESIGN, VIEW: web_view(web)}
 
 
 def _optimised(scene: Scene, folder: Path, fineness: Fineness) -> Json:
@@ -163,12 +164,10 @@ def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     else:
         settings = fineness.shape_settings(shape_settings(wanted), wanted)
         data = shape_design(wanted, settings, run, command=COMMAND).result
-    safety = data.values.result.get("fatigue_safety")
     file = f"{RUN}/{data.files['design']}"
     shaped = load_scene(str(folder / file))
     return {
         **_columns_of(data.result),
-        **({} if safety is None else {"fatigue_safety": safety}),
         **_limits(data.goal),
         **_bound(data.bound),
         **_told(data),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from cranktopo.base.files import replacing, write_text
 from cranktopo.base.units import plain_number
 from cranktopo.report.result_table import ResultTable, Row, no_formula, terminal
+from cranktopo.tasks.fea.quantities import SAFETY
 from cranktopo.tasks.sweep.result import COARSE, DONE, PointResult, SweepResult
 
 if TYPE_CHECKING:
@@ -88,7 +89,8 @@ def sweep_summary(data: SweepResult, folder: Path) -> str:
         lines += [f"Pareto front of {objectives}: {len(data.front)} points", terminal(_front_table(data))]
         more = len(data.front) - _MOST_ROWS
         lines += [f"and {more} more, in {data.files.table}"] * (more > 0) + [""]
-    lines += [f"{name}: {one} ({point_words(data.points, by_id[one])})" for name, one in data.picks.items()]
+    for name, one in data.picks.items():
+        lines.append(f"{name}: {one} ({point_words(data.points, by_id[one])}){safety_words(by_id[one])}")
     lines += [str(folder / file) for file in (data.files.page, data.files.table, data.files.parquet)]
     return "\n".join(lines)
 
@@ -139,6 +141,12 @@ def point_words(points: Sequence[PointResult], row: PointResult) -> str:
     """Return what tells a point from the others: its design where there are several, and what varied."""
     values = [f"{key} = {_cell(value)}" for key, value in row.varied.items()]
     return ", ".join([row.design, *values] if _designs(points) > 1 or not values else values)
+
+
+def safety_words(row: PointResult) -> str:
+    """Return the least safety of a point and its place, behind what tells it; empty where none is known."""
+    safety, place = row.number("fatigue_safety"), row.number("fatigue_place")
+    return f", least {SAFETY.label} {safety:.{SAFETY.digits}f} at {place}" if place else ""
 
 
 def _reasons(data: SweepResult) -> list[str]:

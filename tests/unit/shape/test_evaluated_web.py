@@ -37,7 +37,7 @@ def test_the_search_need_not_wait_for_the_safety(
         begun.set()
         assert let.wait(600.0)
         found.append(1)
-        return SimpleNamespace(critical=SimpleNamespace(safety=1.25))
+        return SimpleNamespace(critical=SimpleNamespace(safety=1.25, place="pin fillet"))
 
     monkeypatch.setattr(module, "evaluate", lambda *_: evaluation)
     monkeypatch.setattr(module, "fatigue_field", safety)

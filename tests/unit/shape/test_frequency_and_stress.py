@@ -168,7 +168,7 @@ def test_the_evaluation_tells_what_vibration_does() -> None:
 def test_stress_is_found_with_the_safety_or_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     nodes = np.array([[10.0, 50.0, 20.0], [30.0, 5.0, 400.0]])
     field = SimpleNamespace(
-        critical=SimpleNamespace(safety=1.2),
+        critical=SimpleNamespace(safety=1.2, place="pin fillet"),
         amplitude_MPa=nodes,
         mean_MPa=-nodes / 2,
         model=SimpleNamespace(judged=np.array([True, True, False])),
@@ -183,11 +183,9 @@ def test_stress_is_found_with_the_safety_or_alone(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(module, "fatigue_field", lambda *given: told(field, given[-2]))
     monkeypatch.setattr(module, "largest_stress_MPa", lambda *given: told(123.0, given[-2]))
     stressed, cycle = module._stressed, Judging("cycle")
-    assert stressed(target, {"fatigue_safety", "stress"}, cycle) == {
-        "fatigue_safety": 1.2,
-        "stress_MPa": 75.0,
-    }
-    assert stressed(target, {"fatigue_safety"}, cycle) == {"fatigue_safety": 1.2}
+    least = {"fatigue_safety": 1.2, "fatigue_place": "pin fillet"}
+    assert stressed(target, {"fatigue_safety", "stress"}, cycle) == {**least, "stress_MPa": 75.0}
+    assert stressed(target, {"fatigue_safety"}, cycle) == least
     assert stressed(target, {"stress"}, cycle) == {"stress_MPa": 123.0}
     assert asked == ["cycle"] * 3
 

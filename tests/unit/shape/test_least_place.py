@@ -1,0 +1,123 @@
+"""The place of the least safety is told wherever the safety is: `shape`, `sweep`, `compare`."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from cranktopo.base.progress import Work
+from cranktopo.design.loading import load_scene
+from cranktopo.tasks.compare.printed import comparison_text
+from cranktopo.tasks.compare.result import Entry, compare
+from cranktopo.tasks.fatigue.result import CriticalPoint, FieldFatigue
+from cranktopo.tasks.fatigue.target_safety import fatigue_field
+from cranktopo.tasks.fatigue.text import FatigueComparison
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.shape import evaluated_web as module
+from cranktopo.tasks.shape.evaluated_web import Judging, evaluated_web
+from cranktopo.tasks.shape.page import quantity_fact, shape_page
+from cranktopo.tasks.shape.result import ShapeResult
+from cranktopo.tasks.shape.text import shape_summary
+from cranktopo.tasks.sweep.fineness import Fineness
+from cranktopo.tasks.sweep.page import sweep_html
+from cranktopo.tasks.sweep.stages import run_stage
+from cranktopo.tasks.sweep.text import frame_of, sweep_summary
+from tests.cli.test_comparison_report import NO_FATIGUE, evaluated
+from tests.physics.fatigue.test_least_safety import drilled
+from tests.sweep_cases import point_result
+from tests.told_evaluation import told_evaluation
+from tests.unit.shape.shape_results import invented_data
+from tests.unit.sweep.test_sweep_shown import sweep
+
+OUTLET = "oil outlet on the crankpin, x 0.1, y 55.7, z 30.0 mm"
+FILLET = "pin fillet, +12 deg around, 45 deg along"
+FIELD = SimpleNamespace(critical=SimpleNamespace(safety=0.97, place=OUTLET))
+
+
+def shaped() -> ShapeResult:
+    """A web whose oil outlet is the worst place, of an original whose pin fillet is."""
+    data: dict[str, Any] = invented_data()
+    data |= {"worst_case_percent": {"tolerance": 0.5}, "seconds": {"total": 1.0}}
+    for web, safety, place in (("original", 1.01, FILLET), ("result", 0.97, OUTLET)):
+        data[web] = {**told_evaluation(), "fatigue_safety": safety, "fatigue_place": place}
+        data["values"][web] = {"mass": 2.0, "fatigue_safety": safety}
+    data["rounds"] = []
+    data["change_percent"], data["goal_on_cells"] = {"fatigue_safety": -4.0}, {"minimise": "mass"}
+    return ShapeResult.of_json(data, "shape.json")
+
+
+def test_an_evaluated_web_has_the_place_beside_its_safety(monkeypatch: pytest.MonkeyPatch) -> None:
+    evaluation = SimpleNamespace(result=SimpleNamespace(as_json=told_evaluation))
+    monkeypatch.setattr(module, "evaluate", lambda *_: evaluation)
+    monkeypatch.setattr(module, "fatigue_field", lambda *_: FIELD)
+    scene = load_scene("mikron-iiic-plain")
+    found = evaluated_web(scene, {"fatigue_safety"}, None, "web", Work()).evaluation
+    assert (found.fatigue_safety, found.fatigue_place) == (0.97, OUTLET)
+    assert found.as_json()["fatigue_place"] == OUTLET
+
+
+@pytest.mark.slow
+def test_the_outlet_of_a_drilled_twin_is_named() -> None:
+    """The same point as the assessment has, at the outlet of the pin."""
+    scene, judging = drilled(), Judging(fillet_fraction=0.5)
+    found = evaluated_web(scene, {"fatigue_safety"}, 14.0, "web", Work(), judging).evaluation
+    field = fatigue_field(Target(scene.name, scene), "lsa", fillet_fraction=0.5)
+    assert found.fatigue_place == field.critical.place
+    assert field.critical.place.startswith("oil outlet on the crankpin")
+    assert found.fatigue_safety == pytest.approx(field.safety[:, field.model.judged].min(), rel=1e-12)
+
+
+def test_shape_names_both_places(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = shaped()
+    text = shape_summary(found, Path("out"))
+    assert f"least fatigue safety 0.970 at {OUTLET}; of the original 1.010 at {FILLET}" in text
+    assert quantity_fact(found, "fatigue_safety").note.endswith(f"least at {OUTLET}; below 1: it fails")
+    monkeypatch.setattr("cranktopo.tasks.shape.page.gallery_picture", lambda *_: None)
+    manifest = {"run": "out", "started": "2026-11-27T00:00:00", "command": [], "versions": {}}
+    page = shape_page(found, {**manifest, "settings_sha256": ""}, load_scene("mikron-iiic-plain"), ())
+    assert f"at {OUTLET}; of the original" in page.sections[0].text
+
+
+def test_a_result_of_an_earlier_version_names_none() -> None:
+    data = shaped().as_json()
+    del data["result"]["fatigue_place"], data["original"]["fatigue_place"]
+    assert "least fatigue safety" not in shape_summary(ShapeResult.of_json(data, "shape.json"), Path("out"))
+
+
+def test_a_point_of_a_sweep_has_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assessed = SimpleNamespace(fields=(FIELD,))
+    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.assess_fatigue", lambda *_: assessed)
+    monkeypatch.setattr("cranktopo.tasks.sweep.stages._judged", lambda *_: {"mass_kg": 2.0})
+    monkeypatch.setattr("cranktopo.tasks.sweep.stages.web_view", lambda *_: "")
+    told = run_stage("fatigue", load_scene("mikron-iiic-plain"), tmp_path, Fineness())
+    assert (told["fatigue_safety"], told["fatigue_place"]) == (0.97, OUTLET)
+
+
+def test_sweep_names_it_in_picks_table_and_page() -> None:
+    safe = point_result("a", design="d", mass_kg=2.0, fatigue_safety=0.97, fatigue_place=OUTLET)
+    found = sweep().model_copy(update={"points": (safe,), "varied": (), "objectives": {"mass_kg": "less"}})
+    assert f"lightest: a (d), least fatigue safety 0.970 at {OUTLET}" in sweep_summary(found, Path("run"))
+    assert frame_of([safe], safe)["fatigue_place"][0] == OUTLET
+    page = sweep_html(found, {})
+    assert f"least fatigue safety 0.970 at {OUTLET}</strong>" in page
+    (data,) = re.findall(r"<script[^>]*application/json[^>]*>(.*?)</script>", page)[:1]
+    assert OUTLET in json.loads(data)["rows"][0]
+
+
+def test_compare_names_it_on_the_terminal() -> None:
+    places = {"a": (1.01, FILLET), "b": (0.97, OUTLET)}
+    entries = tuple(
+        FieldFatigue.model_construct(
+            target=name, safety=safety, critical=CriticalPoint.model_construct(place=place)
+        )
+        for name, (safety, place) in places.items()
+    )
+    told = FatigueComparison((1.01, 0.97), (), NO_FATIGUE.model_copy(update={"fatigue": entries}))
+    targets = [Entry(evaluated(name, 90e3, 0.1), None, safety) for name, (safety, _) in places.items()]
+    text = comparison_text(compare(targets, "a", told), "table")
+    assert f"Least safety: a 1.010 at {FILLET}; b 0.970 at {OUTLET}." in text
