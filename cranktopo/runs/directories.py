@@ -35,6 +35,8 @@ from cranktopo.runs.manifest import (
 
 RUNS = Path("runs")
 _MANIFEST, _DESIGN, _LOG = "manifest.json", "design.toml", "run.log"
+WORK = "work.json"
+"""Name of the file with the finished parts of a search."""
 _HISTORY, _METRICS, _CHECKPOINT = "history.csv", "metrics.json", "checkpoint/state.npz"
 
 
@@ -47,7 +49,16 @@ class RunStore:
     @property
     def has_only_begun(self) -> bool:
         """True while it holds nothing but what a run begins with, so that a refusal may leave nothing."""
-        return {file.name for file in self.path.iterdir()} <= {LOCK, _MANIFEST, _DESIGN, _LOG}
+        return self._files <= {LOCK, _MANIFEST, _DESIGN, _LOG}
+
+    @property
+    def has_searched_only(self) -> bool:
+        """True while it holds no more than the finished parts of a search besides, and no result."""
+        return self._files <= {LOCK, _MANIFEST, _DESIGN, _LOG, WORK}
+
+    @property
+    def _files(self) -> set[str]:
+        return {file.name for file in self.path.iterdir()}
 
     @property
     def name(self) -> str:

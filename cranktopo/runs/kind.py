@@ -131,7 +131,7 @@ def working_in(run: RunStore, kept: str) -> Iterator[Callable[[], None]]:
     """Lock a run and record its end; yields what raises KeyboardInterrupt where Ctrl-C was pressed.
 
     `kept` says what an interruption leaves, for the message. Input that is refused before anything is found
-    leaves nothing, so that the same command can be given again.
+    leaves nothing, nor does a search that ends without a result, so that the command can be given again.
 
     Raises:
         CranktopoError: what failed in the block, or interruption (exit code 130).
@@ -153,7 +153,7 @@ def working_in(run: RunStore, kept: str) -> Iterator[Callable[[], None]]:
             run.set_status("done")
         except (KeyboardInterrupt, Exception) as error:
             if not _is_interruption(error):
-                if _is_refusal(error) and run.has_only_begun:
+                if _leaves_nothing(run, error):
                     delete_folder(run.path)
                     raise
                 run.set_status("failed")
@@ -162,8 +162,13 @@ def working_in(run: RunStore, kept: str) -> Iterator[Callable[[], None]]:
             raise interrupted() from None
 
 
-def _is_refusal(error: BaseException) -> bool:
-    return isinstance(error, CranktopoError) and error.code == ExitCode.INVALID_INPUT
+def _leaves_nothing(run: RunStore, error: BaseException) -> bool:
+    """Tell whether input was refused at once, or a search came to its end with nothing found."""
+    if not isinstance(error, CranktopoError):
+        return False
+    if error.code == ExitCode.CRITERION_NOT_MET:
+        return run.has_searched_only
+    return error.code == ExitCode.INVALID_INPUT and run.has_only_begun
 
 
 def _is_interruption(error: BaseException) -> bool:

@@ -10,6 +10,7 @@ from typing import Any
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.memory import check_mesh_memory
 from cranktopo.bodies.mesh.solid_mesh import NoMeshError, generate, positive_x
+from cranktopo.bodies.solid.checked import check_parts, volume_mm3
 from cranktopo.bodies.solid.rod import add_rod
 from cranktopo.bodies.solid.shapes import DimTags
 from cranktopo.design.checks.rod import rod_of
@@ -76,7 +77,8 @@ def _is_square(scene: Scene) -> bool:
 def _cut(occ: Any, body: DimTags, reach: float, *, square: bool) -> None:
     """Leave the quarter of a rod, or its half in two parts that meet in x = 0: bores of both have no seam."""
     if square:
-        positive_x(occ, body, reach, quarter=True)
+        whole = volume_mm3(occ, body)
+        check_parts(4 * volume_mm3(occ, positive_x(occ, body, reach, quarter=True)), whole)
         return
     size = 20 * reach
     left = [(3, occ.addBox(-size, -size, 0, size, 2 * size, size))]

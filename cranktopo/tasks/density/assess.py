@@ -26,22 +26,22 @@ TOLERANCE = 1e-8
 
 def assess(problem: DensityProblem, scene: Scene, domain: Domain, density: Array) -> Assessment:
     """Return stiffness and mass of a design, solved to 1e-8; call inside `double_precision()`."""
+    return _assess_density(problem.model, problem.density_chain, scene, domain, density)
+
+
+def _assess_density(
+    model: ThrowModel, chain: MaterialInterpolation, scene: Scene, domain: Domain, density: Array
+) -> Assessment:
     first, last = domain.web_layers
     solid = domain.passive_fraction.copy()
     solid[:, :, first:last] += domain.design_fraction[:, :, first:last] * density
-    moduli = np.asarray(_moduli(problem.density_chain, density))
-    return _assess(problem.model, scene, domain, moduli, solid)
+    return _assess(model, scene, domain, np.asarray(_moduli(chain, density)), solid)
 
 
 def assess_original(model: ThrowModel, scene: Scene, domain: Domain) -> Assessment:
     """Return the scene's own web on the same grid, in the same model."""
     original = build_domain(scene, scene.optimise.resolution_mm, "web", domain.extent, domain.grid)
     return _assess(model, scene, domain, original.passive_fraction, original.passive_fraction)
-
-
-def _assess_envelope(problem: DensityProblem, scene: Scene, domain: Domain) -> Assessment:
-    """Return the design space all solid: no design is stiffer."""
-    return assess(problem, scene, domain, np.asarray(problem.density_chain.design_fraction > 0, float))
 
 
 def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, solid: Array) -> Assessment:
@@ -81,22 +81,40 @@ _ROUNDING = 1e-6
 def check_limits(problem: DensityProblem, scene: Scene, domain: Domain) -> None:
     """Refuse limits that contradict each other or that not even the best design for each alone meets.
 
-    Call it inside `double_precision()`. Stiffness grows with every bit of material: the envelope all solid
-    is the stiffest design. Mass, inertia and unbalance are sums over the cells, whose extreme is solid where
-    that helps. Limits that exclude each other show in the iterations.
+    Call it inside `double_precision()`.
     """
-    _check_together(problem.optimisation.limits)
-    found = [
-        _of_cells(problem, limit) for limit in problem.optimisation.limits if not limit.response.needs_solve
-    ]
-    if any(_monotone(limit) for limit in problem.optimisation.limits):
-        full = _assess_envelope(problem, scene, domain).quantities
+    limits = problem.optimisation.limits
+    _check_together(limits)
+    check_reach(limits, problem.model, problem.density_chain, scene, domain)
+
+
+def check_reach(
+    limits: Sequence[ResponseConstraint],
+    model: ThrowModel,
+    chain: MaterialInterpolation,
+    scene: Scene,
+    domain: Domain,
+    allowed: float = _ROUNDING,
+) -> None:
+    """Refuse limits that not even the best design for each alone meets; call inside `double_precision()`.
+
+    Stiffness grows with every bit of material: the envelope all solid is the stiffest design. Mass, inertia
+    and unbalance are sums over the cells, whose extreme is solid where that helps. Limits that exclude each
+    other show in the iterations.
+
+    Args:
+        allowed: share by which the best design may miss a limit.
+    """
+    found = [_of_cells(chain, limit) for limit in limits if not limit.response.needs_solve]
+    if any(_monotone(limit) for limit in limits):
+        everywhere = np.asarray(chain.design_fraction > 0, float)
+        full = _assess_density(model, chain, scene, domain, everywhere).quantities
         found += [
             (limit, full[limit.response.name], "the whole envelope reaches")
-            for limit in problem.optimisation.limits
+            for limit in limits
             if _monotone(limit) and limit.response.name in full
         ]
-    broken = [item for item in found if item[0].broken(item[1]) > _ROUNDING]
+    broken = [item for item in found if item[0].broken(item[1]) > allowed]
     if broken:
         raise CranktopoError(
             "; ".join(f"{limit}: {what} {limit.shown(value)}" for limit, value, what in broken) + ".",
@@ -126,9 +144,10 @@ def _monotone(limit: ResponseConstraint) -> bool:
     return limit.response.stiffest == {"<=": "least", ">=": "most"}[limit.sense]
 
 
-def _of_cells(problem: DensityProblem, limit: ResponseConstraint) -> tuple[ResponseConstraint, float, str]:
+def _of_cells(
+    density_chain: MaterialInterpolation, limit: ResponseConstraint
+) -> tuple[ResponseConstraint, float, str]:
     """Return the best value of a sum over the cells, and what has it."""
-    density_chain = problem.density_chain
 
     def reached(density: jax.Array, density_chain: MaterialInterpolation) -> jax.Array:
         solid = solid_fraction(density_chain, density)

@@ -44,7 +44,7 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.page import Page
 from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.report.viewer.scene3d import ShownBody
-from cranktopo.runs.directories import RunStore, check_destination, open_run
+from cranktopo.runs.directories import WORK, RunStore, check_destination, open_run
 from cranktopo.runs.kind import (
     RESULT_FILES,
     SHAPE,
@@ -71,6 +71,7 @@ from cranktopo.tasks.refit.stage import remodel_run
 from cranktopo.tasks.shape.assembled import assembled
 from cranktopo.tasks.shape.in_shaft import asks_for_shaft, left_alone, search_in_shaft
 from cranktopo.tasks.shape.page import shape_page
+from cranktopo.tasks.shape.reachable import check_reachable
 from cranktopo.tasks.shape.result import (
     ShapeResult,
 )
@@ -82,7 +83,6 @@ TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, FATIGUE)
 """Tables of a scene that a shape optimisation uses."""
 _METHODS = ("lsa",)
 """Methods of the fatigue safety that it uses."""
-_KEPT = "work.json"
 _BEGUN = "begun"
 """Key of the scene whose web the search began with, among the manifest's options."""
 _FILES = {"design": "web.toml", "step": "web.step", "stl": "web.stl", "drawing": "drawing.pdf"}
@@ -157,6 +157,7 @@ def shape_design(
     if start.left_out:
         note(f"left out of the start: {'; '.join(start.left_out)}")
     begin = {} if begun is None else {_BEGUN: begun.model_dump(mode="json")}
+    check_reachable(scene, goal, settings.cell_mm)
     run = new_run(scene, assumed, out, design_toml, command, {SHAPE: kept_settings(settings), **begin})
     return _worked(run, scene, settings, start)
 
@@ -226,7 +227,7 @@ def shape_goal(scene: Scene) -> Goal:
 def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead) -> ShapedRun:
     began, goal = time.perf_counter(), shape_goal(scene)
     with working_in(run, "finished searches are kept") as check, double_precision():
-        work = Work(StageCache(run.path / _KEPT), check)
+        work = Work(StageCache(run.path / WORK), check)
         if shaft := search_in_shaft(scene, goal, settings, work):
             settings = replace(settings, loads=shaft.loads)
         optimum = optimise_shape(scene, goal, settings, work, start)

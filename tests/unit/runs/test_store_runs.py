@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.base.errors import CranktopoError
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.runs.destination import locked
 from cranktopo.runs.directories import RunStore, check_destination, create_run, list_runs, open_run
 from cranktopo.runs.kind import read_result, working_in
@@ -237,6 +237,19 @@ def test_a_refused_run_leaves_nothing(tmp_path: Path) -> None:
         raise CranktopoError("impossible")
     assert not run.path.exists()
     assert _create(tmp_path).path.exists(), "the same command may be given again"
+
+
+def test_a_search_that_found_nothing_leaves_nothing(tmp_path: Path) -> None:
+    run = _create(tmp_path)
+    (run.path / "work.json").write_text("{}")
+    with pytest.raises(CranktopoError, match="no web"), working_in(run, "nothing"):
+        raise CranktopoError("no web", code=ExitCode.CRITERION_NOT_MET)
+    assert not run.path.exists()
+    run = _create(tmp_path)
+    (run.path / "web.toml").write_text("")
+    with pytest.raises(CranktopoError, match="no web"), working_in(run, "nothing"):
+        raise CranktopoError("no web", code=ExitCode.CRITERION_NOT_MET)
+    assert run.manifest()["status"] == "failed", "what it wrote stays"
 
 
 def test_a_refusal_keeps_what_was_found(tmp_path: Path) -> None:

@@ -28,7 +28,7 @@ from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.numerics.precision import check_device
 from cranktopo.report.page import Page
 from cranktopo.report.report_file import REPORT, write_report
-from cranktopo.runs.directories import RunStore, check_destination, open_run
+from cranktopo.runs.directories import WORK, RunStore, check_destination, open_run
 from cranktopo.runs.kind import (
     EACH_WEB,
     RESULT_FILES,
@@ -53,7 +53,6 @@ from cranktopo.tasks.shape.run import (
 from cranktopo.tasks.shape.stage import ShapeSettings
 
 _ONE, _OWN = "one-web", "own-webs"
-_KEPT = "work.json"
 
 
 @dataclass(frozen=True)
@@ -179,7 +178,7 @@ def _without_free_journals(scene: Scene) -> Scene:
 def _worked(run: RunStore, scene: Scene, settings: ShapeSettings) -> EachWebRun:
     began = time.perf_counter()
     with working_in(run, "finished searches are kept") as check:
-        work, goal = Work(StageCache(run.path / _KEPT), check), shape_goal(scene)
+        work, goal = Work(StageCache(run.path / WORK), check), shape_goal(scene)
         limit = _safety_limit(scene, goal)
         original = LoadedShaft.of_json(work.once("design", lambda: _design_shaft(scene, settings)))
         required = limit.required(original.figures.safety)
