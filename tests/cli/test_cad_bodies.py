@@ -12,6 +12,7 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.notes import redirected
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.solid.throw import add_half_throw
 from cranktopo.bodies.volume import half_throw_volume_mm3
@@ -225,3 +226,26 @@ def test_a_step_of_two_parts_is_no_body(tmp_path: Path, mikron: Scene) -> None:
         gmsh.write(str(path))
     with pytest.raises(CranktopoError, match="2 solids"):
         fillets_of_step(path, mikron)
+
+
+@pytest.mark.usefixtures("kernel_here")
+def test_smaller_elements_are_taken_where_the_asked_ones_make_no_mesh(
+    mikron: Scene, step_of: Callable[[Scene, str], Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The file is read again for every try, as gmsh stays locked after an error."""
+    import gmsh
+
+    real, tried, told = gmsh.model.mesh.generate, list[int](), list[str]()
+
+    def generate(dimension: int) -> None:
+        tried.append(dimension)
+        if len(tried) <= 2:
+            raise Exception("Invalid boundary mesh")
+        real(dimension)
+
+    monkeypatch.setattr(gmsh.model.mesh, "generate", generate)
+    path = step_of(mikron_with(2.5), "body")
+    with redirected(told.append):
+        meshed, _ = mesh_step_for_stress(path, mikron, 15.0, 2.0)
+    assert meshed.element_size_mm == pytest.approx(12.0)
+    assert any("body.step: no mesh with elements of 15 mm; taken are 12 mm" in line for line in told)

@@ -5,11 +5,12 @@ An oblique split leaves one of both mirrors: its rod is a half, z >= 0.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.memory import check_mesh_memory
-from cranktopo.bodies.mesh.solid_mesh import NoMeshError, generate, positive_x
+from cranktopo.bodies.mesh.solid_mesh import by_smaller_elements, generate, positive_x
 from cranktopo.bodies.solid.checked import check_parts, volume_mm3
 from cranktopo.bodies.solid.rod import add_rod
 from cranktopo.bodies.solid.shapes import DimTags
@@ -48,13 +49,10 @@ def mesh_rod(scene: Scene, element_size_mm: float) -> TetMesh:
         CranktopoError: no rod, impossible geometry, elements too fine for the memory, or no valid mesh.
     """
     check_mesh_memory(rod_volume_mm3(scene) / (4 if _is_square(scene) else 2), element_size_mm)
-    try:
-        return _made(scene, element_size_mm, adapt=False)
-    except NoMeshError:
-        return _made(scene, element_size_mm, adapt=True)
+    return by_smaller_elements(f"rod of {scene.name}", element_size_mm, partial(_made, scene))
 
 
-def _made(scene: Scene, size: float, *, adapt: bool) -> TetMesh:
+def _made(scene: Scene, size: float, adapt: bool) -> TetMesh:
     square = _is_square(scene)
     with cad_session(f"rod of {scene.name}") as gmsh:
         occ = gmsh.model.occ
@@ -67,7 +65,7 @@ def _made(scene: Scene, size: float, *, adapt: bool) -> TetMesh:
             ("MeshSizeFromCurvature", _AROUND),
         ):
             gmsh.option.setNumber(f"Mesh.{option}", value)
-        return generate(gmsh, size, mirrored=square, stresses=True, regular=True, adapt=adapt)
+        return generate(gmsh, mirrored=square, stresses=True, regular=True, adapt=adapt)
 
 
 def _is_square(scene: Scene) -> bool:

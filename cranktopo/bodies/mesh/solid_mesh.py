@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from itertools import product
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.errors import CranktopoError, solver_error
 from cranktopo.base.frames import Parity, Span
+from cranktopo.base.notes import note
 from cranktopo.bodies.solid.checked import SolidProperties, check_parts, solid_properties, volume_mm3
 from cranktopo.bodies.solid.shapes import DimTags
 from cranktopo.bodies.solid.throw import add_full_throw, add_half_throw
@@ -18,11 +22,12 @@ from cranktopo.design.crank_throws import refuse_flying_web
 from cranktopo.design.halves import difference, halves, may_mirror, usual_scale, web_asymmetry
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session, tetrahedra
-from cranktopo.numerics.tetrahedra.mesh import TetMesh, straighten_folded
+from cranktopo.numerics.tetrahedra.mesh import TetMesh, reasons_of, straighten_folded
 from cranktopo.throw.drilling.bore import size_mm, size_terms
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.journal import FilletSection
 
+_R = TypeVar("_R")
 _TET10 = 11
 _GMSH_TO_STANDARD = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 _DELAUNAY_2D, _FRONTAL_2D, _MESH_ADAPT_2D = 5, 6, 1
@@ -47,7 +52,8 @@ _ROUND_MM = 8.0
 class MeshedThrow:
     """A meshed half throw, or `whole` one; exact properties for both signs of x, volume of the first web.
 
-    The note says what was done to a body from CAD before it was meshed.
+    The note says what was done to a body from CAD before it was meshed; the element size is the one that gave
+    a mesh, where the one that was asked for did not, None where only that was tried.
     """
 
     mesh: TetMesh
@@ -55,6 +61,7 @@ class MeshedThrow:
     web_volume_mm3: float
     note: str = ""
     whole: bool = False
+    element_size_mm: float | None = None
 
     @property
     def copies(self) -> int:
@@ -67,7 +74,40 @@ class MeshedThrow:
 
 
 class NoMeshError(CranktopoError):
-    """Elements on the surface cut across each other."""
+    """Elements on the surface cut across each other; the message is the reason, with its place."""
+
+
+_SIZES = (1.0, 0.8, 0.64)
+"""Element sizes that are tried one after another, over the one that was asked for."""
+_SURFACE = re.compile(r"[Ss]urface (\d+)")
+
+
+def by_smaller_elements(what: str, element_size_mm: float, make: Callable[[float, bool], _R]) -> _R:
+    """Return what the first size of elements and algorithm for the surface give that make a mesh.
+
+    Args:
+        make: given an element size, mm, and whether the surface is meshed by MeshAdapt; it opens a session of
+            its own, as gmsh stays locked after an error.
+
+    Raises:
+        CranktopoError: no size gives one, with the reasons of all tries.
+    """
+    failures, sizes = list[str](), [share * element_size_mm for share in _SIZES]
+    for size, adapt in product(sizes, (False, True)):
+        try:
+            found = make(size, adapt)
+        except NoMeshError as error:
+            failures.append(error.message)
+            continue
+        if size != element_size_mm:
+            note(f"{what}: no mesh with elements of {element_size_mm:.3g} mm; taken are {size:.3g} mm")
+        return found
+    *most, last = (f"{size:.3g}" for size in sizes)
+    raise solver_error(
+        f"{what}: no mesh with elements of {', '.join(most)} or {last} mm, too large for its thinnest parts: "
+        f"{reasons_of(failures)}.",
+        "Choose a smaller element size; an error estimate takes one 1.5 times as large, too.",
+    )
 
 
 def mesh_throw(
@@ -91,7 +131,7 @@ def mesh_throw(
     refuse_flying_web(scene)
     whole = full or bool(difference(scene))
 
-    def make(*, adapt: bool) -> MeshedThrow:
+    def make(size: float, adapt: bool) -> MeshedThrow:
         with cad_session(f"solid of {scene.name}") as gmsh:
             occ = gmsh.model.occ
             solid = add_full_throw(occ, scene) if whole else add_half_throw(occ, scene)
@@ -100,19 +140,13 @@ def mesh_throw(
             if mirrored:
                 side = positive_x(occ, solid, scene.pitch_mm)
                 check_parts(2 * volume_mm3(occ, side), body.volume_mm3)
-            _set_sizes(
-                gmsh, scene, element_size_mm, graded=graded, full=whole, fillet_fraction=fillet_fraction
-            )
+            _set_sizes(gmsh, scene, size, graded=graded, full=whole, fillet_fraction=fillet_fraction)
             stresses, regular_too = _for_stress(fillet_fraction, regular=regular)
-            mesh = generate(
-                gmsh, element_size_mm, mirrored, stresses=stresses, regular=regular_too, adapt=adapt
-            )
-        return MeshedThrow(mesh, body, web_volume_mm3(halves(scene)[0]), whole=whole)
+            mesh = generate(gmsh, mirrored, stresses=stresses, regular=regular_too, adapt=adapt)
+        web = web_volume_mm3(halves(scene)[0])
+        return MeshedThrow(mesh, body, web, whole=whole, element_size_mm=size)
 
-    try:
-        return make(adapt=False)
-    except NoMeshError:
-        return make(adapt=True)  # in a new session, as gmsh stays locked after an error
+    return by_smaller_elements(f"solid of {scene.name}", element_size_mm, make)
 
 
 def mesh_body(
@@ -124,6 +158,7 @@ def mesh_body(
     full: bool = False,
     fillet_fraction: float | None = None,
     regular: bool = False,
+    adapt: bool = False,
 ) -> TetMesh:
     """Return the mesh of whatever body the open session holds.
 
@@ -131,10 +166,11 @@ def mesh_body(
         mirrored: it is the half x >= 0 of one.
         full: it is a whole throw.
         fillet_fraction, regular: as in `mesh_throw`.
+        adapt: as in `generate`.
     """
     _set_sizes(gmsh, scene, element_size_mm, graded=True, full=full, fillet_fraction=fillet_fraction)
     stresses, regular = _for_stress(fillet_fraction, regular=regular)
-    return generate(gmsh, element_size_mm, mirrored, stresses=stresses, regular=regular)
+    return generate(gmsh, mirrored, stresses=stresses, regular=regular, adapt=adapt)
 
 
 def serves_polynomials(fillet_fraction: float | None) -> bool:
@@ -147,14 +183,12 @@ def _for_stress(fillet_fraction: float | None, *, regular: bool) -> tuple[bool, 
     return fillet_fraction is not None, regular or not serves_polynomials(fillet_fraction)
 
 
-def generate(
-    gmsh: Any, size: float, mirrored: bool, *, stresses: bool, regular: bool, adapt: bool = False
-) -> TetMesh:
+def generate(gmsh: Any, mirrored: bool, *, stresses: bool, regular: bool, adapt: bool = False) -> TetMesh:
     """Return the mesh of the open session, smooth where stresses are wanted.
 
     Regular triangles on the surface and Netgen's optimiser each take a quarter to a third off the noise of
     the stresses; where polynomials do that, optimisers that take a tenth of its time suffice. Bores of a
-    quarter model have no seam.
+    quarter model have no seam. `adapt` meshes the surface by MeshAdapt.
 
     Raises:
         NoMeshError: elements on the surface cut across each other.
@@ -167,17 +201,20 @@ def generate(
     except Exception as error:  # gmsh raises the bare class, for elements that cut across a thin part
         if type(error) is not Exception:
             raise
-        raise NoMeshError(
-            f"{gmsh.model.getCurrent()}: no mesh with elements of {size:.3g} mm: they are too large for its "
-            "thinnest parts.",
-            hint="Choose a smaller element size; an error estimate takes one 1.5 times as large, too.",
-            code=ExitCode.SOLVER,
-        ) from None
+        raise NoMeshError(str(error).strip().rstrip(".") + _place(gmsh, str(error))) from None
     if stresses:
         for optimiser in ("Netgen",) if regular else _LIGHT:
             gmsh.model.mesh.optimize(optimiser)
     gmsh.model.mesh.setOrder(2)
     return extract_mesh(gmsh, mirrored=mirrored)
+
+
+def _place(gmsh: Any, reason: str) -> str:
+    """Return where the first face that a reason names lies, in words; empty where it names none."""
+    found = _SURFACE.search(reason)
+    if found is None or (2, int(found[1])) not in gmsh.model.getEntities(2):
+        return ""
+    return f" near ({', '.join(f'{x:.1f}' for x in gmsh.model.occ.getCenterOfMass(2, int(found[1])))}) mm"
 
 
 def positive_x(occ: Any, body: DimTags, reach: float, *, quarter: bool = False) -> DimTags:

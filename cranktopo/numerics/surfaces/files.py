@@ -67,6 +67,7 @@ def read_stl(path: Path, name: str = "") -> SurfaceMesh:
             f"{name}: holds coordinates that are no numbers or beyond {_FARTHEST_MM:g} mm.",
             hint="Export it again as STL, mm.",
         )
+    surface = without_flat(surface, name)
     closed = not len(surface.faces) or surface.as_trimesh().is_watertight
     return surface if closed else _welded(surface, name)
 
@@ -84,16 +85,23 @@ def _welded(surface: SurfaceMesh, name: str) -> SurfaceMesh:
 
 def as_stored(mesh: SurfaceMesh) -> SurfaceMesh:
     """Return what `read_stl` reads of a mesh that was written: single precision, vertices joined."""
-    return _of_stl(io.BytesIO(_stl(mesh)))
+    return without_doubles(_of_stl(io.BytesIO(_stl(mesh))))
+
+
+def without_flat(surface: SurfaceMesh, name: str) -> SurfaceMesh:
+    """Return the surface of a file without triangles that have a vertex twice, and tell their number."""
+    found = without_doubles(surface)
+    fewer = len(surface.faces) - len(found.faces)
+    if fewer:
+        note(f"{name}: {fewer} triangle{'s' * (fewer > 1)} without area left out")
+    return found
 
 
 def _of_stl(file: BinaryIO) -> SurfaceMesh:
     import trimesh
 
     mesh = trimesh.load_mesh(file, file_type="stl")
-    return without_doubles(
-        SurfaceMesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64))
-    )
+    return SurfaceMesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64))
 
 
 def _stl(mesh: SurfaceMesh) -> bytes:

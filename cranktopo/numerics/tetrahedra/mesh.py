@@ -7,7 +7,8 @@ folds it, it is unbent.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import product
@@ -151,6 +152,7 @@ beside slivers, and beside long narrow ones such as the chords of a bore."""
 _GRADATION = 1.7
 _SHARP_DEG = 40.0
 _VOLUME_TOLERANCE = 5e-3
+_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 _MEETS = 0.01
 """Places where a surface meets itself over its triangles, beyond which nothing is filled."""
 _FLATTEST = 1e-5
@@ -182,16 +184,24 @@ def _fill(surface: SurfaceMesh, size: float, size_at: _SizeField, name: str) -> 
             found = _improved(*_inside(clean, size, name), size, size * distance, size_at)
             _check(surface, *found)
         except (CranktopoError, RuntimeError) as error:  # MMG raises the latter
-            failures.append(str(error))
+            failures.append(error.message if isinstance(error, CranktopoError) else str(error))
             continue
         if joined:
             note(f"{name}: meshed after its small triangles were joined within {size * joined:.2g} mm")
         return found
     where = _where_it_meets_itself(_resurfaced(surface, size, size * _DISTANCES[0]))
     raise solver_error(
-        f"{name}: the surface cannot be meshed{where}, {len(tries)} tries: {failures[0]}",
+        f"{name}: the surface cannot be meshed{where}, {len(tries)} tries: {reasons_of(failures)}.",
         "Choose another element size, or repair thin spots of the surface.",
     )
+
+
+def reasons_of(failures: Sequence[str]) -> str:
+    """Return the distinct reasons of failed tries and how often each came; numbers make no difference."""
+    found = dict[str, list[str]]()
+    for failure in failures:
+        found.setdefault(_NUMBER.sub("#", failure), []).append(failure.strip().rstrip("."))
+    return "; ".join(f"{same[0]} ({len(same)} of {len(failures)})" for same in found.values())
 
 
 def _apart(surface: SurfaceMesh) -> SurfaceMesh:

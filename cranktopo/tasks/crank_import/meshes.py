@@ -13,8 +13,8 @@ import numpy as np
 from cranktopo.base.errors import CranktopoError, quoted
 from cranktopo.base.files import GEOMETRY_LIMIT_MIB, check_input
 from cranktopo.base.units import MM_PER_INCH
-from cranktopo.numerics.surfaces.files import read_stl
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh, shells, without_doubles
+from cranktopo.numerics.surfaces.files import read_stl, without_flat
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, shells
 from cranktopo.tasks.crank_import.choices import UNIT_MM, Unit
 
 MESH_SUFFIXES = (".stl", ".3mf", ".obj")
@@ -122,7 +122,7 @@ def _parts(path: Path) -> tuple[dict[str, SurfaceMesh], float]:
         import trimesh
 
         scene = trimesh.load_scene(path, file_type="obj", skip_materials=True)
-        named = {str(name): _plain(mesh) for name, mesh in scene.geometry.items()}
+        named = {str(name): _plain(mesh, f"'{path}'") for name, mesh in scene.geometry.items()}
         return (dict(zip([path.stem], named.values(), strict=True)) if len(named) == 1 else named), 0.0
     except Exception as error:  # readers raise what their parsers raise, all meaning this
         raise CranktopoError(
@@ -130,11 +130,11 @@ def _parts(path: Path) -> tuple[dict[str, SurfaceMesh], float]:
         ) from None
 
 
-def _plain(mesh: Any) -> SurfaceMesh:
-    """Return a mesh with the corners of its triangles joined."""
+def _plain(mesh: Any, name: str) -> SurfaceMesh:
+    """Return a mesh of a file with the corners of its triangles joined."""
     points, faces = np.asarray(mesh.vertices, float), np.asarray(mesh.faces, np.int64)
     vertices, number = np.unique(points, axis=0, return_inverse=True)
-    return without_doubles(SurfaceMesh(vertices, number.reshape(-1)[faces]))
+    return without_flat(SurfaceMesh(vertices, number.reshape(-1)[faces]), name)
 
 
 def _of_3mf(path: Path) -> tuple[dict[str, SurfaceMesh], float]:

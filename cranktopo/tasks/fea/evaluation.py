@@ -203,10 +203,9 @@ def evaluate_on_mesh(
     meshed = mesh_target(target, element_size_mm, graded)
     if meshed.note:
         note(f"{target.name}: {meshed.note}")
-    seconds = time.perf_counter() - start
-    return MeshResult(
-        target, meshed, condensed_stiffness(meshed, target.scene, element_size_mm, seconds, order), graded
-    )
+    seconds, size = time.perf_counter() - start, meshed.element_size_mm or element_size_mm
+    stiffness = condensed_stiffness(meshed, target.scene, size, seconds, order)
+    return MeshResult(target, meshed, stiffness, graded)
 
 
 def condensed_stiffness(

@@ -14,7 +14,13 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.frames import Z
 from cranktopo.base.notes import note
 from cranktopo.base.units import MM_PER_INCH
-from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_body, positive_x, ring_size_mm
+from cranktopo.bodies.mesh.solid_mesh import (
+    MeshedThrow,
+    by_smaller_elements,
+    mesh_body,
+    positive_x,
+    ring_size_mm,
+)
 from cranktopo.bodies.prisms import is_mirror_image, web_region
 from cranktopo.bodies.solid.checked import NotCutError, SolidProperties, solid_properties, volume_mm3
 from cranktopo.bodies.solid.files import cut_in_halves, surface_of
@@ -63,9 +69,11 @@ def mesh_file(path: Path, scene: Scene, element_size_mm: float, align: bool = Fa
 
 
 def _mesh_step(path: Path, scene: Scene, element_size_mm: float, align: bool) -> MeshedThrow:
-    with cad_session(f"solid of {path}") as gmsh:
-        found = _solid(gmsh, path, scene, align)
-        return _meshed(gmsh, found, scene, element_size_mm)
+    def make(size: float, adapt: bool) -> MeshedThrow:
+        with cad_session(f"solid of {path}") as gmsh:
+            return _meshed(gmsh, _solid(gmsh, path, scene, align), scene, size, adapt)
+
+    return by_smaller_elements(f"solid of {path}", element_size_mm, make)
 
 
 def mesh_step_for_stress(
@@ -91,11 +99,14 @@ def mesh_step_for_stress(
 def _mesh_for_stress(
     path: Path, scene: Scene, element_size_mm: float, fillet_fraction: float, align: bool, regular: bool
 ) -> tuple[MeshedThrow, Scene]:
-    with cad_session(f"solid of {path}") as gmsh:
-        found = _solid(gmsh, path, scene, align)
-        gmsh.model.occ.synchronize()
-        scene = with_found_fillets(gmsh, scene, str(path))
-        return _meshed(gmsh, found, scene, element_size_mm, fillet_fraction, regular), scene
+    def make(size: float, adapt: bool) -> tuple[MeshedThrow, Scene]:
+        with cad_session(f"solid of {path}") as gmsh:
+            found = _solid(gmsh, path, scene, align)
+            gmsh.model.occ.synchronize()
+            filleted = with_found_fillets(gmsh, scene, str(path))
+            return _meshed(gmsh, found, filleted, size, adapt, fillet_fraction, regular), filleted
+
+    return by_smaller_elements(f"solid of {path}", element_size_mm, make)
 
 
 def _meshed(
@@ -103,6 +114,7 @@ def _meshed(
     found: _Solid,
     scene: Scene,
     size: float,
+    adapt: bool,
     fillet_fraction: float | None = None,
     regular: bool = False,
 ) -> MeshedThrow:
@@ -115,8 +127,9 @@ def _meshed(
         full=found.whole,
         fillet_fraction=fillet_fraction,
         regular=regular,
+        adapt=adapt,
     )
-    return MeshedThrow(mesh, found.properties, found.web_mm3, found.note, found.whole)
+    return MeshedThrow(mesh, found.properties, found.web_mm3, found.note, found.whole, size)
 
 
 def fillets_of_step(path: Path, scene: Scene, align: bool = False) -> Scene:

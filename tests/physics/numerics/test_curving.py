@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from skfem import Basis, ElementTetP2, MeshTet2
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.notes import redirected
 from cranktopo.bodies.mesh import solid_mesh as meshing
 from cranktopo.design.loading import load_scene
 from cranktopo.numerics.tetrahedra.elasticity import assemble
@@ -103,19 +106,43 @@ def test_a_coarse_throw_has_some(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_elements_too_large_for_a_thin_part_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where both algorithms for the surface leave elements that cut across each other."""
+    """Where both algorithms for the surface leave elements that cut across each other, at every size."""
     import gmsh
 
-    tried = []
+    tried, reasons = [], ("overlapping facets) on surface 2 surface 4", "intersection at point (1,2,3))")
 
     def generate(_: int) -> None:
-        tried.append(gmsh.option.getNumber("Mesh.Algorithm"))
-        raise Exception("Invalid boundary mesh (overlapping facets)")
+        tried.append((gmsh.option.getNumber("Mesh.Algorithm"), gmsh.model.mesh.field.getString(1, "F")))
+        raise Exception(f"Invalid boundary mesh ({reasons[len(tried) % 2]}")
 
     monkeypatch.setattr(gmsh.model.mesh, "generate", generate)
-    with pytest.raises(
-        CranktopoError, match=r"variant-1: no mesh with elements of 21 mm: .*too large"
-    ) as told:
+    with pytest.raises(CranktopoError, match=r"variant-1: no mesh with .* 21, 16.8 or 13.4 mm") as told:
         meshing.mesh_throw(load_scene("opposed-piston-variant-1"), 21.0)
     assert "smaller element size" in told.value.hint
-    assert len(set(tried)) == 2
+    assert len(set(tried)) == len(tried) == 6
+    assert "Invalid boundary mesh (intersection at point (1,2,3)) (3 of 6)" in told.value.message
+    assert re.search(r"on surface 2 surface 4 near \(.*\) mm \(3 of 6\)\.$", told.value.message)
+
+
+def test_smaller_elements_are_taken_where_the_asked_ones_make_no_mesh(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The size that is told, and all that follows from it, is that of the mesh."""
+    import gmsh
+
+    real, tried, told = gmsh.model.mesh.generate, list[int](), list[str]()
+
+    def generate(dimension: int) -> None:
+        tried.append(dimension)
+        if len(tried) <= 2:
+            raise Exception("Invalid boundary mesh")
+        real(dimension)
+
+    monkeypatch.setattr(gmsh.model.mesh, "generate", generate)
+    with redirected(told.append):
+        found = meshing.mesh_throw(mikron_with(), 15.0, graded=False)
+    monkeypatch.undo()
+    wanted = meshing.mesh_throw(mikron_with(), 12.0, graded=False)
+    assert found.element_size_mm == pytest.approx(12.0)
+    assert found.mesh.points_mm.shape == wanted.mesh.points_mm.shape
+    assert any("no mesh with elements of 15 mm; taken are 12 mm" in line for line in told)

@@ -38,7 +38,7 @@ def meshed(build, size):
         gmsh.model.occ.synchronize()
         for option, value in (("MeshSizeMax", size), ("MeshSizeFromCurvature", 24)):
             gmsh.option.setNumber(f"Mesh.{option}", value)
-        return assemble(generate(gmsh, size, True, stresses=True, regular=False), 210e3, 0.3)
+        return assemble(generate(gmsh, True, stresses=True, regular=False), 210e3, 0.3)
 
 
 def test_a_bar_under_pressure_at_its_end():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -74,3 +75,9 @@ def test_a_surface_that_no_try_meshes_is_refused_with_its_place(
     with pytest.raises(CranktopoError, match=r"cannot be meshed near \(.*\) mm, 3 tries: ") as caught:
         filled(outlet)
     assert caught.value.code is ExitCode.SOLVER
+    assert re.search(r"meets itself at \d+ places \(2 of 3\); .* \(1 of 3\)\.$", caught.value.message)
+
+
+def test_reasons_are_told_once_each() -> None:
+    failures = ["it meets itself at 20 places.", "a node is lost", "it meets itself at 7 places."]
+    assert mesh.reasons_of(failures) == "it meets itself at 20 places (2 of 3); a node is lost (1 of 3)"

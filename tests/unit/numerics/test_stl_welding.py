@@ -27,7 +27,10 @@ def sphere() -> np.ndarray:
 def test_a_triangle_without_area_is_left_out(tmp_path: Path) -> None:
     triangles = sphere()
     a, b = triangles[0, 0], triangles[0, 1]
-    surface = read_stl(stored(tmp_path / "a.stl", np.concatenate([triangles, [[a, a, b]]])))
+    path, lines = stored(tmp_path / "a.stl", np.concatenate([triangles, [[a, a, b]]])), list[str]()
+    with redirected(lines.append):
+        surface = read_stl(path, "body")
+    assert lines == ["body: 1 triangle without area left out"]
     assert len(surface.faces) == len(triangles)
     assert surface.as_trimesh().is_watertight
     assert surface.volume_mm3 == pytest.approx(read_stl(stored(tmp_path / "b.stl", triangles)).volume_mm3)
