@@ -101,8 +101,9 @@ def default_run(shared: Path) -> Path:
 
 @pytest.fixture
 def kernel_here(monkeypatch: pytest.MonkeyPatch) -> None:
-    """STEP files that a test has written are read in its own process: to start another takes longer."""
-    monkeypatch.setattr("cranktopo.bodies.solid.step.in_child", lambda _, work, *arguments: work(*arguments))
+    """Bodies that a test has written are read in its own process: to start another takes longer."""
+    for room in ("bodies.solid.step", "tasks.importing.imported_body", "tasks.crank_import.stage"):
+        monkeypatch.setattr(f"cranktopo.{room}.in_child", lambda _, work, *arguments, by="": work(*arguments))
 
 
 @pytest.fixture

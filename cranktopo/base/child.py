@@ -31,11 +31,12 @@ _answers: list[int] = []
 """In a child: the number of the file that its answers go to."""
 
 
-def in_child(what: str, function: Callable[..., _R], *arguments: object) -> _R:
+def in_child(what: str, function: Callable[..., _R], *arguments: object, by: str = "CAD kernel") -> _R:
     """Return what a function of a module returns for a foreign file, run in a process of its own.
 
     Args:
         what: the file in messages, such as `'web.step'`.
+        by: what works on it, in messages.
 
     Raises:
         CranktopoError: as the function, or the process crashed or did not end in time.
@@ -53,15 +54,15 @@ def in_child(what: str, function: Callable[..., _R], *arguments: object) -> _R:
         )
         with process:
             try:
-                with at_work(f"CAD kernel: {what}"):
-                    answer = _answer(process, pickle.dumps((function, arguments)), what)
+                with at_work(f"{by}: {what}"):
+                    answer = _answer(process, pickle.dumps((function, arguments)), what, by)
             finally:
                 process.kill()
     finally:
         os.close(ours)
         os.close(watched)
     if not answer:
-        raise _unreadable(what, f"the CAD kernel crashed on it{_signal(process.returncode)}")
+        raise _unreadable(what, f"the {by} crashed on it{_signal(process.returncode)}")
     lines, result, error = pickle.loads(answer)
     for line in lines:
         note(line)
@@ -70,7 +71,7 @@ def in_child(what: str, function: Callable[..., _R], *arguments: object) -> _R:
     return result
 
 
-def _answer(process: subprocess.Popen[bytes], task: bytes, what: str) -> bytes:
+def _answer(process: subprocess.Popen[bytes], task: bytes, what: str, by: str) -> bytes:
     """Return what a process answers, nothing where it crashed; tell from time to time that it is at work."""
     assert process.stdin is not None
     assert process.stdout is not None
@@ -90,8 +91,8 @@ def _answer(process: subprocess.Popen[bytes], task: bytes, what: str) -> bytes:
             continue
         seconds = time.monotonic() - began
         if seconds > limit_s:
-            raise _unreadable(what, f"the CAD kernel has not come to an end with it in {seconds:.0f} s")
-        note(f"{what}: the CAD kernel has been at work on it for {seconds:.0f} s")
+            raise _unreadable(what, f"the {by} has not come to an end with it in {seconds:.0f} s")
+        note(f"{what}: the {by} has been at work on it for {seconds:.0f} s")
 
 
 def _unreadable(what: str, why: str) -> CranktopoError:

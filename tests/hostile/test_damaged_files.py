@@ -63,6 +63,7 @@ WORK = (
     "cranktopo.tasks.fea.evaluation.condensed_stiffness",
     "cranktopo.tasks.importing.imported_body.mesh_step_for_stress",
     "cranktopo.tasks.importing.imported_body.tetrahedralise",
+    "cranktopo.tasks.importing.imported_body.in_child",
 )
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.child import tell_read
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import note
 from cranktopo.numerics.surfaces.files import write_stl
@@ -59,10 +60,13 @@ def crank_of_mesh(
 ) -> FoundBody:
     """Return the crank of a file of triangles, its distinct half throws written as `half-N.stl`.
 
+    Called in a child process: native code may not survive a damaged file.
+
     Raises:
         CranktopoError: no closed body, none that is a crank, or a unit that must be told.
     """
     meshes, assumed = mesh_solids(path, unit)
+    tell_read()
     solids = _solids(meshes)
     taken = chosen(solids, path, solid)
     mesh = meshes[taken.name]

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from cranktopo.base.child import in_child
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import as_path, write_json
 from cranktopo.base.notes import note
@@ -79,7 +80,7 @@ def _imported(
     path, *_, unfinished = find
     note(f"{path}: reading, finding axes and journals")
     found = (
-        crank_of_mesh(*find)
+        in_child(f"'{path}'", crank_of_mesh, *find, by="reader of triangles")
         if path.suffix.lower() in MESH_SUFFIXES
         else by_kernel(f"'{path}'", crank_by_kernel, *find)
     )

@@ -276,7 +276,7 @@ def mesh_target(target: Target, element_size_mm: float, graded: bool = True) -> 
         return mesh_throw(target.scene, element_size_mm, graded=graded)
     from cranktopo.tasks.importing.imported_body import mesh_file
 
-    return mesh_file(target.file, target.scene, element_size_mm, target.align)
+    return mesh_file(target.file, target.scene, element_size_mm, target.align, own=target.run is not None)
 
 
 def evaluation(fine: MeshResult, coarse: MeshResult | None, seconds: float) -> Evaluation:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.child import in_child, tell_read
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.frames import Z
 from cranktopo.base.notes import note
@@ -31,7 +32,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.surfaces.files import as_stored, read_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, shell_volumes_mm3, solid_of
-from cranktopo.numerics.tetrahedra.mesh import TetMesh, tetrahedralise
+from cranktopo.numerics.tetrahedra.mesh import TetMesh, Tetrahedra, tetrahedralise
 from cranktopo.tasks.importing.cad_body import (
     ALIKE,
     REACH,
@@ -54,17 +55,23 @@ _ROUNDING = 1e-6
 """How far single precision and the mesher may move an end section, over the pitch."""
 
 
-def mesh_file(path: Path, scene: Scene, element_size_mm: float, align: bool = False) -> MeshedThrow:
+def mesh_file(
+    path: Path, scene: Scene, element_size_mm: float, align: bool = False, *, own: bool = False
+) -> MeshedThrow:
     """Return the mesh of the half throw in an STL or STEP file.
 
     The file is in mm in the frame of `cranktopo.base.frames`, z from 0 to half the pitch; a STEP file may
     also hold the full throw. `align` moves a body that lies elsewhere to where the journals are.
 
+    Args:
+        own: the file is a run's, written by this program: an STL is meshed in this process, without the
+            second that another takes to begin.
+
     Raises:
         CranktopoError: not watertight, several bodies, not where the journals are, or no valid mesh.
     """
     if path.suffix.lower() == ".stl":
-        return _mesh_stl(path, scene, element_size_mm, align)
+        return _mesh_stl(path, scene, element_size_mm, align, own)
     return by_kernel(f"'{path}'", _mesh_step, path, scene, element_size_mm, align)
 
 
@@ -224,17 +231,24 @@ def _halved(occ: Any, body: DimTags, scene: Scene) -> bool:
     return True
 
 
-def _mesh_stl(path: Path, scene: Scene, size: float, align: bool) -> MeshedThrow:
+def _mesh_stl(path: Path, scene: Scene, size: float, align: bool, own: bool) -> MeshedThrow:
     surface, note = _half_throw(read_stl(path, str(path)), path, scene, align)
     body, half = solid_of(surface, str(path)), surface_properties(surface)
     mirrored = scene.effects.lateral_symmetry != "off" and is_mirror_image(body, ALIKE)
     if mirrored:
         cut = mesh_of(body.trim_by_plane((1.0, 0.0, 0.0), 0.0))
         surface = SurfaceMesh(_on_planes(cut.vertices_mm, scene, _ROUNDING), cut.faces)
-    points, cells = tetrahedralise(surface, size, partial(ring_size_mm, scene, size), str(path))
+    task = surface, size, scene, str(path)
+    points, cells = _filled(*task) if own else in_child(f"'{path}'", _filled, *task, by="mesher")
     points = np.ascontiguousarray(_on_planes(points.T, scene, _ROUNDING).T)
     web_volume = float(web_region(body, scene).volume())
     return MeshedThrow(TetMesh(points, cells, mirrored), half, web_volume, note)
+
+
+def _filled(surface: SurfaceMesh, size: float, scene: Scene, name: str) -> tuple[Array, Tetrahedra]:
+    """Return nodes and cells as `tetrahedralise`; native code may not survive triangles from elsewhere."""
+    tell_read()
+    return tetrahedralise(surface, size, partial(ring_size_mm, scene, size), name)
 
 
 def read_half_throw(path: Path, scene: Scene, align: bool = False) -> SurfaceMesh:
