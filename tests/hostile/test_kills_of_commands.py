@@ -44,6 +44,12 @@ COMMANDS: dict[str, list[str]] = {
     "bound": ["bound", DESIGN, *GOAL],
     "report": ["report", "run"],
     "extract": ["extract", "run", "--out", "extracted.stl", "--force"],
+    "film": ["film", "car-diesel"],
+    "rod": ["rod", "mikron-iiic-rod"],
+    "bolts": ["bolts", "mikron-iiic-rod-h"],
+    "balancer": ["balancer", "balancer-shaft"],
+    "crank drawing": ["drawing", "mikron-iiic-crank", "crank.pdf", "--force"],
+    "import": ["import", "throw.step", "--out", "imported"],
     "remodel": ["remodel", "run", "--no-evaluation", "--out", "remodelled"],
     "runs": ["runs", "list", "--root", "."],
     "doctor": ["doctor"],
@@ -53,6 +59,8 @@ COMMANDS: dict[str, list[str]] = {
     "shape": ["shape", DESIGN, "--minimise", "mass", "--limit", "torsion >= 95 %", "--out", OUT],
     "sweep": ["sweep", DESIGN, "--vary", "web.width_mm=50,52", *SMALL, "--workers", "1", "--out", OUT],
 }
+NEW = ("remodelled", "imported")
+"""Folders that a command makes at its end, and never over another."""
 LONG = {"iterate": 60.0, "shape": 60.0}
 """Commands that are killed in their first part alone, s."""
 KILLS = 200
@@ -71,8 +79,10 @@ def start(*arguments: str, cwd: Path) -> subprocess.Popen[str]:
 
 
 def prepared(folder: Path) -> None:
-    """A run and a body that other commands take."""
-    for line in ([*RUN, "--out", "run"], ["export", DESIGN, "body.step", "--part", "half"]):
+    """A run and bodies that other commands take."""
+    bodies = (("body.step", "half"), ("throw.step", "throw"))
+    exports = (["export", DESIGN, file, "--part", part] for file, part in bodies)
+    for line in ([*RUN, "--out", "run"], *exports):
         process = start(*line, cwd=folder)
         _, stderr = process.communicate(timeout=600)
         assert process.returncode in (0, 5), stderr
@@ -98,7 +108,8 @@ def killed(name: str, moment: float, number: signal.Signals, folder: Path) -> tu
         process.send_signal(signal.SIGABRT)  # faulthandler tells what every thread is at
         _, stderr = process.communicate(timeout=60)
         faults.append(f"does not end in {WAIT_S:.0f} s")
-    shutil.rmtree(folder / "remodelled", ignore_errors=True)  # where it was faster
+    for path in NEW:  # where it was faster
+        shutil.rmtree(folder / path, ignore_errors=True)
     code = process.returncode
     faults += [f"Traceback: {stderr[-3000:]}"] if "Traceback" in stderr else []
     loading = code == -number and not stderr.strip()  # before the program is loaded, nothing is to be saved
@@ -128,7 +139,7 @@ def campaign(names: list[str], kills: int, folder: Path) -> tuple[list[str], Cou
         if name not in LONG:
             faults += works(name, folder)
         seconds = LONG.get(name, time.monotonic() - began)
-        for path in (OUT, "remodelled"):
+        for path in (OUT, *NEW):
             shutil.rmtree(folder / path, ignore_errors=True)
         for number in range(kills // len(names) + 1):
             code, found = killed(name, draw.uniform(0, seconds), SIGNALS[number % 3], folder)
