@@ -17,7 +17,7 @@ from cranktopo.engine.plan.planning import note_left_off, plan_for_stress
 from cranktopo.runs.destination import check_folder
 from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
 from cranktopo.tasks.fatigue.criteria import safety_method, strengths_of
-from cranktopo.tasks.fatigue.needs import check_inputs, note_tangential
+from cranktopo.tasks.fatigue.needs import check_inputs, safety_left_off
 from cranktopo.tasks.fatigue.picture import save_fatigue_picture
 from cranktopo.tasks.fatigue.remarks import note_quality, note_yielding
 from cranktopo.tasks.fatigue.result import JudgedAs
@@ -100,8 +100,7 @@ def assess_by_methods(
         note_unused(target.name, target.scene.fatigue, methods)
     print_assumed([replace(one, assumed=assumed_by(one.assumed, methods)) for one in resolved], USED)
     for target in resolved:
-        note_left_off(target.name, target.scene, plan_for_stress(target.scene))
-        note_tangential(target.name, target.scene, loads)
+        note_left_off(target.name, safety_left_off(target.scene))
         note_strength(target.name, target.scene, strengths_of(methods))
         note_pressure(target.name, target.scene)
         spectrum = target.scene.fatigue.spectrum

@@ -9,6 +9,7 @@ from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import Loads, loads_name
 from cranktopo.tasks.refit.family import parameter_unit
+from cranktopo.tasks.shape.loads_told import loads_left_off
 from cranktopo.tasks.shape.result import (
     LimitPrice,
     RoundValues,
@@ -71,6 +72,7 @@ def assembled(
         in_shaft=in_shaft,
         unfinished=optimum.unfinished,
         balance=moved.told if moved else None,
+        left_off=loads_left_off(scene, loads) or None,
     )
 
 
