@@ -133,13 +133,12 @@ def _shaft(data):
 
 
 def _vibration(data):
-    if data["natural_frequencies_Hz"]:
-        yield "first natural frequency by disks", data["natural_frequencies_Hz"][0]
     sections = [one for one in data["sections"] if one["name"] == "throw 1 - throw 2"]
     yield "inertia of a throw that moves", data["disks"][0]["inertia_kg_m2"]
     yield "stiffness between the first throws", sections[0]["stiffness_Nm_per_rad"]
+    stiffer = (1 + data["damping"]["throw_loss_factor"] ** 2) ** 0.25  # what swings has |k (1 + i loss)|
+    yield "first natural frequency by disks", data["natural_frequencies_Hz"][0] / stiffer
     if all(disk["name"].startswith("throw ") for disk in data["disks"]):
-        stiffer = (1 + data["damping"]["throw_loss_factor"] ** 2) ** 0.25  # what swings has |k (1 + i loss)|
         yield "first natural frequency of the bare shaft", data["natural_frequencies_Hz"][0] / stiffer
 
 
