@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import as_path, write_json
-from cranktopo.base.notes import note
+from cranktopo.base.notes import Pace, note
 from cranktopo.design.assumed import Assumption, filter_by_table
 from cranktopo.design.strength import note_strength
 from cranktopo.engine.histories import HistoryKind
@@ -110,9 +111,10 @@ def assess_by_methods(
             note(f"{target.name}: {target.scene.fatigue.treatment}")
     resolved = [with_throw_stiffness(target) for target in resolved]
     local = [method for method in methods if method != "m53"]
-    solved = [
-        _fields(one, local, loads, fillet_fraction, both_worlds=both_worlds) for one in resolved if local
-    ]
+    fields_of = partial(
+        _fields, methods=local, loads=loads, fillet_fraction=fillet_fraction, both_worlds=both_worlds
+    )
+    solved = _solved(resolved, fields_of) if local else []
     for target, own in zip(resolved, solved, strict=False):
         _note_fields(target, own)
     fields = dict(zip(local, zip(*solved, strict=True), strict=True))
@@ -124,6 +126,16 @@ def assess_by_methods(
         )
         for method in methods
     ]
+
+
+def _solved(
+    targets: Sequence[Target], fields_of: Callable[[Target], tuple[FatigueField, ...]]
+) -> list[tuple[FatigueField, ...]]:
+    pace, found = Pace("fatigue", len(targets)), list[tuple[FatigueField, ...]]()
+    for target in targets:
+        pace.begin(target.name)
+        found.append(fields_of(target))
+    return found
 
 
 def _assumed(targets: Sequence[Target], method: FatigueMethod) -> tuple[tuple[Assumption, ...], ...]:
