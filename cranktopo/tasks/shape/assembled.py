@@ -42,6 +42,7 @@ def assembled(
     outcome = goal_outcome(goal, result.web.values, original.values)
     table, on_cells = _sensitivities(scene, optimum), quantity_on_cells(goal)
     moved = balance_moved(scene, result.web.values, original.values)
+    both: Loads | None = "extremes" if in_shaft and scene.effects.continuous_shaft == "auto" else None
     missed = any(limit.holds is False for limit in outcome.limits) or not (in_shaft is None or in_shaft.held)
     return ShapeResult(
         design=scene.name,
@@ -72,7 +73,7 @@ def assembled(
         in_shaft=in_shaft,
         unfinished=optimum.unfinished,
         balance=moved.told if moved else None,
-        left_off=loads_left_off(scene, loads) or None,
+        left_off=loads_left_off(scene, both or loads) or None,
     )
 
 

@@ -140,7 +140,8 @@ def shape_design(
         histories_of(scene, settings.loads, stress.enabled)  # refuses loads that the scene does not tell
     assumed = assumptions(scene, TABLES)
     if not isinstance(settings.loads, WebLoads):  # of the webs of a shaft it is told once
-        note_loads(scene, settings.loads, assumed)
+        shaft_alone = scene.effects.continuous_shaft == "on" and not left_alone(scene, goal)
+        note_loads(scene, None if shaft_alone else settings.loads, assumed)
         if asks_for_shaft(scene, goal, settings) and (why := left_alone(scene, goal)):
             note(f"{scene.name}: effect continuous_shaft has no part here, as {why}: a throw is alone")
     if isinstance(begun, RunStore):
