@@ -5,13 +5,13 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 
-from cranktopo import LoadCase, MeshRequest, evaluate_target, load_cases, load_scene
+from cranktopo import LoadCase, MeshRequest, evaluate_target, load_cases, load_scene, with_values
 
 out = Path(sys.argv[1] if sys.argv[1:] else "examples/out")
 out.mkdir(parents=True, exist_ok=True)
 
 scene = load_scene("mikron-iiic")
-unit = load_cases(scene.model_copy(update={"engine": None}))  # without an engine: 1000 N and 1 N m
+unit = load_cases(with_values(scene, {"engine": None}))  # without an engine: 1000 N and 1 N m
 own = (
     LoadCase(
         name="hydraulic lock", kind="bending", radial_N=60_000.0, source="estimate of the cylinder's strength"

@@ -202,8 +202,8 @@ loads_option = click.option(
     type=Choice(["extremes", "cycle"]),
     default="extremes",
     show_default=True,
-    help="Of fatigue: extremes of radial force and torque joined, which bounds these, or every angle of the "
-    "cycle, with the tangential force too.",
+    help="Of fatigue: extremes of radial force and torque joined, which bounds these, beside few states that "
+    "bound each cycle where the plan has a tangential force; or every angle of the cycle.",
 )
 
 

@@ -14,12 +14,14 @@ from cranktopo.base.units import NMM_PER_NM, angular_speed_rad_s
 from cranktopo.design.engine import Engine
 from cranktopo.design.misfire import all_firing
 from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import Cycle, LoadAnalysis, analyse, at_speed, at_worst_speed, engine_of
+from cranktopo.engine.analysis import Cycle, LoadAnalysis, analyse, at_worst_speed, engine_of
 from cranktopo.engine.forces import ThrowForces
 from cranktopo.engine.load_case import LOAD_TYPES
 from cranktopo.engine.states import ExtremeState, extreme_states
 
 HistoryKind = Literal["extremes", "cycle"]
+CURVES = ("radial_N", "tangential_N", "torque_Nm", "angular_speed_rad_s")
+"""Attributes of a history with a value for each state."""
 _STEP_DEG = 1.0
 
 
@@ -73,27 +75,6 @@ def loads_name(loads: Loads) -> LoadsName:
     return "shaft" if isinstance(loads, WebLoads) else loads
 
 
-def histories_of(scene: Scene, loads: Loads, enabled: frozenset[str]) -> Sequence[LoadHistory]:
-    """Return the load histories that are judged one by one; errors as of `load_history`."""
-    return [one for of_speed in histories_by_speed(scene, loads, enabled) for one in of_speed]
-
-
-def histories_by_speed(
-    scene: Scene, loads: Loads, enabled: frozenset[str]
-) -> tuple[Sequence[LoadHistory], ...]:
-    """Return the histories of the engine's speed, and those of its overspeed where it has one.
-
-    The pull of the masses grows with the square of the speed. The rule of a classification society judges the
-    first alone. Those of webs in their shaft belong together, whatever their speeds.
-    """
-    if isinstance(loads, WebLoads):
-        return (loads.histories,)
-    rated, engine = rated_histories(scene, loads, enabled), engine_of(scene)
-    if engine.overspeed_rpm is None or engine.overspeed_rpm == engine.speed_rpm:
-        return (rated,)
-    return rated, _at_overspeed(scene, engine.overspeed_rpm, loads, enabled)
-
-
 def rated_histories(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> Sequence[LoadHistory]:
     """Return the histories of the engine's speed, and of a vibrating shaft of its worst speed too.
 
@@ -106,23 +87,6 @@ def rated_histories(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) ->
 def speed_words(speed_rpm: float) -> str:
     """Return the end of the label of a load state that tells its speed."""
     return f", {speed_rpm:.0f} rpm"
-
-
-def _at_overspeed(
-    scene: Scene, speed_rpm: float, kind: HistoryKind, enabled: frozenset[str]
-) -> list[LoadHistory]:
-    """Return the histories of the highest speed; torques of a vibrating shaft are the worst of all speeds."""
-    at = at_speed(all_firing(scene), speed_rpm)
-    if kind == "cycle":
-        found = throw_histories(at, enabled)
-    else:
-        told = scene if "torsional_vibration" in enabled else at
-        extremes = extreme_states(all_firing(told), enabled)
-        found = [_without(joined_extremes(analyse(at, enabled), extremes), enabled)]
-    return [
-        replace(one, labels=tuple(f"{label}{speed_words(speed_rpm)}" for label in one.labels))
-        for one in found
-    ]
 
 
 def load_history(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> LoadHistory:
@@ -248,6 +212,11 @@ def joined_extremes(
     )
 
 
+def extremes_at(scene: Scene, extremes: Sequence[ExtremeState], enabled: frozenset[str]) -> LoadHistory:
+    """Return the joined extremes of a scene at its own speed, with torques that may be those of another."""
+    return _without(joined_extremes(analyse(scene, enabled), extremes), enabled)
+
+
 def _radial_extremes_N(
     analysis: LoadAnalysis, others: Sequence[Cycle], given_N: float
 ) -> tuple[float, float]:
@@ -271,8 +240,7 @@ def throw_histories(scene: Scene, enabled: frozenset[str]) -> list[LoadHistory]:
 
 
 def _joined(parts: Sequence[LoadHistory]) -> LoadHistory:
-    names = ("radial_N", "tangential_N", "torque_Nm", "angular_speed_rad_s")
-    joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in CURVES}
     return LoadHistory(**joined, labels=tuple(label for part in parts for label in part.labels))
 
 

@@ -65,6 +65,11 @@ class Page:
         return tuple(sorted(self.facts, key=lambda fact: fact.status != "bad"))
 
 
+def left_off_first(left_off: str | None, headline: str) -> str:
+    """Return a headline with the effects that are left out in front of it, if there are any."""
+    return f"{left_off[0].upper()}{left_off[1:]}. {headline}" if left_off else headline
+
+
 def origin_rows(manifest: Mapping[str, Any]) -> list[tuple[str, Any]]:
     """Return where a run comes from, for `pairs`: its command, start, settings and input files."""
     inputs = manifest.get("inputs", {}).items()

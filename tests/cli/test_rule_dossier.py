@@ -63,6 +63,7 @@ def test_a_dossier_says_first_that_a_throw_is_not_accepted(tmp_path: Path) -> No
     text = path.read_text(encoding="utf-8").replace("\\", "")
     assert "is NOT accepted" in text
     assert "Q = 1.145 at the journal, 1.15 asked" in text
+    assert "above the threshold of 2 %: tangential 25" in text.split("\n## ")[0]
     assert row(text, "journal")[1:] == ["elements", "200.0", "229.0", "1.145", "0.046", "no"]
     assert row(text, "RH")[2] == "2.50"
     assert row(text, "overlap / pin diameter")[1:] == ["-0.143", "any", "0.5", "yes"]
@@ -75,6 +76,24 @@ def test_a_dossier_says_first_that_a_throw_is_not_accepted(tmp_path: Path) -> No
     assert row(text, "manufacturing constraint")[3].startswith("optimise.process is forged; a die that")
     assert "signature" in text
     assert list((tmp_path / "dossier-pictures").glob("drawing.png"))
+
+
+def test_a_difference_of_the_sets_beyond_the_error_is_told_on_the_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    weak = {"pin": FilletCheck(200.0, 226.0), "journal": FilletCheck(200.0, 240.0)}
+    strong = {"pin": FilletCheck(200.0, 240.0), "journal": FilletCheck(200.0, 240.0)}
+
+    def check(target: Target, *_: object) -> tuple[RuleCheck, ...]:
+        return tuple(replace(one, rule_checks=weak, fem_checks=strong, outside=()) for one in checked(target))
+
+    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", check)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.dossier._drawings", lambda _: ())
+    path = tmp_path / "dossier.md"
+    assert main(["fatigue", "mikron-iiic-plain", "--method", "m53", "--report", str(path), "--quiet"]) == 6
+    text = path.read_text(encoding="utf-8").replace("\\", "")
+    assert "The sets differ at the pin fillet: Q 1.130 by polynomials, 1.200 by elements (+6.2 %" in text
+    assert "The sets differ at the journal" not in text
 
 
 def test_a_material_that_the_rule_does_not_cover_is_said_first_and_not_accepted(

@@ -130,9 +130,9 @@ def test_roller_bearing_stiffness_in_a_scene():
 def test_gear_of_the_balancer_shaft():
     """Kral prints 112.2, 43.4 and 40.8 N at 2460 rpm on a radius of 34.586 mm.
 
-    Power and angles are not in the data at hand: 1 kW, a helix of 20 deg and a pressure angle of 20 deg are
-    the round values that give all three forces, to 0.2 %. The printed forces of the counterweights cannot be
-    reproduced: neither their masses nor radii are there.
+    Helix and pressure angle are printed, 20 deg each. The power is not: 1 kW is the round value that gives
+    all three forces, to 0.2 %. The printed forces of the counterweights cannot be reproduced: neither their
+    masses nor radii are there.
     """
     gear = Gear(power_kW=1.0, pitch_radius_mm=34.586, helix_deg=20.0, pressure_deg=20.0)
     forces = gear_forces(gear, 2460 * math.pi / 30)

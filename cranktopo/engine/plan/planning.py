@@ -82,20 +82,29 @@ def plan_for_stress(scene: Scene) -> PhysicsPlan:
     return _plan(weighted, CostRates(), None, _file_states(scene), for_stress=True)
 
 
-def left_off(scene: Scene, effects: PhysicsPlan) -> str:
-    """Name the loads that are off although they are above the scene's threshold; empty where none is."""
+def left_off(scene: Scene, effects: PhysicsPlan, among: Collection[str] = frozenset(_LOADS)) -> str:
+    """Name the loads that are off although they are above the scene's threshold; empty where none is.
+
+    Args:
+        among: the loads that count only where the plan has them on.
+    """
     threshold = 100 * scene.effects.threshold
     off = [
         f"{effect.name} {effect.estimate_percent:.3g} % ({effect.reason.split('; ')[0]})"
         for effect in effects.effects
-        if effect.name in _LOADS and effect.state == "off" and (effect.estimate_percent or 0.0) >= threshold
+        if effect.name in among and effect.state == "off" and (effect.estimate_percent or 0.0) >= threshold
     ]
     return f"left out although above the threshold of {threshold:g} %: {', '.join(off)}" if off else ""
 
 
-def note_left_off(name: str, scene: Scene, effects: PhysicsPlan) -> None:
+def stress_left_off(scene: Scene) -> str:
+    """Name what `left_off` does of stress and fatigue of a throw that stands alone."""
+    return left_off(scene, plan_for_stress(scene))
+
+
+def note_left_off(name: str, missing: str | None) -> None:
     """Tell in a line under this name what `left_off` names, if anything."""
-    if missing := left_off(scene, effects):
+    if missing:
         note(f"{name}: {missing}")
 
 

@@ -45,7 +45,7 @@ def _as_wanted(estimate: Estimate, goal: Goal, kind: LoadKind) -> Estimate:
         users += _users_of_stress(goal)
     if not users:
         absent, changes = "neither goal nor limits need it", "nothing"
-        if kind == "centrifugal" and _users_of_stress(goal):
+        if kind in ("centrifugal", "tangential") and _users_of_stress(goal):
             told = "fatigue safety" if _wants_safety(goal) else "stress"
             absent, changes = f"{absent} on cells: the {told} counts it", f"{changes} on cells"
         return replace(estimate, changes=changes, absent=absent, needed="")

@@ -33,6 +33,7 @@ from cranktopo.tasks.compare.result import Comparison
 from cranktopo.tasks.compare.text import (
     comparison_tables,
     fillet_lines,
+    left_off_lines,
     method_lines,
     safety_method,
     safety_places,
@@ -112,7 +113,14 @@ def comparison_page(record: ComparisonRecord) -> Page:
     return Page(
         title=f"{', '.join(others)} against {base}",
         subtitle=f"Evaluated with quadratic tetrahedra on {record.written[:10]}",
-        headline=" ".join((_headline(comparison), *fillet_lines(comparison.bare), *comparison.pitches)),
+        headline=" ".join(
+            (
+                *left_off_lines(comparison),
+                _headline(comparison),
+                *fillet_lines(comparison.bare),
+                *comparison.pitches,
+            )
+        ),
         facts=(*_facts(comparison), undercut_fact(record.undercuts, len(bodies))),
         sections=(
             _variants(comparison, record.undercuts, record.bound),

@@ -15,6 +15,7 @@ from cranktopo.tasks.compare.text import (
     comparison_tables,
     fillet_lines,
     flat_table,
+    left_off_lines,
     method_lines,
     safety_method,
     safety_places,
@@ -50,7 +51,7 @@ def comparison_text(comparison: Comparison, form: str) -> str:
         return comma_separated(flat_table(comparison))
     by = _FORMS[form]
     tables = [by.table(table) for table in comparison_tables(comparison)]
-    above = [*fillet_lines(comparison.bare), *comparison.pitches]
+    above = [*left_off_lines(comparison), *fillet_lines(comparison.bare), *comparison.pitches]
     below = [*by.last, *star_lines(comparison), *method_lines(comparison)]
     parts = [*by.first, *map(by.line, above), *tables, *map(by.line, below), *_verdicts(comparison, by)]
     return "\n\n".join([*parts, *_goals(comparison, by)])

@@ -170,6 +170,12 @@ def safety_method(comparison: Comparison) -> list[str]:
     return [f"fatigue_safety in limits is by {comparison.fatigue.result.method}, the first method asked for."]
 
 
+def left_off_lines(comparison: Comparison) -> list[str]:
+    """Return a line for every target whose safety leaves out loads above the threshold."""
+    told = (entry for one in comparison.fatigues for entry in one.result.fatigue if entry.left_off)
+    return list(dict.fromkeys(f"{entry.target}: {entry.left_off}." for entry in told))
+
+
 def safety_places(fatigue: FatigueComparison) -> list[str]:
     """Return the line that names the place of the least safety of each target; none by the rule."""
     places = [

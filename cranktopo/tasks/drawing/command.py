@@ -19,6 +19,17 @@ if TYPE_CHECKING:
     from cranktopo.design.schema import Scene
 
 
+_DRAWN = ("throw", "raw")
+"""Parts with a sheet of their own."""
+_WHOLE = "cranktopo drawing DESIGN FILE draws the whole crank"
+_ITS_SHEET = {
+    "crankshaft": _WHOLE,
+    "raw_crankshaft": f"{_WHOLE}, the raw one on page 2 of a PDF",
+    "rod": "cranktopo rod DESIGN --drawing FILE draws it",
+}
+_NO_SHEET = "it has no workshop drawing of its own, only .step and .stl"
+
+
 @click.command()
 @click.argument("design", shell_complete=designs)
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
@@ -38,7 +49,7 @@ def command(
 
     The volume is checked against the closed form, and a STEP file is read back before it counts as written.
     The drawing is an A3 sheet at a true scale, dimensions in mm; of halves that differ, one each. With
-    [forging] another one shows the raw part. A PDF has a page for each sheet.
+    [forging] another one shows the raw part; --part raw draws that alone. A PDF has a page for each sheet.
 
     Example: cranktopo export mikron-iiic throw.step
     """
@@ -58,7 +69,7 @@ def command(
     if assumed:
         note(assumed_text(assumed))
     if file.suffix.lower() in PLOTS:
-        click.echo(f"{file}: workshop drawing, {_drawn(scene, file)}")
+        click.echo(f"{file}: workshop drawing, {_drawn(scene, file, part)}")
         return
     from cranktopo.bodies.solid.files import export_solid
 
@@ -66,11 +77,14 @@ def command(
     click.echo(f"{file}: {part}, {volume:.1f} mm3{_of_raw(scene, part)}")
 
 
-def _drawn(scene: Scene, file: Path) -> str:
-    """Draw the throw, and its raw part where it has one; return the sheets in words."""
-    from cranktopo.tasks.drawing.raw_sheet import raw_pages
+def _drawn(scene: Scene, file: Path, part: SolidPart) -> str:
+    """Draw the throw, and its raw part where it has one, or that alone; return the sheets in words."""
+    from cranktopo.tasks.drawing.raw_sheet import raw_pages, write_raw_drawing
     from cranktopo.tasks.drawing.sheet import export_drawing, throw_sheets
 
+    if part == "raw":
+        halves = write_raw_drawing(scene, file)
+        return f"raw part, {_sheets_in_words(halves, 0, paged=file.suffix.lower() == '.pdf')}"
     sheets = throw_sheets(scene)
     more = raw_pages(scene, sheets)
     export_drawing(scene, file, sheets, more)
@@ -107,8 +121,8 @@ def _of_raw(scene: Scene, part: SolidPart) -> str:
 def _check_options(suffix: str, part: SolidPart, facet_mm: float | None) -> None:
     if facet_mm is not None and suffix != ".stl":
         raise click.UsageError(f"--facet-mm is the size of STL facets, and {suffix} has none: leave it out")
-    if part != "throw" and suffix in PLOTS:
+    if part not in _DRAWN and suffix in PLOTS:
         raise click.UsageError(
-            f"--part {part}: a workshop drawing shows the throw with its web; leave --part out, give a "
-            ".step or .stl file, or draw the whole crank with cranktopo drawing"
+            f"--part {part}: {_ITS_SHEET.get(part, _NO_SHEET)}; export draws the throw with its web, or with "
+            "--part raw its raw part"
         )

@@ -5,12 +5,14 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError
+from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.base.files import replacing
 from cranktopo.base.notes import note
 from cranktopo.bodies.raw_part import forging_of, machined_of_half, raw_mass_kg
 from cranktopo.bodies.solid.files import cut_in_halves, surface_of
@@ -27,7 +29,7 @@ from cranktopo.report.drafting import (
     hatched,
     leader,
 )
-from cranktopo.tasks.drawing.sheet import SheetPage
+from cranktopo.tasks.drawing.sheet import SheetPage, throw_sheets, write_pages
 from cranktopo.tasks.drawing.views import Room, Sheet, section_x, section_y, silhouette
 from cranktopo.throw.raw_part.half import raw_half
 
@@ -135,6 +137,20 @@ def raw_pages(scene: Scene, sheets: Sequence[Sheet]) -> list[SheetPage]:
     except CranktopoError as error:
         note(f"the drawing has no sheet of the raw part: {error.message}")
         return []
+
+
+def write_raw_drawing(scene: Scene, path: Path) -> int:
+    """Write the sheets of the raw part alone (.pdf, .svg or .png) and return how many there are.
+
+    Raises:
+        CranktopoError: no `[forging]`, or a raw part that the kernel cannot build.
+    """
+    if scene.forging is None:
+        raise invalid("forging", None, "a raw part needs one", "Add a [forging] table.")
+    pages = _pages(scene, throw_sheets(scene))
+    with replacing(path) as temporary:
+        write_pages(pages, scene.name, [temporary])
+    return len(pages)
 
 
 def _pages(scene: Scene, sheets: Sequence[Sheet]) -> list[SheetPage]:

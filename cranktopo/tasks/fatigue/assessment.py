@@ -13,6 +13,7 @@ from cranktopo.tasks.fatigue.criteria import strengths_of
 from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, FilletCheck
 from cranktopo.tasks.fatigue.m53_outlet import OutletCheck
+from cranktopo.tasks.fatigue.needs import safety_left_off
 from cranktopo.tasks.fatigue.result import (
     FatigueResult,
     FieldFatigue,
@@ -73,11 +74,7 @@ class FatigueAssessment:
             for one, told, by in zip(results, self.assumed, map(_treatment, self.targets), strict=True)
         ]
         entries = [
-            entry.model_copy(
-                update={
-                    "strength_remarks": strength_remarks(target.scene, strengths_of([self.method])) or None
-                }
-            )
+            entry.model_copy(update=self._remarks(target))
             for entry, target in zip(entries, self.targets, strict=True)
         ]
         return FatigueResult(
@@ -87,6 +84,13 @@ class FatigueAssessment:
             fatigue=tuple(entries),
             percent_of_baseline=None if baseline is None else percent_of_baseline(results, baseline),
         )
+
+    def _remarks(self, target: Target) -> dict[str, Any]:
+        scene = target.scene
+        return {
+            "strength_remarks": strength_remarks(scene, strengths_of([self.method])) or None,
+            "left_off": safety_left_off(scene) or None,
+        }
 
     def compared(self) -> FatigueComparison:
         """Return its share of a comparison, of two different webs the worse one."""

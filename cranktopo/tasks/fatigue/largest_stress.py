@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
-from cranktopo.engine.histories import HistoryKind, histories_of
+from cranktopo.engine.histories import HistoryKind
+from cranktopo.engine.judged_histories import histories_of
 from cranktopo.tasks.fatigue.criterion import larger_end_MPa
 from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.safety_field import FatigueField, unit_loads

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.notes import note
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import Loads, WebLoads, histories_of
+from cranktopo.engine.histories import Loads, WebLoads
+from cranktopo.engine.judged_histories import counts_tangential, histories_of
 from cranktopo.engine.load_case import LoadKind
-from cranktopo.engine.plan.planning import plan_for_stress
+from cranktopo.engine.plan.planning import plan_for_stress, stress_left_off
 from cranktopo.tasks.fatigue.criteria import safety_method
 from cranktopo.tasks.fatigue.stress_model import check_fillets
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind
+from cranktopo.tasks.shaft.stage import shaft_left_off
 
 _EVERY: tuple[LoadKind, ...] = ("bending", "tangential", "torsion", "centrifugal")
 _IN_SHAFT: tuple[FieldKind, ...] = ("moment", "side_moment", *_EVERY)
@@ -66,22 +67,29 @@ def check_loads(target: Target, kind: Loads) -> None:
 def load_kinds(scene: Scene, kind: Loads) -> tuple[frozenset[str], tuple[FieldKind, ...]]:
     """Effects that the plan of a scene switches on for stress, and the loads to be solved.
 
-    The extreme states hold radial force and torque; the tangential force acts in the cycle alone. A web in
-    its shaft has every load, and moments of its neighbours.
+    The tangential force acts in the cycle alone: it counts where that is known. A web in its shaft has every
+    load, and moments of its neighbours.
     """
     if isinstance(kind, WebLoads):
         return frozenset(_EVERY), _IN_SHAFT
     enabled = plan_for_stress(scene).enabled
-    possible: tuple[LoadKind, ...] = ("bending", "torsion", "centrifugal")
-    if kind == "cycle":
-        possible = _EVERY
-    return enabled, tuple(k for k in possible if k in enabled)
+    left_out = set() if counts_tangential(scene, kind, enabled) else {"tangential"}
+    return enabled, tuple(k for k in _EVERY if k in enabled - left_out)
 
 
-def note_tangential(name: str, scene: Scene, kind: Loads) -> None:
-    """Tell that joined extremes leave out a tangential force that the plan has on: some places have less."""
-    if kind == "extremes" and "tangential" in plan_for_stress(scene).enabled:
-        note(
-            f"{name}: joined extremes leave out the tangential force, which the plan has on: with it, places "
-            "may have less than is told (--loads cycle)"
-        )
+def safety_left_off(scene: Scene) -> str:
+    """Name the loads that a safety leaves out although they are above the threshold; empty where none is."""
+    return shaft_left_off(scene) if scene.effects.continuous_shaft == "on" else alone_left_off(scene)
+
+
+def alone_left_off(scene: Scene) -> str:
+    """Name the same of a throw that stands alone."""
+    return "; ".join(filter(None, (stress_left_off(scene), _without_cycle(scene))))
+
+
+def _without_cycle(scene: Scene) -> str:
+    """Name a tangential force that the plan has on and no cycle tells; empty else."""
+    enabled = plan_for_stress(scene).enabled
+    if "tangential" not in enabled or counts_tangential(scene, "extremes", enabled):
+        return ""
+    return "left out although the plan has it on: tangential (its cycle needs [engine.gas])"

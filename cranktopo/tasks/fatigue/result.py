@@ -203,6 +203,8 @@ class _TargetFatigue(Result):
     unproven elements among it."""
     strength_remarks: tuple[str, ...] | None = UNLESS_NONE
     """Limits of what the strengths of the material hold for, such as the section of the crank."""
+    left_off: str | None = UNLESS_NONE
+    """Loads that the safety does not count although they are above the threshold, in words."""
 
 
 class FieldFatigue(_TargetFatigue):

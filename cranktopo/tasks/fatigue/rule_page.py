@@ -11,6 +11,7 @@ from cranktopo.design.strength import strength_remarks
 from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
+from cranktopo.engine.plan.planning import left_off
 from cranktopo.engine.vibration.barred import runs_barred
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.page import (
@@ -86,7 +87,9 @@ def rule_page(record: RuleRecord) -> Page:
     return Page(
         title=f"Crankshaft {record.name} against IACS UR M53",
         subtitle=f"Document {record.document}. Calculation of the crank throw, {record.written[:10]}",
-        headline=" ".join([_headline(checks), *_barred(record.vibration), *_strength(record)]),
+        headline=" ".join(
+            [_headline(checks), *_left_off(record), *_barred(record.vibration), *_strength(record)]
+        ),
         facts=tuple(fact for check in checks for fact in _facts(check)),
         sections=(
             *_each(checks, _acceptability),
@@ -117,6 +120,12 @@ def _each(checks: Sequence[RuleCheck], section: Callable[[RuleCheck], Section]) 
 
 def _of_web(check: RuleCheck) -> str:
     return f", {check.web}" if check.web else ""
+
+
+def _left_off(record: RuleRecord) -> list[str]:
+    """Return in a sentence the loads that are off although above the threshold, if any."""
+    missing = left_off(record.scene, record.effects)
+    return [f"{missing[0].upper()}{missing[1:]}."] if missing else []
 
 
 def _headline(checks: Sequence[RuleCheck]) -> str:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import as_path, write_json
-from cranktopo.base.notes import note
+from cranktopo.base.notes import Pace, note
 from cranktopo.design.assumed import Assumption, filter_by_table
 from cranktopo.design.strength import note_strength
 from cranktopo.engine.histories import HistoryKind
@@ -17,7 +18,7 @@ from cranktopo.engine.plan.planning import note_left_off, plan_for_stress
 from cranktopo.runs.destination import check_folder
 from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
 from cranktopo.tasks.fatigue.criteria import safety_method, strengths_of
-from cranktopo.tasks.fatigue.needs import check_inputs, note_tangential
+from cranktopo.tasks.fatigue.needs import check_inputs, safety_left_off
 from cranktopo.tasks.fatigue.picture import save_fatigue_picture
 from cranktopo.tasks.fatigue.remarks import note_quality, note_yielding
 from cranktopo.tasks.fatigue.result import JudgedAs
@@ -100,8 +101,7 @@ def assess_by_methods(
         note_unused(target.name, target.scene.fatigue, methods)
     print_assumed([replace(one, assumed=assumed_by(one.assumed, methods)) for one in resolved], USED)
     for target in resolved:
-        note_left_off(target.name, target.scene, plan_for_stress(target.scene))
-        note_tangential(target.name, target.scene, loads)
+        note_left_off(target.name, safety_left_off(target.scene))
         note_strength(target.name, target.scene, strengths_of(methods))
         note_pressure(target.name, target.scene)
         spectrum = target.scene.fatigue.spectrum
@@ -111,9 +111,10 @@ def assess_by_methods(
             note(f"{target.name}: {target.scene.fatigue.treatment}")
     resolved = [with_throw_stiffness(target) for target in resolved]
     local = [method for method in methods if method != "m53"]
-    solved = [
-        _fields(one, local, loads, fillet_fraction, both_worlds=both_worlds) for one in resolved if local
-    ]
+    fields_of = partial(
+        _fields, methods=local, loads=loads, fillet_fraction=fillet_fraction, both_worlds=both_worlds
+    )
+    solved = _solved(resolved, fields_of) if local else []
     for target, own in zip(resolved, solved, strict=False):
         _note_fields(target, own)
     fields = dict(zip(local, zip(*solved, strict=True), strict=True))
@@ -125,6 +126,16 @@ def assess_by_methods(
         )
         for method in methods
     ]
+
+
+def _solved(
+    targets: Sequence[Target], fields_of: Callable[[Target], tuple[FatigueField, ...]]
+) -> list[tuple[FatigueField, ...]]:
+    pace, found = Pace("fatigue", len(targets)), list[tuple[FatigueField, ...]]()
+    for target in targets:
+        pace.begin(target.name)
+        found.append(fields_of(target))
+    return found
 
 
 def _assumed(targets: Sequence[Target], method: FatigueMethod) -> tuple[tuple[Assumption, ...], ...]:

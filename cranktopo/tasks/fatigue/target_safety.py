@@ -10,7 +10,8 @@ import numpy as np
 
 from cranktopo.base.arrays import Array, Index
 from cranktopo.base.notes import note
-from cranktopo.engine.histories import HistoryKind, LoadHistory, WebLoads, histories_of
+from cranktopo.engine.histories import HistoryKind, LoadHistory, WebLoads
+from cranktopo.engine.judged_histories import histories_of
 from cranktopo.tasks.fatigue.criteria import safety_method
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.needs import check_method, load_kinds

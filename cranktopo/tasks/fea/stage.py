@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.notes import note
+from cranktopo.base.notes import Pace, note
 from cranktopo.design.assumed import EVALUATED, assumed_text, filter_by_table
 from cranktopo.tasks.fea.evaluation import Evaluation, evaluate
 from cranktopo.tasks.fea.levels import ErrorTarget, evaluate_to
@@ -61,7 +61,9 @@ def evaluate_targets(targets: Sequence[TargetLike], wanted: MeshRequest | None =
     evaluations, missed = [], []
     resolved = resolve_targets(targets, whole=True)
     print_assumed(resolved, EVALUATED)
+    pace = Pace("evaluation", len(resolved))
     for target in resolved:
+        pace.begin(target.name)
         evaluation, reached = _evaluate(target, wanted or MeshRequest())
         evaluations.append(evaluation)
         missed += [] if reached else [f"{target.name} ({evaluation.error_percent:.2f} %)"]

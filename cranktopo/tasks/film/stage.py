@@ -41,6 +41,7 @@ class LoadedBearing:
         load_N: on the journal, toward where it moves, in a frame that stands still.
         sleeve: angular speed of what is around the journal, over that of the shaft.
         number: how many bearings are like it.
+        largest: largest load, N, and its angle, deg, where `load_N` is of fewer angles than are known.
     """
 
     name: str
@@ -48,6 +49,7 @@ class LoadedBearing:
     load_N: Complex
     sleeve: Array
     number: int = 1
+    largest: tuple[float, float] | None = None
 
 
 def oil_films(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> FilmResult:
@@ -149,11 +151,22 @@ def _loaded_bearings(scene: Scene) -> tuple[list[LoadedBearing], Array]:
     angle = loads.angle_deg[::step]
     still = np.zeros_like(angle)
     every = [
-        LoadedBearing(f"main {number + 1}", main_bearing(scene, number), load[::step], still)
+        LoadedBearing(
+            f"main {number + 1}",
+            main_bearing(scene, number),
+            load[::step],
+            still,
+            largest=_largest(load, loads.angle_deg),
+        )
         for number, load in zip(carried(scene), loads.load_N, strict=True)
     ]
     every.append(_loaded_big_end(scene, step))
     return every, angle
+
+
+def _largest(load_N: Complex, angle_deg: Array) -> tuple[float, float]:
+    most = int(np.abs(load_N).argmax())
+    return float(np.abs(load_N[most])), float(angle_deg[most])
 
 
 def _journal(loaded: LoadedBearing, scene: Scene, angle_deg: Array) -> LoadedJournal:
@@ -163,13 +176,12 @@ def _journal(loaded: LoadedBearing, scene: Scene, angle_deg: Array) -> LoadedJou
 
 
 def _film(loaded: LoadedBearing, steady: Orbit) -> BearingFilm:
-    load, bearing = np.abs(loaded.load_N), loaded.bearing
-    angle = steady.angle_deg
+    bearing, angle = loaded.bearing, steady.angle_deg
 
     def at(values: Array, index: int) -> tuple[float, float]:
         return float(values[index]), float(angle[index])
 
-    most, most_deg = at(load, int(load.argmax()))
+    most, most_deg = loaded.largest or _largest(loaded.load_N, angle)
     film, film_deg = at(steady.film_mm, int(steady.film_mm.argmin()))
     pressure, pressure_deg = at(steady.pressure_MPa, int(steady.pressure_MPa.argmax()))
     return BearingFilm(
@@ -226,10 +238,11 @@ def _loaded_big_end(scene: Scene, step: int) -> LoadedBearing:
     angle = np.radians(angle_deg[::step])
     w2 = angular_speed_rad_s(engine.speed_rpm) ** 2
     spinning = engine.rod_rotating_kg * scene.throw.radius_mm / MM_PER_M * w2
-    on_pin = (rod[::step] + spinning) * unit_vectors(angle_deg[::step])
+    on_pin = (rod + spinning) * unit_vectors(angle_deg)
     ratio = scene.throw.radius_mm / engine.rod_length_mm
     swing = -ratio * np.cos(angle) / np.sqrt(1 - (ratio * np.sin(angle)) ** 2)
-    return LoadedBearing("big end", big_end(scene), -on_pin, swing, engine.cylinders)
+    largest = _largest(on_pin, angle_deg)
+    return LoadedBearing("big end", big_end(scene), -on_pin[::step], swing, engine.cylinders, largest)
 
 
 def _assumed(scene: Scene, table: PlainBearings) -> tuple[Assumption, ...]:

@@ -18,6 +18,7 @@ from cranktopo.report.page import (
     Section,
     assumed_tables,
     counted,
+    left_off_first,
     origin_rows,
     pairs,
     versions_section,
@@ -53,7 +54,7 @@ def iterate_page(loop: LoopResult, manifest: Mapping[str, Any], bodies: tuple[Sh
     return Page(
         title=f"Loop over the crank web of {loop.design}",
         subtitle=f"Loop {manifest['run']}, {manifest['started'][:10]}",
-        headline=_headline(loop),
+        headline=left_off_first(loop.shape.left_off if loop.shape else None, _headline(loop)),
         facts=(*_facts(loop), _ended(loop)),
         sections=(
             _steps(loop),

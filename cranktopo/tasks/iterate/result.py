@@ -221,6 +221,7 @@ class ShapeOutcome(Result):
         better_than_best_step: whether its web is better for the goal than the loop's best step.
         best_step_percent: the goal's quantity of the best step, % of the original; None where there is none.
         not_judged_of_steps: limits of the goal that the loop does not know of its steps.
+        left_off: loads that safety and stress do not count although they are above the threshold, in words.
     """
 
     folder: FileName = SHAPE
@@ -230,6 +231,7 @@ class ShapeOutcome(Result):
     better_than_best_step: bool = False
     best_step_percent: float | None = None
     not_judged_of_steps: list[QuantityName] = Field(default_factory=list)
+    left_off: str | None = UNLESS_NONE
 
 
 class LoopResult(Result):

@@ -121,7 +121,9 @@ def _none(reason: str, goal: GoalOutcome | GoalWords) -> ShapeStep:
 
 
 def _outcome(data: ShapeResult, **compared: Any) -> ShapeOutcome:
-    return ShapeOutcome(found=True, reason=data.stop_reason, goal=data.goal, **compared)
+    return ShapeOutcome(
+        found=True, reason=data.stop_reason, goal=data.goal, left_off=data.left_off, **compared
+    )
 
 
 def _clearly_better(value: float, other: float, goal: Goal) -> bool:

@@ -14,6 +14,7 @@ from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.design.goal.balance_moved import balance_moved
 from cranktopo.design.schema import Scene
+from cranktopo.engine.plan.planning import left_off
 from cranktopo.tasks.density.problem import Assessment, DensityProblem, model_error_percent
 from cranktopo.tasks.density.stage import Prepared
 from cranktopo.tasks.density.state import State
@@ -86,6 +87,7 @@ def run_metrics(
         solver=_solver(problem, state, result),
         peak_memory_MiB=peak_memory_MiB(),
         effects=prepared.plan.effects,
+        left_off=left_off(scene, prepared.plan) or None,
         notices=[*prepared.notices, *filter(None, told)],
         balance=moved,
         **others,

@@ -9,7 +9,15 @@ from typing import Any
 from cranktopo.design.clearance import clearance_text
 from cranktopo.design.goal.constraint import TOLERANCE
 from cranktopo.report.goal_table import evaluation_note, goal_line, limits_table
-from cranktopo.report.page import Page, Section, assumed_tables, origin_rows, pairs, versions_section
+from cranktopo.report.page import (
+    Page,
+    Section,
+    assumed_tables,
+    left_off_first,
+    origin_rows,
+    pairs,
+    versions_section,
+)
 from cranktopo.report.plot import Picture, picture
 from cranktopo.report.result_table import ResultTable, Row
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, stress_scales
@@ -49,7 +57,7 @@ def run_page(record: RunRecord) -> Page:
     return Page(
         title=f"Crank web of {metrics.design}",
         subtitle=f"Run {metrics.run}, {manifest['started'][:10]}",
-        headline=headline(metrics),
+        headline=left_off_first(metrics.left_off, headline(metrics)),
         facts=facts(record),
         sections=(
             *_goal(metrics),

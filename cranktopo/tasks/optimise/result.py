@@ -130,6 +130,8 @@ class RunMetrics(Result):
     peak_memory_MiB: float
     files: dict[str, FileName]
     effects: tuple[Effect, ...]
+    left_off: str | None = UNLESS_NONE
+    """Loads that do not count although they are above the threshold, in words."""
     notices: list[str] = Field(default_factory=list)
     assumed: list[dict[str, Any]] = Field(default_factory=list)
     balance: MovedBalance | None = UNLESS_NONE

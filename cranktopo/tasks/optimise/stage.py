@@ -31,7 +31,7 @@ from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, new_run
 from cranktopo.engine.performance import note_pressure
-from cranktopo.engine.plan.planning import note_left_off
+from cranktopo.engine.plan.planning import left_off, note_left_off
 from cranktopo.numerics.kernels.registry import compile_kernels
 from cranktopo.numerics.precision import CompileClock, check_device, double_precision
 from cranktopo.runs.checkpoint import load_checkpoint, save_checkpoint, save_iteration
@@ -127,7 +127,7 @@ def announce(prepared: Prepared, assumed: Sequence[Assumption]) -> None:
     goal = wanted(prepared.scene)
     if goal is not None:
         note(goal_text(goal, "density"))
-    note_left_off(prepared.scene.name, prepared.scene, prepared.plan)
+    note_left_off(prepared.scene.name, left_off(prepared.scene, prepared.plan))
     note_pressure(prepared.scene.name, prepared.scene)
     for notice in prepared.notices:
         note(f"note: {notice}.")

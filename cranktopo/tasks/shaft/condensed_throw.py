@@ -10,6 +10,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import Span, about_z_deg
+from cranktopo.base.notes import Pace
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
 from cranktopo.design.crank_throws import carried
@@ -57,7 +58,11 @@ _Found = TypeVar("_Found")
 
 def once_each(throws: Sequence[Target], found_of: Callable[[Target], _Found]) -> list[_Found]:
     """Return what is found of every throw; of equal ones it is found once."""
-    found = {throw.name: found_of(throw) for throw in dict.fromkeys(throws)}
+    different = list(dict.fromkeys(throws))
+    pace, found = Pace("throws", len(different)), dict[str, _Found]()
+    for throw in different:
+        pace.begin(throw.name)
+        found[throw.name] = found_of(throw)
     return [found[throw.name] for throw in throws]
 
 

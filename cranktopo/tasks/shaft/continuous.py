@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cranktopo.base.frames import about_z_deg
+from cranktopo.base.notes import Pace
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
@@ -58,7 +59,12 @@ def continuous_shafts(
     Raises:
         CranktopoError: no engine, or no pressures.
     """
-    return _with_films([(*_at_speed(throws, at, support, enabled), at) for at in scenes])
+    pace = Pace("shaft on its bearings", len(scenes))
+    found: list[tuple[ContinuousShaft, ShaftCycle, Scene]] = []
+    for at in scenes:
+        pace.begin(f"{engine_of(at).speed_rpm:g} rpm")
+        found.append((*_at_speed(throws, at, support, enabled), at))
+    return _with_films(found)
 
 
 def _at_speed(

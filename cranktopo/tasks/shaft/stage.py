@@ -22,7 +22,7 @@ from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.performance import pressure_words
-from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.plan.planning import left_off, plan
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.engine.vibration.shaft_chain import bare_chain
 from cranktopo.tasks.fea.error_bound import change_bound_percent
@@ -51,6 +51,7 @@ from cranktopo.tasks.shaft.result import ContinuousShaft, OpenTorsion, ShaftEval
 _SAME_RPM = 0.5
 """Difference up to which a speed is that at which the torque swings most."""
 _WITHOUT_SPRINGS: tuple[Bearings, ...] = ("free", "rigid")
+_VIBRATION = "torsional_vibration"
 
 
 def evaluate_shaft(
@@ -204,7 +205,7 @@ def with_throw_stiffness(target: Target) -> Target:
     scene = target.scene
     if scene.shaft is None or scene.shaft.gives_stiffness:
         return target
-    if "torsional_vibration" not in plan(scene).enabled:
+    if _VIBRATION not in plan(scene).enabled:
         return target
     shaft = evaluate_shaft(target, "rigid")
     throws = shaft.stiffness.throws_Nm_per_rad
@@ -276,7 +277,7 @@ def _with_worst_speed(scene: Scene, speeds_rpm: tuple[float, ...]) -> tuple[tupl
     It is None where the shaft does not vibrate, or where it is one of several speeds, to half a rpm.
     """
     effects = shaft_effects(scene)
-    if len(speeds_rpm) < 2 or scene.shaft is None or "torsional_vibration" not in effects:
+    if len(speeds_rpm) < 2 or scene.shaft is None or _VIBRATION not in effects:
         return speeds_rpm, None
     span = {"speed_min_rpm": min(speeds_rpm), "speed_max_rpm": max(speeds_rpm)}
     between = scene.model_copy(update={"shaft": scene.shaft.model_copy(update=span)})
@@ -293,7 +294,12 @@ def speed_scenes(scene: Scene, speeds_rpm: Sequence[float]) -> list[Scene]:
 
 def shaft_effects(scene: Scene) -> frozenset[str]:
     """Return the effects that count on bearings: all inertia, vibration where the plan has it."""
-    return INERTIA_EFFECTS | (plan(scene).enabled & {"torsional_vibration"})
+    return INERTIA_EFFECTS | (plan(scene).enabled & {_VIBRATION})
+
+
+def shaft_left_off(scene: Scene) -> str:
+    """Name the vibration where it is off although above the threshold; on bearings all other loads count."""
+    return left_off(scene, plan(scene), {_VIBRATION})
 
 
 def throw_targets(target: Target) -> tuple[Target, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cranktopo.base.units import N_PER_KN
-from cranktopo.report.page import Fact, FactStatus, Page, Section
+from cranktopo.report.page import Fact, FactStatus, Page, Section, left_off_first
 from cranktopo.tasks.film.permitted import film_words
 from cranktopo.tasks.shaft.result import ContinuousShaft
 from cranktopo.tasks.shaft_safety.plots import BearingPolar, bearing_pictures, safety_pictures
@@ -32,7 +32,10 @@ def shaft_page(shaft: ShaftAssessment, loads: BearingPolar, written: str) -> Pag
     return Page(
         title=f"Shaft on its bearings: {shaft.design}",
         subtitle=f"method {found.method}, {_speeds(found)}, {shaft.bearings} bearings; {written}",
-        headline=" ".join([*worst_sentence(found).splitlines(), *unsure_words(found), *_films_words(shaft)]),
+        headline=left_off_first(
+            found.left_off,
+            " ".join([*worst_sentence(found).splitlines(), *unsure_words(found), *_films_words(shaft)]),
+        ),
         facts=_facts(shaft, found, carried),
         sections=(
             Section(

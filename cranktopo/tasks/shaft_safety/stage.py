@@ -20,6 +20,7 @@ from cranktopo.design.strength import note_strength
 from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.engine.histories import WebHistory
 from cranktopo.engine.performance import note_pressure
+from cranktopo.engine.plan.planning import note_left_off
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.manifest import timestamp
 from cranktopo.tasks.fatigue.criteria import criterion
@@ -39,6 +40,7 @@ from cranktopo.tasks.shaft.result import ShaftEvaluation
 from cranktopo.tasks.shaft.stage import (
     evaluate_shaft,
     of_stiffness,
+    shaft_left_off,
     speed_scenes,
     stands_on_bearings,
     support_of,
@@ -98,6 +100,7 @@ def assess_shaft(
     if report is not None:
         check_report_path(report)
     _check(resolved, bearings, method)
+    note_left_off(resolved.name, shaft_left_off(resolved.scene))
     note_strength(resolved.name, resolved.scene)
     note_pressure(resolved.name, resolved.scene)
     found, judged = judged_shaft(
@@ -188,6 +191,7 @@ class JudgedShaft:
             load_states=angle_deg.size * len(speeds),
             quality=JudgedQuality(**vars(quality), within_rule=quality.within_limits),
             mesh_shortfall=mesh_shortfall(field.model) or None,
+            left_off=shaft_left_off(self.target.scene) or None,
             seconds=_seconds(self.throws, solved - begin, finished - solved),
             assumed=assumed_by(filter_by_table(self.target.assumed, USED), (self.method,)),
         )

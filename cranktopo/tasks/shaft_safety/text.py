@@ -30,7 +30,8 @@ def shaft_text(shaft: ShaftAssessment) -> str:
     told = shaft.silent, fill(shaft.pressure, WIDTH), fill(shaft.added_words, WIDTH)
     said = [line for line in told if line]
     beyond = ["\n".join(shaft.beyond_permitted)] if shaft.beyond_permitted else []
-    parts = [*beyond, *_torsion(shaft), *said, *_on_bearings(shaft)]
+    left_off = [fill(f"{words}.", WIDTH)] if shaft.safety and (words := shaft.safety.left_off) else []
+    parts = [*left_off, *beyond, *_torsion(shaft), *said, *_on_bearings(shaft)]
     if shaft.safety is not None:
         parts += safety_text(shaft.safety)
     return "\n\n".join((*parts, errors))

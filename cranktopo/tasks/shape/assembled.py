@@ -9,6 +9,7 @@ from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import Loads, loads_name
 from cranktopo.tasks.refit.family import parameter_unit
+from cranktopo.tasks.shape.loads_told import loads_left_off
 from cranktopo.tasks.shape.result import (
     LimitPrice,
     RoundValues,
@@ -41,6 +42,7 @@ def assembled(
     outcome = goal_outcome(goal, result.web.values, original.values)
     table, on_cells = _sensitivities(scene, optimum), quantity_on_cells(goal)
     moved = balance_moved(scene, result.web.values, original.values)
+    both: Loads | None = "extremes" if in_shaft and scene.effects.continuous_shaft == "auto" else None
     missed = any(limit.holds is False for limit in outcome.limits) or not (in_shaft is None or in_shaft.held)
     return ShapeResult(
         design=scene.name,
@@ -71,6 +73,7 @@ def assembled(
         in_shaft=in_shaft,
         unfinished=optimum.unfinished,
         balance=moved.told if moved else None,
+        left_off=loads_left_off(scene, both or loads) or None,
     )
 
 

@@ -13,13 +13,8 @@ from cranktopo.design.goal.limit import Goal
 from cranktopo.design.halves import difference
 from cranktopo.design.misfire import all_firing
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import (
-    HistoryKind,
-    LoadHistory,
-    WebHistory,
-    WebLoads,
-    histories_of,
-)
+from cranktopo.engine.histories import HistoryKind, LoadHistory, WebHistory, WebLoads
+from cranktopo.engine.judged_histories import histories_of
 from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.shape.each_web.groups import WebGroup

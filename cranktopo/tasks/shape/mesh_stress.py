@@ -14,7 +14,8 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_tonne_per_mm3
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import Loads, WebLoads, histories_by_speed
+from cranktopo.engine.histories import Loads, WebLoads
+from cranktopo.engine.judged_histories import histories_by_speed
 from cranktopo.engine.load_case import LoadKind
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_force
 from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes, mean_slopes, work_slopes

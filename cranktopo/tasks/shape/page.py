@@ -16,6 +16,7 @@ from cranktopo.report.page import (
     Page,
     Section,
     assumed_tables,
+    left_off_first,
     origin_rows,
     pairs,
     versions_section,
@@ -94,9 +95,9 @@ def quantity_fact(found: ShapeResult, key: str) -> Fact:
 
 
 def page_headline(found: ShapeResult) -> str:
-    """Return the verdict; a balance that no limit held is in front."""
+    """Return the verdict; a balance that no limit held and loads that are left out are in front."""
     moved = f"{balance_words(*_factors(found)).capitalize()}. " if found.balance else ""
-    return moved + shape_headline(found)
+    return left_off_first(found.left_off, moved + shape_headline(found))
 
 
 def _factors(found: ShapeResult) -> tuple[float, float]:

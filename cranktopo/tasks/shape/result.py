@@ -199,6 +199,8 @@ class ShapeResult(Result):
     results of an earlier version."""
     balance: str | None = UNLESS_NONE
     """Sentence on the balance factor that moved, if no limit holds it there."""
+    left_off: str | None = UNLESS_NONE
+    """Loads that safety and stress do not count although they are above the threshold, in words."""
     files: dict[str, FileName] = Field(default_factory=dict)
 
     @property

@@ -21,8 +21,6 @@ from cranktopo.design.assumed import (
     SUPPORTS,
     THROW,
     VIBRATION,
-    Assumption,
-    assumed_text,
     assumptions,
 )
 from cranktopo.design.goal.limit import Goal
@@ -31,13 +29,11 @@ from cranktopo.design.halves import usual_scale
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
-from cranktopo.design.strength import note_strength
 from cranktopo.design.writing import design_from_run, new_run, toml_text
 from cranktopo.engine.balance.kept import balance_kept
-from cranktopo.engine.histories import Loads, WebLoads, histories_of, loads_name
-from cranktopo.engine.performance import note_pressure
-from cranktopo.engine.plan.effect import PhysicsPlan
-from cranktopo.engine.plan.planning import note_left_off, plan, plan_for_stress
+from cranktopo.engine.histories import Loads, WebLoads, loads_name
+from cranktopo.engine.judged_histories import histories_of
+from cranktopo.engine.plan.planning import plan, plan_for_stress
 from cranktopo.numerics.precision import check_device, double_precision
 from cranktopo.numerics.surfaces.files import read_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
@@ -58,8 +54,6 @@ from cranktopo.tasks.bound.stage import bound_for_goal
 from cranktopo.tasks.drawing.raw_sheet import raw_pages
 from cranktopo.tasks.drawing.sheet import export_drawing, throw_sheets
 from cranktopo.tasks.extraction.release import shaped_undercuts
-from cranktopo.tasks.fatigue.needs import note_tangential
-from cranktopo.tasks.fatigue.taken_keys import assumed_by, note_unused
 from cranktopo.tasks.film.stage import film_change
 from cranktopo.tasks.importing.imported_body import half_throw_surface
 from cranktopo.tasks.importing.original import check_original, original_file
@@ -70,6 +64,7 @@ from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.refit.stage import remodel_run
 from cranktopo.tasks.shape.assembled import assembled
 from cranktopo.tasks.shape.in_shaft import asks_for_shaft, left_alone, search_in_shaft
+from cranktopo.tasks.shape.loads_told import note_loads
 from cranktopo.tasks.shape.page import shape_page
 from cranktopo.tasks.shape.reachable import check_reachable
 from cranktopo.tasks.shape.result import (
@@ -145,9 +140,8 @@ def shape_design(
         histories_of(scene, settings.loads, stress.enabled)  # refuses loads that the scene does not tell
     assumed = assumptions(scene, TABLES)
     if not isinstance(settings.loads, WebLoads):  # of the webs of a shaft it is told once
-        note_loads(scene, stress, assumed)
-        if stresses_in(goal.quantities):
-            note_tangential(scene.name, scene, settings.loads)
+        shaft_alone = scene.effects.continuous_shaft == "on" and not left_alone(scene, goal)
+        note_loads(scene, None if shaft_alone else settings.loads, assumed)
         if asks_for_shaft(scene, goal, settings) and (why := left_alone(scene, goal)):
             note(f"{scene.name}: effect continuous_shaft has no part here, as {why}: a throw is alone")
     if isinstance(begun, RunStore):
@@ -160,16 +154,6 @@ def shape_design(
     check_reachable(scene, goal, settings.cell_mm)
     run = new_run(scene, assumed, out, design_toml, command, {SHAPE: kept_settings(settings), **begin})
     return _worked(run, scene, settings, start)
-
-
-def note_loads(scene: Scene, stress: PhysicsPlan, assumed: Sequence[Assumption]) -> None:
-    """Tell what is to be known of loads and strength before a web is made by them."""
-    note_left_off(scene.name, scene, stress)
-    note_strength(scene.name, scene)
-    note_pressure(scene.name, scene)
-    note_unused(scene.name, scene.fatigue, _METHODS)
-    if taken := assumed_by(assumed, _METHODS):
-        note(assumed_text(taken))
 
 
 def resume_shape(reference: str | Path, loads: WebLoads | None = None) -> ShapedRun:

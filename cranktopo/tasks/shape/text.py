@@ -228,7 +228,10 @@ def shape_summary(found: ShapeResult, folder: Path) -> str:
     """Return what `cranktopo shape` prints of a finished optimisation."""
     lines = [
         shape_headline(found),
-        *filter(None, [safety_places(found), found.balance, original_keeps(found), found.stop_reason]),
+        *filter(
+            None,
+            [found.left_off, safety_places(found), found.balance, original_keeps(found), found.stop_reason],
+        ),
         *([judged] if (judged := stress_loads(found)) else []),
         *filter(None, [ended_words(found)]),
         *([f"go on from this web: {shlex.join(_going_on(found, folder))}"] if found.unfinished else []),

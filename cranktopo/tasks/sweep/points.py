@@ -17,6 +17,7 @@ from cranktopo.design.scene_files import input_files
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.runs.manifest import file_hash, settings_hash
+from cranktopo.tasks.fatigue.needs import alone_left_off
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.plan import OPTIMISED, Stage, SweepPlan
 from cranktopo.tasks.sweep.variation import STAGE, Value
@@ -134,6 +135,22 @@ def _point(
 
 def _balance_percent(scene: Scene) -> float | None:
     return throw_balance(scene).balance_factor_percent if scene.web.counterweight is not None else None
+
+
+def left_off_lines(points: Sequence[SweepPoint]) -> list[str]:
+    """Return of every design the loads that its safeties leave out although they are above the threshold.
+
+    The first of its points with the same effects tells the sizes; points without a safety tell nothing.
+    """
+    found: dict[str, Scene] = {}
+    for point in points:
+        if point.stage in ("fatigue", "shape") and not point.reason:
+            effects = sorted(dict(point.tables.get("effects", {})).items())
+            key = f"{point.design} {effects}"
+            if key not in found:
+                found[key] = scene_from_dict(dict(point.tables), point.design, whole=True)
+    told = ((scene.name, alone_left_off(scene)) for scene in found.values())
+    return list(dict.fromkeys(f"{name}: {missing}" for name, missing in told if missing))
 
 
 def balance_line(plan: SweepPlan, points: Sequence[SweepPoint]) -> str:

@@ -112,6 +112,8 @@ class SweepResult(Result):
     """Keys of speed and load that vary: in front and picks a web counts by its condition of least safety."""
     balance: str | None = UNLESS_NONE
     """Distance of the points' balance from that of the original with its counterweights, in words; if any."""
+    left_off: tuple[str, ...] | None = UNLESS_NONE
+    """Loads that the safeties do not count although they are above the threshold, in words, by design."""
     undecided: tuple[str, ...] | None = UNLESS_NONE
     """Ids of coarse points that may be on the front, for which the budget left no time."""
     files: SweepFiles

@@ -28,7 +28,14 @@ from cranktopo.tasks.sweep.front import OBJECTIVES, choices_of, conditions_of, f
 from cranktopo.tasks.sweep.job import PointFunction
 from cranktopo.tasks.sweep.page import sweep_html
 from cranktopo.tasks.sweep.plan import SweepPlan, sweep_plan
-from cranktopo.tasks.sweep.points import SweepPoint, balance_line, original_of, pitch_line, points_of
+from cranktopo.tasks.sweep.points import (
+    SweepPoint,
+    balance_line,
+    left_off_lines,
+    original_of,
+    pitch_line,
+    points_of,
+)
 from cranktopo.tasks.sweep.result import (
     COARSE,
     DONE,
@@ -101,6 +108,8 @@ def _note_what_differs(plan: SweepPlan, points: Sequence[SweepPoint]) -> None:
     """Tell what the table does not: throws farther apart, what strength and pressure hold for."""
     for line in filter(None, (pitch_line(plan, points), balance_line(plan, points))):
         note(f"sweep: {line}")
+    for told in left_off_lines(points):
+        note(f"sweep: {told}")
     if {"fatigue", "shape"} & set(plan.stages):
         note_strength(plan.original.name, plan.original)
     if {"fatigue", "shape", "optimise"} & set(plan.stages):
@@ -136,7 +145,7 @@ def _worked(run: RunStore, plan: SweepPlan, points: Sequence[SweepPoint], place:
     with working_in(run, "finished points are kept") as check:
         found = Session(str(run.path.resolve()), plan, place).computed(points, looks, original)
         check()
-        result = _result(run, plan, found, balance_line(plan, points))
+        result = _result(run, plan, found, points)
         write_text(run.path / REPORT, sweep_html(result, found.webs))
         seconds = SweepSeconds(total=time.perf_counter() - began)
         result = result.model_copy(update={"seconds": seconds})
@@ -145,7 +154,7 @@ def _worked(run: RunStore, plan: SweepPlan, points: Sequence[SweepPoint], place:
     return SweptRun(run.path, result)
 
 
-def _result(run: RunStore, plan: SweepPlan, found: Computed, balance: str) -> SweepResult:
+def _result(run: RunStore, plan: SweepPlan, found: Computed, points: Sequence[SweepPoint]) -> SweepResult:
     """Return what `sweep.json` holds, its tables written; coarse numbers have no say in front and picks."""
     own, rows = plan.original.model_dump(mode="json"), found.rows
     varied = {variation.key: value_at(own, variation.key) for variation in plan.vary}
@@ -165,7 +174,8 @@ def _result(run: RunStore, plan: SweepPlan, found: Computed, balance: str) -> Sw
         front=tuple(front),
         picks=picks_of(leading, original if original.status == DONE else None),
         operating_conditions=tuple(conditions_of(varied)) or None,
-        balance=balance or None,
+        balance=balance_line(plan, points) or None,
+        left_off=tuple(left_off_lines(points)) or None,
         undecided=found.undecided if plan.refine == "front" else None,
         files=SweepFiles(**write_tables(frame_of(rows, original, front), run.path, TABLE), page=REPORT),
         seconds=SweepSeconds(total=0.0),

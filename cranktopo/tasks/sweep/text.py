@@ -83,7 +83,14 @@ def sweep_summary(data: SweepResult, folder: Path) -> str:
     """Return a finished sweep as text."""
     by_id = {row.id: row for row in data.points}
     ends = ", ".join(f"{count} {end}" for end, count in data.ends.items())
-    lines = [f"{len(data.points)} points: {ends}", *_reasons(data), *_accuracy(data), *_conditions(data), ""]
+    lines = [
+        f"{len(data.points)} points: {ends}",
+        *(data.left_off or ()),
+        *_reasons(data),
+        *_accuracy(data),
+        *_conditions(data),
+        "",
+    ]
     if data.front:
         objectives = ", ".join(ResultTable({}, ()).head(name)[0] for name in data.objectives)
         lines += [f"Pareto front of {objectives}: {len(data.front)} points", terminal(_front_table(data))]

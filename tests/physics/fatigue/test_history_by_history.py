@@ -14,11 +14,11 @@ from cranktopo.engine.analysis import at_speed
 from cranktopo.engine.histories import (
     HistoryKind,
     LoadHistory,
-    histories_of,
     load_history,
     radial_amplitude_N,
     rated_histories,
 )
+from cranktopo.engine.judged_histories import histories_of
 from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.safety_field import FatigueField, safety_field, unit_loads
 from cranktopo.tasks.fatigue.target_safety import fatigue_field, least_field

@@ -11,7 +11,8 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.design.goal.wanted import with_goal
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import WebHistory, WebLoads, histories_of, load_history
+from cranktopo.engine.histories import WebHistory, WebLoads, load_history
+from cranktopo.engine.judged_histories import histories_of
 from cranktopo.numerics.tetrahedra.elasticity import assemble, centrifugal_force
 from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface, surface_stress

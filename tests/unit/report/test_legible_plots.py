@@ -11,11 +11,13 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.engine.vibration.study import study_vibration
 from cranktopo.report.plot import Picture, name_above, picture, plain_decades
 from cranktopo.tasks.balance.plot import _Curve, _emptiest_deg
 from cranktopo.tasks.fea.scatter import LABELS, Point, scatter_pictures
+from cranktopo.tasks.shape.page import draw_goal, draw_worst_limit
 from cranktopo.tasks.vibration.plots import _draw_modes, vibration_pictures
 from tests.physics.engine.test_line_damping import LINE, PROPELLER
 from tests.physics.engine.test_orders_of_a_slow_engine import medium_speed
@@ -34,6 +36,26 @@ def _modes(axes: Any) -> None:
     shape = np.linspace(-1, 1, len(_NAMES))
     mode = SimpleNamespace(frequency_Hz=56.4, shape=shape)
     _draw_modes(axes, SimpleNamespace(shaft=SimpleNamespace(names=_NAMES), modes=[mode]))  # type: ignore[arg-type]
+
+
+def test_two_webs_that_are_nearly_alike_stand_in_a_range_that_shows_it() -> None:
+    """4 % of the mass and 20 % of the stiffness at least: 0.2 % between two points is no gulf."""
+    axes = _webs().figure.axes[0]
+    (low_kg, high_kg), (low, high) = axes.get_xlim(), axes.get_ylim()
+    assert (low_kg, high_kg) == pytest.approx((0.92 * 1.469, 1.08 * 1.472))
+    assert (low, high) == pytest.approx((0.88 * 135.2, 1.12 * 153.3))
+
+
+def test_a_settled_goal_is_not_magnified() -> None:
+    """Three webs within 0.02 % of the original stand in a range of 1 %, worst limits in one of 0.2 %."""
+    rounds = [SimpleNamespace(values={"mass": mass}, excess_percent=(0.0,)) for mass in (1.0, 0.9999, 0.9998)]
+    values, goal = SimpleNamespace(original={"mass": 1.0}), SimpleNamespace(quantity=QUANTITIES["mass"])
+    found: Any = SimpleNamespace(rounds=rounds, values=values, goal=goal, best_round=2)
+    for draw, least in ((draw_goal, 1.0), (draw_worst_limit, 0.2)):
+        axes = Figure().add_subplot()
+        draw(axes, found)
+        low, high = axes.get_ylim()
+        assert high - low == pytest.approx(least)
 
 
 def _webs() -> Picture:

@@ -7,7 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from cranktopo.report.page import Fact, Page, Section, assumed_tables, origin_rows, pairs, versions_section
+from cranktopo.report.page import (
+    Fact,
+    Page,
+    Section,
+    assumed_tables,
+    left_off_first,
+    origin_rows,
+    pairs,
+    versions_section,
+)
 from cranktopo.report.plot import GREY, picture, plain
 from cranktopo.tasks.shape.each_web.result import EachWebResult
 from cranktopo.tasks.shape.each_web.text import (
@@ -31,7 +40,7 @@ def each_web_page(found: EachWebResult, manifest: Mapping[str, Any]) -> Page:
     return Page(
         title=f"Webs of their own on the crank of {found.design}",
         subtitle=f"Run {manifest['run']}, {manifest['started'][:10]}",
-        headline=each_web_headline(found),
+        headline=left_off_first(found.left_off, each_web_headline(found)),
         facts=_facts(found),
         sections=(
             Section(

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import Field
 
-from cranktopo.base.result import FileName, Result
+from cranktopo.base.result import UNLESS_NONE, FileName, Result
 from cranktopo.design.goal.constraint import TOLERANCE
 from cranktopo.design.goal.outcome import GoalWords
 from cranktopo.tasks.shape.each_web.loaded_shaft import ShaftFigures
@@ -103,6 +103,8 @@ class EachWebResult(Result):
     saved_percent: float
     """Mass that the crank with its own webs saves against that with one web for all, %."""
     seconds: float
+    left_off: str | None = UNLESS_NONE
+    """Loads that the safety does not count although they are above the threshold, in words."""
     assumed: tuple[dict[str, Any], ...] = ()
     files: dict[str, FileName] = Field(default_factory=dict)
 

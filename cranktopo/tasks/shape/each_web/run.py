@@ -24,7 +24,6 @@ from cranktopo.design.shape import FreeDimensions
 from cranktopo.design.writing import design_from_run, new_run
 from cranktopo.engine.balance.kept import balance_kept
 from cranktopo.engine.gas import pressure_curve
-from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.numerics.precision import check_device
 from cranktopo.report.page import Page
 from cranktopo.report.report_file import REPORT, write_report
@@ -42,10 +41,10 @@ from cranktopo.tasks.shape.each_web.loaded_shaft import LoadedShaft, loaded_shaf
 from cranktopo.tasks.shape.each_web.page import each_web_page
 from cranktopo.tasks.shape.each_web.result import EachWebResult
 from cranktopo.tasks.shape.each_web.rounds import CrankSearch
+from cranktopo.tasks.shape.loads_told import loads_left_off, note_loads
 from cranktopo.tasks.shape.run import (
     TABLES,
     kept_settings,
-    note_loads,
     settings_of,
     shape_goal,
     shape_settings,
@@ -86,7 +85,7 @@ def shape_each_web(
     _check(scene)
     settings = settings or shape_settings(scene)
     assumed = assumptions(scene, TABLES)
-    note_loads(scene, plan_for_stress(scene), assumed)
+    note_loads(scene, None, assumed)
     options: dict[str, Any] = {EACH_WEB: kept_settings(replace(settings, loads="extremes"))}
     run = new_run(scene, assumed, out, design_toml, command, options)
     return _worked(run, scene, settings)
@@ -205,6 +204,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings) -> EachWebRun:
             safety_decides=decides,
             saved_percent=100 * (1 - own.shaft.mass_kg / one.shaft.mass_kg),
             seconds=time.perf_counter() - began,
+            left_off=loads_left_off(scene, None) or None,
             assumed=tuple(run.manifest().get("assumed", ())),
             files={"design": own.design, "one_web": one.design, "report": REPORT},
         )

@@ -173,6 +173,7 @@ def each_web_summary(found: EachWebResult, folder: Path) -> str:
     """Return what `cranktopo shape --each-web` prints."""
     lines = [
         each_web_headline(found),
+        *filter(None, [found.left_off]),
         limits_text(found),
         grouping_text(found),
         "",

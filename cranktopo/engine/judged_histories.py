@@ -1,0 +1,94 @@
+"""Load histories that are judged one by one, of every throw and speed.
+
+Joined extremes have no tangential force. Where one counts, few states that bound each throw's cycle are
+judged beside them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from cranktopo.base.arrays import Array, Index
+from cranktopo.design.misfire import all_firing
+from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import analyse, at_speed, engine_of
+from cranktopo.engine.bounding_states import bounding_states
+from cranktopo.engine.histories import (
+    CURVES,
+    HistoryKind,
+    LoadHistory,
+    Loads,
+    WebLoads,
+    cycle_histories,
+    extremes_at,
+    rated_histories,
+    speed_words,
+    throw_histories,
+)
+from cranktopo.engine.states import extreme_states
+
+
+def histories_of(scene: Scene, loads: Loads, enabled: frozenset[str]) -> Sequence[LoadHistory]:
+    """Return the load histories that are judged one by one; errors as of `load_history`."""
+    return [one for of_speed in histories_by_speed(scene, loads, enabled) for one in of_speed]
+
+
+def histories_by_speed(
+    scene: Scene, loads: Loads, enabled: frozenset[str]
+) -> tuple[Sequence[LoadHistory], ...]:
+    """Return the histories of the engine's speed, and those of its overspeed where it has one.
+
+    The pull of the masses grows with the square of the speed. The rule of a classification society judges the
+    first alone. Those of webs in their shaft belong together, whatever their speeds.
+    """
+    if isinstance(loads, WebLoads):
+        return (loads.histories,)
+    rated, engine = [*rated_histories(scene, loads, enabled)], engine_of(scene)
+    if loads == "extremes" and counts_tangential(scene, loads, enabled):
+        rated += _bounding(cycle_histories(scene, enabled))
+    if engine.overspeed_rpm is None or engine.overspeed_rpm == engine.speed_rpm:
+        return (rated,)
+    return rated, _at_overspeed(scene, engine.overspeed_rpm, loads, enabled)
+
+
+def _at_overspeed(
+    scene: Scene, speed_rpm: float, kind: HistoryKind, enabled: frozenset[str]
+) -> list[LoadHistory]:
+    """Return the histories of the highest speed; torques of a vibrating shaft are the worst of all speeds."""
+    at = at_speed(all_firing(scene), speed_rpm)
+    if kind == "cycle":
+        found = throw_histories(at, enabled)
+    else:
+        told = scene if "torsional_vibration" in enabled else at
+        extremes = extreme_states(all_firing(told), enabled)
+        found = [extremes_at(at, extremes, enabled)]
+        if counts_tangential(at, kind, enabled):
+            found += _bounding(throw_histories(at, enabled))
+    return [
+        replace(one, labels=tuple(f"{label}{speed_words(speed_rpm)}" for label in one.labels))
+        for one in found
+    ]
+
+
+def counts_tangential(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> bool:
+    """Tell whether the histories have a tangential force: it needs the effect, and a cycle that is known."""
+    if "tangential" not in enabled or scene.engine is None:
+        return False
+    return kind == "cycle" or analyse(scene, enabled).cycle is not None
+
+
+def _bounding(cycles: Sequence[LoadHistory]) -> list[LoadHistory]:
+    """Return of each cycle the few states that bound it."""
+    return [_states(one, bounding_states(_loads(one))) for one in cycles]
+
+
+def _loads(history: LoadHistory) -> Array:
+    return np.stack([history.radial_N, history.tangential_N, history.torque_Nm], axis=1)
+
+
+def _states(history: LoadHistory, numbers: Index) -> LoadHistory:
+    kept = {name: getattr(history, name)[numbers] for name in CURVES}
+    return LoadHistory(**kept, labels=tuple(history.labels[number] for number in numbers))

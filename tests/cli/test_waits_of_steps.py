@@ -1,0 +1,71 @@
+"""Waits of commands whose steps are known: a bar, which step of how many, and the time left."""
+
+from __future__ import annotations
+
+import logging
+from itertools import count
+from typing import Any
+
+import pytest
+
+from cranktopo.design.loading import load_scene
+from cranktopo.engine.analysis import at_speed
+from cranktopo.tasks.fatigue import stage as fatigue_stage
+from cranktopo.tasks.fea.stage import evaluate_targets
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.shaft import continuous
+from cranktopo.tasks.shaft.condensed_throw import once_each
+from tests.cli.test_comparison_report import invented
+
+NAMES = ("mikron-iiic-plain", "mikron-iiic-hollow", "mikron-iiic")
+
+
+@pytest.fixture
+def slow(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> pytest.LogCaptureFixture:
+    """Every reading of the clock is 5 s after the one before; lines are kept."""
+    clock = count(0.0, 5.0)
+    monkeypatch.setattr("cranktopo.base.notes.time.perf_counter", lambda: next(clock))
+    caplog.set_level(logging.INFO, logger="cranktopo.notes")
+    return caplog
+
+
+def lines(caplog: pytest.LogCaptureFixture, work: str) -> list[str]:
+    return [record.getMessage() for record in caplog.records if record.getMessage().startswith(f"{work}: [")]
+
+
+def targets() -> list[Target]:
+    return [Target(name, load_scene(name)) for name in NAMES]
+
+
+def test_evaluate_and_compare_tell_their_targets(
+    slow: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("cranktopo.tasks.fea.stage.evaluate", invented)
+    evaluate_targets(targets())
+    told = lines(slow, "evaluation")
+    assert told[1] == "evaluation: [####--------] 2 of 3, mikron-iiic-hollow, about 20 s left"
+
+
+def test_fatigue_and_compare_tell_their_targets(
+    slow: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(fatigue_stage, "_fields", lambda *_, **__: (None,))
+    monkeypatch.setattr(fatigue_stage, "_note_fields", lambda *_: None)
+    monkeypatch.setattr(fatigue_stage, "FatigueAssessment", lambda *given, **_: given)
+    fatigue_stage.assess_by_methods(targets(), ("lsa",))
+    assert lines(slow, "fatigue")[2].startswith("fatigue: [########----] 3 of 3, mikron-iiic, about ")
+
+
+def test_shaft_vibration_and_modes_tell_throws_that_differ(slow: pytest.LogCaptureFixture) -> None:
+    assert once_each([*targets(), targets()[0]], lambda throw: throw.name) == [*NAMES, NAMES[0]]
+    assert lines(slow, "throws")[1].startswith("throws: [####--------] 2 of 3, mikron-iiic-hollow, about ")
+
+
+def test_a_shaft_tells_its_speeds(slow: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch) -> None:
+    found: Any = (None, None)
+    monkeypatch.setattr(continuous, "_at_speed", lambda *_: found)
+    monkeypatch.setattr(continuous, "_with_films", lambda every: every)
+    scene = load_scene("mikron-iiic")
+    continuous.continuous_shafts([], [at_speed(scene, rpm) for rpm in (900.0, 1500.0, 2100.0)], None)
+    told = lines(slow, "shaft on its bearings")
+    assert told[2].startswith("shaft on its bearings: [########----] 3 of 3, 2100 rpm, about ")
