@@ -17,7 +17,6 @@ from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.errors import invalid
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.units import NMM_PER_NM, angular_speed_rad_s
-from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.layout import engine_layout
@@ -25,7 +24,7 @@ from cranktopo.engine.cylinders import cylinders
 from cranktopo.engine.forces import INERTIA_EFFECTS, ShaftTorque, by_throw
 from cranktopo.engine.histories import every_degree
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_torque
-from cranktopo.tasks.fea.condense import RX, RZ, UX, UY, UZ
+from cranktopo.tasks.fea.condense import RZ, UX, UY, UZ
 from cranktopo.tasks.shaft.assembly import shaft_matrix, turned
 from cranktopo.tasks.shaft.loaded_throw import LOADS, LoadedThrow
 
@@ -224,16 +223,3 @@ def journal_loads_N(cycle: ShaftCycle) -> Complex:
     """Return the same forces as y + i x: the way journals in films are turned, (sections, states)."""
     loads = loads_on_bearings_N(cycle)
     return np.asarray(loads[:, 1] + 1j * loads[:, 0])  # the shaft turns from y to x
-
-
-def web_moments_Nmm(cycle: ShaftCycle, scenes: Sequence[Scene]) -> Array:
-    """Return the moment about x in the middle of both webs of every throw, (throws, 2, states).
-
-    Of the section forces alone: what is constant over the cycle between section and web, the web's own
-    centrifugal force, is left out.
-    """
-    near, far = (
-        np.array([sum(halves(scene)[side].web_z_mm) / 2 for scene in scenes])[:, None] for side in (0, 1)
-    )
-    first, last = cycle.throw_N[:, :6], cycle.throw_N[:, 6:]
-    return np.stack([first[:, RX] + near * first[:, UY], -(last[:, RX] - far * last[:, UY])], axis=1)

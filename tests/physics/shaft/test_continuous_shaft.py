@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,10 +23,10 @@ from cranktopo.tasks.shaft.cycle import (
     cycle_forces,
     loads_on_bearings_N,
     shaft_cycle,
-    web_moments_Nmm,
 )
 from cranktopo.tasks.shaft.loaded_throw import LoadedThrow, ThrowBody, loaded_throw, throw_body
 from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftBearing
+from cranktopo.tasks.shaft.web_sections import web_sections, write_web_sections
 from tests.physics.shaft.test_evaluation_chain import CRANK_MM, SPRING_N_PER_MM, beam, polygon
 
 Array = NDArray[np.float64]
@@ -117,9 +118,12 @@ def test_condensed_throws_move_as_one_frame_of_beams(
         assert np.abs(found.bearing_N - springs).max() < 1e-7 * np.abs(springs).max()
 
 
-@pytest.mark.parametrize("spans", [2, 3, 6])
+@pytest.mark.parametrize("spans", range(1, 7))
 def test_straight_shaft_on_many_bearings_by_the_three_moment_equation(spans: int) -> None:
-    """Equal spans with a force in the middle of each: M(i-1) + 4 M(i) + M(i+1) = -3/8 (P(i) + P(i+1)) L."""
+    """Two to seven equally distant bearings, a force in the middle of each span, no moment at the ends.
+
+    M(i-1) + 4 M(i) + M(i+1) = -3/8 (P(i) + P(i+1)) L.
+    """
     length = 80.0
     throw = beam_throw([(0.0, 0.0, 0.0), (0.0, 0.0, length / 2), (0.0, 0.0, length)], 1)
     forces = random_forces(spans)
@@ -127,9 +131,11 @@ def test_straight_shaft_on_many_bearings_by_the_three_moment_equation(spans: int
     right = -3 / 8 * length * (forces.radial_N[:-1] + forces.radial_N[1:])
     inner = spans - 1
     matrix = 4 * np.eye(inner) + np.eye(inner, k=1) + np.eye(inner, k=-1)
-    moments = np.linalg.solve(matrix, right)
-    at_sections = found.throw_N[1:, RX]
-    assert np.abs(np.abs(at_sections) - np.abs(moments)).max() < 1e-8 * np.abs(moments).max()
+    moments = np.pad(np.linalg.solve(matrix, right), ((1, 1), (0, 0)))
+    scale = length * np.abs(forces.radial_N).max()
+    near, far = found.throw_N[:, RX], found.throw_N[:, 6 + RX]
+    assert np.abs(np.abs(near) - np.abs(moments[:-1])).max() < 1e-8 * scale
+    assert np.abs(np.abs(far) - np.abs(moments[1:])).max() < 1e-8 * scale
 
 
 def meshed_body(scene: Scene, size_mm: float) -> ThrowBody:
@@ -176,11 +182,45 @@ def test_a_single_throw_carries_half_of_its_pin_force() -> None:
     scene = load_scene("car-diesel")
     _, throw = meshed(scene, 20.0)
     forces = random_forces(1)
-    moments = web_moments_Nmm(shaft_cycle([throw], (0.0,), forces, None), [scene])
-    arm = sum(scene.web_z_mm) / 2
-    expected = forces.radial_N[0] / 2 * arm
-    assert np.abs(moments[0, 0]) == pytest.approx(np.abs(expected), rel=1e-4)
-    assert np.abs(moments[0, 1]) == pytest.approx(np.abs(expected), rel=1e-4)
+    found = web_sections(shaft_cycle([throw], (0.0,), forces, None), [scene])
+    arm_m = sum(scene.web_z_mm) / 2000
+    radial, across = forces.radial_N[0], forces.tangential_N[0]
+    for web in (0, 1):
+        assert np.abs(found.bending_Nm[0, web]) == pytest.approx(np.abs(radial / 2 * arm_m), rel=1e-4)
+        assert np.abs(found.side_bending_Nm[0, web]) == pytest.approx(np.abs(across / 2 * arm_m), rel=1e-4)
+        assert np.abs(found.shear_N[0, web]) == pytest.approx(np.abs(radial / 2), rel=1e-4)
+        assert np.abs(found.side_shear_N[0, web]) == pytest.approx(np.abs(across / 2), rel=1e-4)
+    assert np.abs(found.axial_N).max() < 1e-6 * np.abs(radial).max()
+
+
+def test_webs_carry_what_stands_ahead_of_them(tmp_path: Path) -> None:
+    """In rigid bearings the torque is that of the pins ahead; forces change at pins and bearings.
+
+    The file of the curves has all of it, one row an angle.
+    """
+    angles = (0.0, 90.0, 250.0)
+    throw, forces = beam_throw(WITH_PIN_MM, 3), random_forces(3)
+    cycle = shaft_cycle([throw] * 3, angles, forces, None)
+    scene = load_scene("car-diesel")
+    found = web_sections(cycle, [scene] * 3)
+    x_mm, y_mm, _ = PIN_MM
+    own = (forces.tangential_N * y_mm - x_mm * -forces.radial_N) / 1000
+    behind = np.cumsum(own, axis=0)
+    assert np.abs(found.torque_Nm[:, 1]) == pytest.approx(np.abs(behind), rel=1e-9)
+    assert np.abs(found.torque_Nm[1:, 0]) == pytest.approx(np.abs(behind[:-1]), rel=1e-9)
+    step = np.abs(found.shear_N[:, 1] - found.shear_N[:, 0])
+    assert step == pytest.approx(np.abs(forces.radial_N), rel=1e-9)
+    ahead = found.shear_N[0, 0] + 1j * found.side_shear_N[0, 0]
+    assert np.abs(ahead) == pytest.approx(np.hypot(*cycle.bearing_N[0]), rel=1e-9)
+    path = tmp_path / "webs.csv"
+    write_web_sections([(900.0, found), (1800.0, found)], path)
+    head, *rows = path.read_text(encoding="utf-8").splitlines()
+    assert head.startswith("speed_rpm,web,throw,angle_deg,bending_Nm,side_bending_Nm,torque_Nm,shear_N")
+    table = np.array([[float(cell) for cell in row.split(",")] for row in rows])
+    assert len(table) == 2 * 6 * len(forces.angle_deg)
+    last = table[(table[:, 0] == 1800.0) & (table[:, 1] == 6.0)]
+    assert set(last[:, 2]) == {3.0}
+    assert last[:, 6] == pytest.approx(found.torque_Nm[2, 1], rel=1e-7)
 
 
 @pytest.mark.parametrize("offset_mm", [None, 0.0, 6.0])
