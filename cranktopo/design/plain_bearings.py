@@ -46,6 +46,11 @@ class PlainBearings(SceneTable):
     """Temperature of the oil in the film."""
     viscosity_mPas: Viscosity | None = Field(default=None, examples=[8.0])
     """Dynamic viscosity of the oil in the film, in place of that of `oil` at `temperature_C`."""
+    viscosity_curve_mPas: tuple[tuple[Temperature, Viscosity], ...] | None = Field(
+        default=None, min_length=2, max_length=50, examples=[((40.0, 90.0), (100.0, 11.0))]
+    )
+    """Temperatures in degC, rising, each with the dynamic viscosity of the oil there, in place of that of
+    `oil`; at `temperature_C` by Walther's equation through the two nearest."""
     permitted_film_um: Film | None = Field(default=None, examples=[1.5])
     """Least permitted film thickness, as journals' roughness and deflection leave it."""
     permitted_pressure_MPa: Pressure | None = Field(default=None, examples=[45.0], le=1000)
@@ -56,9 +61,37 @@ class PlainBearings(SceneTable):
         """Dynamic viscosity of the oil in the film, Pa s; of a grade by Walther's equation (ASTM D341)."""
         if self.viscosity_mPas is not None:
             return self.viscosity_mPas / 1e3
-        ends = _VISCOSITY_AT_40[self.oil], _VISCOSITY_AT_100[self.oil]
-        at_40, at_100 = (math.log10(math.log10(viscosity + _WALTHER)) for viscosity in ends)
-        cold, hot, here = (math.log10(t + _ZERO_K) for t in (40.0, 100.0, self.temperature_C))
-        double = at_40 + (here - cold) / (hot - cold) * (at_100 - at_40)
-        density = _DENSITY_KG_M3 - _DENSITY_FALL * (self.temperature_C - _DENSITY_AT_C)
-        return (10**10**double - _WALTHER) / MM2_PER_M2 * density
+        density = _density_kg_m3(self.temperature_C)
+        return self._kinematic_mm2_per_s / MM2_PER_M2 * density
+
+    @property
+    def takes_grade(self) -> bool:
+        """Tell whether the viscosity is that of the grade."""
+        return self.viscosity_mPas is None and self.viscosity_curve_mPas is None
+
+    @property
+    def _kinematic_mm2_per_s(self) -> float:
+        """Kinematic viscosity at the temperature of the film, on a line through the points nearest to it."""
+        points = self._points
+        above = next((n for n, (at_C, _) in enumerate(points) if at_C >= self.temperature_C), len(points))
+        first = min(max(above, 1), len(points) - 1) - 1
+        (cold, thick), (hot, thin) = (
+            (math.log10(at_C + _ZERO_K), math.log10(math.log10(viscosity + _WALTHER)))
+            for at_C, viscosity in points[first : first + 2]
+        )
+        here = math.log10(self.temperature_C + _ZERO_K)
+        return float(10**10 ** (thick + (here - cold) / (hot - cold) * (thin - thick)) - _WALTHER)
+
+    @property
+    def _points(self) -> list[tuple[float, float]]:
+        """Temperatures in degC and kinematic viscosities in mm2/s that are known."""
+        if self.viscosity_curve_mPas is None:
+            return [(40.0, _VISCOSITY_AT_40[self.oil]), (100.0, _VISCOSITY_AT_100[self.oil])]
+        return [
+            (at_C, viscosity / 1e3 / _density_kg_m3(at_C) * MM2_PER_M2)
+            for at_C, viscosity in self.viscosity_curve_mPas
+        ]
+
+
+def _density_kg_m3(temperature_C: float) -> float:
+    return _DENSITY_KG_M3 - _DENSITY_FALL * (temperature_C - _DENSITY_AT_C)

@@ -82,6 +82,9 @@ class Supports(SceneTable):
     bearing_clearance_mm: SmallLength | None = Field(default=None, examples=[0.03])
     """Radial clearance of a plain bearing: the spring is half the largest gas force over 0.8 of it."""
     roller_bearing: RollerBearing | None = None
+    bearing_tilt_spring_Nm_per_rad: TorsionalStiffness | None = Field(default=None, examples=[2.0e5])
+    """Moment by which a main bearing of any kind resists that its journal tilts, over the tilt, in a shaft on
+    all its bearings; by default it tilts freely. A throw alone has `clamped` sections or free ones."""
 
 
 class Rotor(SceneTable):

@@ -9,7 +9,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.table import SOFTEST_BEARING_N_PER_MM
-from cranktopo.base.units import N_PER_KN
+from cranktopo.base.units import N_PER_KN, NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import RollerBearing
 from cranktopo.engine.gas import gas_force_N, pressure_curve
@@ -39,6 +39,11 @@ def _stiff_enough(spring_N_per_mm: float, key: str) -> float:
         f"supports.{key}: gives a main bearing of {spring_N_per_mm:.3g} N/mm; must be at least "
         f"{SOFTEST_BEARING_N_PER_MM:g} N/mm."
     )
+
+
+def bearing_tilt_spring_Nmm_per_rad(scene: Scene) -> float:
+    """Return the stiffness by which one main bearing resists the tilt of its journal; 0 where none is."""
+    return (scene.supports.bearing_tilt_spring_Nm_per_rad or 0.0) * NMM_PER_NM
 
 
 def required_bearing_spring_N_per_mm(scene: Scene) -> float:

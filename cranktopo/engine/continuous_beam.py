@@ -8,7 +8,7 @@ in complex numbers x + iy.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.layout import engine_layout
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.bearings import bearing_spring_N_per_mm
+from cranktopo.engine.bearings import bearing_spring_N_per_mm, bearing_tilt_spring_Nmm_per_rad
 from cranktopo.engine.cylinders import cylinders
 from cranktopo.engine.forces import ThrowForces, by_throw, rotating_forces
 from cranktopo.engine.histories import every_degree
@@ -58,11 +58,13 @@ class Spans:
     Attributes:
         bending_Nmm2: E I of a span.
         arms_mm: distance of the middle of either web from the section beside it.
+        tilt_Nmm_per_rad: stiffness by which bearings resist the tilt of their journals.
     """
 
     bending_Nmm2: float
     pitch_mm: float
     arms_mm: Sequence[float]
+    tilt_Nmm_per_rad: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -96,8 +98,9 @@ def span_bending(scene: Scene) -> SpanBending:
     spring, arms = bearing_spring_N_per_mm(scene), [sum(half.web_z_mm) / 2 for half in halves(scene)]
     stiffness = scene.pitch_mm**3 / (48 * throw_compliance(scene).bending_mm_per_N)
     spans, borne = Spans(stiffness, scene.pitch_mm, arms), carried(scene)
+    tilting = replace(spans, tilt_Nmm_per_rad=bearing_tilt_spring_Nmm_per_rad(scene))
     turn = np.exp(1j * np.radians([about_z_deg(angle) for angle in scene.shaft_angles_deg]))[:, None]
-    moments, reactions_N = bend_spans(spans, _pin_loads(scene).turned(turn), dict.fromkeys(borne, spring))
+    moments, reactions_N = bend_spans(tilting, _pin_loads(scene).turned(turn), dict.fromkeys(borne, spring))
     alone = _alone(spans, _pin_loads(all_firing(scene)), turn)
     share = np.ptp((moments / turn[:, None]).imag, axis=2) / alone.range_Nmm
     largest_N = np.abs(reactions_N).max(axis=1)
@@ -156,7 +159,8 @@ def bend_spans(
     force = np.zeros((2 * count + 1, loads.force_N.shape[1]), dtype=complex)
     couple = np.zeros_like(force)
     force[1::2], couple[1::2] = loads.force_N + loads.turning_N, loads.couple_Nmm
-    bent = bend(beam, {2 * section: spring for section, spring in supports.items()}, force, couple)
+    nodes = {2 * section: spring for section, spring in supports.items()}
+    bent = bend(beam, nodes, force, couple, spans.tilt_Nmm_per_rad)
     ends = bent.after_Nmm[:-1:2], bent.before_Nmm[2::2]
     pins = bent.before_Nmm[1::2], bent.after_Nmm[1::2]
     webs = [end + (pin - end) * arm / half for end, pin, arm in zip(ends, pins, spans.arms_mm, strict=True)]

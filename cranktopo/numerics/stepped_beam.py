@@ -66,12 +66,19 @@ class BentBeam:
         return np.where(larger, self.before_Nmm, self.after_Nmm)
 
 
-def bend(beam: Beam, supports: Mapping[int, float | None], force_N: Complex, couple_Nmm: Complex) -> BentBeam:
+def bend(
+    beam: Beam,
+    supports: Mapping[int, float | None],
+    force_N: Complex,
+    couple_Nmm: Complex,
+    tilt_Nmm_per_rad: float = 0.0,
+) -> BentBeam:
     """Return a beam under forces and couples at its nodes, (n,) or of several states, (n, states).
 
     Args:
         supports: by node, the stiffness of each support in N/mm; None is rigid.
         couple_Nmm: positive turns toward a growing deflection.
+        tilt_Nmm_per_rad: stiffness by which each support resists the slope.
 
     Raises:
         numpy.linalg.LinAlgError: the supports do not hold the beam.
@@ -86,6 +93,7 @@ def bend(beam: Beam, supports: Mapping[int, float | None], force_N: Complex, cou
     held = stiffness.copy()
     for node, spring in supports.items():
         held[2 * node, 2 * node] += spring or 0.0
+        held[2 * node + 1, 2 * node + 1] += tilt_Nmm_per_rad
     fixed = {2 * node for node, spring in supports.items() if spring is None}
     free = [dof for dof in range(2 * count) if dof not in fixed]
     moved = np.zeros_like(load)

@@ -15,15 +15,25 @@ import numpy as np
 import pytest
 
 from cranktopo.app.main import main
+from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import designs_folder, load_scene, parse_scene
+from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import Supports
 from cranktopo.engine.performance import pressure_words
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.tasks.fatigue.result import CriticalPoint, JudgedQuality, Quality
 from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.shaft.result import ShaftEvaluation
 from cranktopo.tasks.shaft.stage import shaft_tables
+from cranktopo.tasks.shaft.web_sections import WebSections
 from cranktopo.tasks.shaft_safety.page import shaft_page
-from cranktopo.tasks.shaft_safety.plots import BearingPolar, safety_pictures
+from cranktopo.tasks.shaft_safety.plots import (
+    BearingPolar,
+    CrankSide,
+    safety_pictures,
+    side_picture,
+    web_pictures,
+)
 from cranktopo.tasks.shaft_safety.result import (
     SafetySeconds,
     ShaftAssessment,
@@ -31,6 +41,7 @@ from cranktopo.tasks.shaft_safety.result import (
     SpeedSafety,
     WebSafety,
     WorstPlace,
+    assessment,
 )
 from cranktopo.tasks.shaft_safety.stage import assess_shaft
 from cranktopo.tasks.shaft_safety.text import safety_text, shaft_text
@@ -274,7 +285,7 @@ def test_a_safety_on_a_mesh_that_misses_the_checks_is_not_shown_as_sure(bored: d
         (judged(outlets=0.7).model_copy(update={"mesh_shortfall": missed}), "bad", True),
     ):
         data = {**bored, **unwritten, "safety": safety.as_json()}
-        page = shaft_page(ShaftAssessment.model_validate(data), loads, "")
+        page = shaft_page(ShaftAssessment.model_validate(data), loads, one_throw(), "")
         fact = page.facts[0]
         assert fact.label == "Least safety"
         assert fact.status == status
@@ -308,7 +319,7 @@ def test_films_beyond_the_permitted_are_told(bored: dict[str, Any]) -> None:
         assert line.endswith(f": main {number} {least:.2f} um at {rpm:g} rpm")
     loads = BearingPolar(600.0, np.array([0.0, 360.0]), (1,), np.ones((1, 2, 2)))
     for permits, status in ((found, "bad"), (found.model_copy(update=KEPT), "good")):
-        page = shaft_page(permits.model_copy(update={"safety": judged()}), loads, "")
+        page = shaft_page(permits.model_copy(update={"safety": judged()}), loads, one_throw(), "")
         (fact,) = (one for one in page.facts if one.label == "Least oil film")
         assert (fact.status, lines[0] in fact.note, lines[0] in page.headline) == (
             status,
@@ -342,7 +353,68 @@ def page_of_one_pressure(data: dict[str, Any], loads: BearingPolar) -> str:
     words = pressure_words(load_scene("mikron-iiic-plain"), (900.0, 2100.0))
     assert words.startswith("The pressure is that of 2100 rpm at every speed")
     shaft = ShaftAssessment.model_validate({**data, "pressure": words})
-    return shaft_page(shaft, loads, "").sections[0].text
+    return shaft_page(shaft, loads, one_throw(), "").sections[0].text
+
+
+def one_throw() -> Scene:
+    """The Mikron with one cylinder, whose shaft has the two webs of `judged`."""
+    return parse_scene(MIKRON.replace("cylinders = 4", "cylinders = 1").replace("[1, 3, 4, 2]", "[1]"))
+
+
+def test_the_short_form_has_the_names_that_others_read(bored: dict[str, Any]) -> None:
+    """By speed: bearings, webs and safety; the worst place; the time. All of it is told elsewhere in full."""
+    (at,), (full,) = bored["speeds"], bored["on_bearings"]
+    assert at.keys() == {"rpm", "bearings", "webs"}
+    assert at["rpm"] == full["speed_rpm"] == 2100.0
+    assert at["bearings"] == [
+        {"section": one["bearing"], "max_N": one["largest_N"], "deg": one["at_deg"]}
+        for one in full["main_bearings"]
+    ]
+    assert [web.keys() for web in at["webs"]] == [{"throw", "web", "moment_range_Nm", "torque_range_Nm"}] * 8
+    assert [web["moment_range_Nm"] for web in at["webs"]] == [web["range_Nm"] for web in full["webs"]]
+    torque = [web["torque_range_Nm"] for web in at["webs"]]
+    assert torque[0] < 1e-6 * max(torque), "nothing turns the first web"
+    assert not {"worst", "seconds"} & bored.keys()
+    unwritten = {"throw_inertias_kg_mm2": (1.0,) * 4, "throw_by_bearings_Nm_per_rad": {}, "weighed": "shaft"}
+    slow = {**full, "speed_rpm": 900.0}
+    shaft = ShaftEvaluation.model_validate({**bored, **unwritten, "on_bearings": [slow, full]})
+    data = assessment(shaft, judged()).as_json()
+    assert data["speeds"][0]["safety"] == {"value": 1.2, "place": "pin_fillet", "throw": 1, "web": 2}
+    assert data["speeds"][1]["safety"]["value"] == 1.3
+    assert data["worst"] == {
+        "rpm": 900.0,
+        "deg": 12.0,
+        "safety": 1.2,
+        "place": "pin fillet, +171 deg around, 35 deg along",
+        "throw": 1,
+        "web": 2,
+    }
+    assert data["seconds"] == data["safety"]["seconds"]
+
+
+def test_a_file_of_curves_is_refused_before_the_work(tmp_path: Path) -> None:
+    with pytest.raises(CranktopoError, match="folder does not exist"):
+        assess_shaft("mikron-iiic-plain", csv=tmp_path / "none" / "webs.csv")
+    for words in (["--bearings", "free", "--csv", str(tmp_path / "webs.csv")],):
+        assert main(["shaft", "mikron-iiic-plain", *words]) == 2
+
+
+def test_the_map_and_the_crank_show_the_safety_of_each_web() -> None:
+    """Colours over web and speed, the crank with one number a web, and the curves of the webs."""
+    found = judged()
+    *_, shades = safety_pictures(found)
+    (mesh,) = (one for one in shades.figure.axes[0].collections)
+    assert np.array_equal(mesh.get_array(), [[1.2, 1.3], [1.2, 1.3]])
+    scene = one_throw()
+    side = side_picture(found, (0.0, 114.0), CrankSide.of(scene))
+    assert sorted(text.get_text() for text in side.figure.axes[0].texts) == ["1.20", "1.20"]
+    boxes = [patch.get_bbox() for patch in side.figure.axes[0].patches]
+    assert max(box.y1 for box in boxes) >= scene.throw.radius_mm + scene.throw.crankpin.outer_diameter_mm / 2
+    curve = np.arange(8.0).reshape(1, 2, 4)
+    sections = WebSections(np.arange(4.0), *(curve * number for number in range(1, 7)))
+    first = web_pictures(900.0, sections)[0]
+    assert [line.get_label() for line in first.figure.axes[0].lines] == ["web 1", "web 2"]
+    assert first.figure.axes[0].lines[1].get_ydata() == pytest.approx([4.0, 5.0, 6.0, 7.0])
 
 
 def test_the_bars_of_a_web_have_the_part_with_the_least_safety() -> None:

@@ -161,7 +161,7 @@ def test_the_designs_own_web_has_the_safety_of_its_shaft() -> None:
     data |= {"crank": {"bearings": [0, 2, 4]}}
     scene = with_goal(scene_from_dict(data), minimise="mass", limits=("fatigue_safety >= 100 %",))
     assert "continuous_shaft" in plan_for_stress(scene).enabled
-    settings = ShapeSettings(fillet_fraction=1.0)
+    settings = ShapeSettings(fillet_fraction=2.0)
     found = search_in_shaft(scene, shape_goal(scene), settings, Work())
     assert found is not None
     under = web_safety(scene, Judging(found.loads, settings.fillet_fraction))

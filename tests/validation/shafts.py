@@ -54,10 +54,14 @@ class Curve:
     printed_Nm: NDArray[np.float64]
     ours_Nm: NDArray[np.float64]
 
+    def off(self, from_rpm: float = 0.0, to_rpm: float = np.inf) -> NDArray[np.float64]:
+        """Difference at each speed of a range over the largest printed torque."""
+        at = (self.speed_rpm >= from_rpm) & (self.speed_rpm <= to_rpm)
+        return np.abs(self.ours_Nm - self.printed_Nm)[at] / self.printed_Nm.max()
+
     def mean_off(self, from_rpm: float = 0.0) -> float:
         """Mean difference over the largest printed torque."""
-        at = self.speed_rpm >= from_rpm
-        return float(np.abs(self.ours_Nm - self.printed_Nm)[at].mean() / self.printed_Nm.max())
+        return float(self.off(from_rpm).mean())
 
 
 def chain_inputs(chain: DiskChain, names: Iterable[str], per: str = "rad") -> list[tuple[str, str]]:

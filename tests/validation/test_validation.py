@@ -56,6 +56,9 @@ def test_torque_of_a_diesel() -> None:
     for section in shafts.SECTIONS:
         assert shafts.mwm_curve(section).mean_off() < 0.05
         assert shafts.mwm_curve(section).mean_off(from_rpm=1400.0) < 0.03
+        assert shafts.mwm_curve(section).off(1400.0, 2450.0).max() < 0.063
+        assert (shafts.mwm_curve(section).off(1400.0, 2450.0) < 0.05).mean() > 0.88
+        assert shafts.mwm_curve(section).off().max() < 0.135
 
 
 def test_formulae_of_the_map_by_hand() -> None:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.bearing_room import big_end_room_mm, own_main_room_mm
 from cranktopo.design.free_dimensions import DIMENSIONS, free_range_mm, with_dimensions
+from cranktopo.design.plain_bearings import PlainBearings
 from cranktopo.design.schema import Scene
 
 _LARGEST_CLEARANCE = 0.01
@@ -18,6 +21,7 @@ def check_plain_bearings(scene: Scene) -> None:
     bearings, throw = scene.bearings, scene.throw
     if bearings is None:
         return
+    _check_viscosity(scene, bearings)
     rooms = {"width_mm": own_main_room_mm(scene), "big_end_width_mm": big_end_room_mm(scene)}
     for key, room in rooms.items():
         given = getattr(bearings, key)
@@ -45,6 +49,24 @@ def check_plain_bearings(scene: Scene) -> None:
                 f"must be at most {most:.4g} mm, 1 % of the journal's diameter",
                 "Usual is 0.05 to 0.15 %.",
             )
+
+
+def _check_viscosity(scene: Scene, bearings: PlainBearings) -> None:
+    curve = bearings.viscosity_curve_mPas
+    if curve is None:
+        return
+    if bearings.viscosity_mPas is not None:
+        raise scene.invalid(
+            "bearings.viscosity_curve_mPas",
+            "must not stand beside bearings.viscosity_mPas",
+            "Keep one of them.",
+        )
+    if any(hot <= cold or thin >= thick for (cold, thick), (hot, thin) in pairwise(curve)):
+        raise scene.invalid(
+            "bearings.viscosity_curve_mPas",
+            "must have rising temperatures and falling viscosities",
+            "Give pairs of degC and mPa s, the coldest first.",
+        )
 
 
 def check_room_of_free_dimensions(scene: Scene) -> None:

@@ -79,21 +79,25 @@ def shaft_loads(
     Raises:
         CranktopoError: no engine, or no pressures.
     """
-    loaded, forces, cycle = solved_cycle(throws, scene, at, support)
-    states = throw_states(loaded, scene.shaft_angles_deg, forces, cycle)
-    return forces.angle_deg, np.stack([one.loads(own) for one, own in zip(throws, states, strict=True)])
+    return factors_of(throws, scene, solved_cycle(throws, scene, at, support))
 
 
-def solved_cycle(
-    throws: Sequence[ShaftStress], scene: Scene, at: Scene, support: Support
-) -> tuple[list[LoadedThrow], CycleForces, ShaftCycle]:
-    """Return the throws with their loads, the forces on their pins, and the shaft under these.
+SolvedCycle = tuple[list[LoadedThrow], CycleForces, ShaftCycle]
+"""The throws with their loads, the forces on their pins, and the shaft under these."""
 
-    Arguments and errors as of `shaft_loads`.
-    """
+
+def solved_cycle(throws: Sequence[ShaftStress], scene: Scene, at: Scene, support: Support) -> SolvedCycle:
+    """Solve the shaft at one speed; arguments and errors as of `shaft_loads`."""
     loaded = [loaded_throw(one.body.blocks, one.model.scene) for one in throws]
     forces = cycle_forces(at, shaft_effects(scene))
     return loaded, forces, carried_cycle(loaded, at, forces, support)
+
+
+def factors_of(throws: Sequence[ShaftStress], scene: Scene, solved: SolvedCycle) -> tuple[Array, Array]:
+    """Return what `shaft_loads` does, of a cycle that is solved."""
+    loaded, forces, cycle = solved
+    states = throw_states(loaded, scene.shaft_angles_deg, forces, cycle)
+    return forces.angle_deg, np.stack([one.loads(own) for one, own in zip(throws, states, strict=True)])
 
 
 def worst_throw(target: Target, methods: Sequence[str], fillet_fraction: float) -> tuple[FatigueField, ...]:

@@ -70,7 +70,7 @@ def oil_films(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> F
     found = tuple(FilmsAtSpeed(rpm=rpm, bearings=films) for rpm, films in zip(speeds, every, strict=True))
     return FilmResult(
         design=scene.name,
-        oil=None if table.viscosity_mPas else table.oil,
+        oil=table.oil if table.takes_grade else None,
         temperature_C=None if table.viscosity_mPas else table.temperature_C,
         viscosity_mPas=1e3 * table.dynamic_viscosity_Pas,
         loads=ALONE,
@@ -252,7 +252,7 @@ def _assumed(scene: Scene, table: PlainBearings) -> tuple[Assumption, ...]:
         if getattr(table, key) is None
     ]
     unused = {"bearings.groove_mm"}
-    if table.viscosity_mPas:
-        unused |= {"bearings.oil", "bearings.temperature_C"}
+    unused |= set() if table.takes_grade else {"bearings.oil"}
+    unused |= {"bearings.temperature_C"} if table.viscosity_mPas else set()
     found = [one for one in assumptions(scene, (BEARINGS, "engine")) if one.key not in unused]
     return (*found, *widths)

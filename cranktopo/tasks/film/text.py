@@ -12,7 +12,8 @@ from cranktopo.tasks.film.result import FilmResult, FilmsAtSpeed
 
 def film_text(result: FilmResult) -> str:
     """Return what is worse than permitted, the oil, and a table of bearings or of speeds."""
-    oil = f"{result.oil} at {result.temperature_C:g} degC, " if result.oil else ""
+    named = result.oil or "oil of the given curve"
+    oil = "" if result.temperature_C is None else f"{named} at {result.temperature_C:g} degC, "
     heading = f"{result.design}: oil film, {oil}{result.viscosity_mPas:.2f} mPa s\nloads: {result.loads}"
     gas = "" if result.gas else "\nthe scene tells no gas pressure: inertia alone loads the bearings"
     gas += f"\n{fill(result.pressure, WIDTH)}" if result.pressure else ""

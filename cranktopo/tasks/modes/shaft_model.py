@@ -17,6 +17,7 @@ from cranktopo.design.crank import Side
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ShaftTable
+from cranktopo.engine.bearings import bearing_tilt_spring_Nmm_per_rad
 from cranktopo.numerics.turning_body import TurningBody
 from cranktopo.numerics.turning_parts import RoundSection, beam, rigid_disk
 from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY
@@ -134,6 +135,10 @@ def shaft_model(
         held += shapes[place] if crank_end(scene, side) else []
         _add_end(join, scene, side, sections[place])
     radial = [sections[s][m] for s in carried(scene) for m in (UX, UY)]
+    tilt = bearing_tilt_spring_Nmm_per_rad(scene)
+    if tilt and bearings != "free":
+        tilting = [sections[s][m] for s in carried(scene) for m in (RX, RY)]
+        join.add(added(len(tilting), stiffness=tilt * np.eye(len(tilting))), tilting)
     if bearings == "spring":
         join.add(added(len(radial), stiffness=spring_N_per_mm * np.eye(len(radial))), radial)
     model = join.model(sections, places)

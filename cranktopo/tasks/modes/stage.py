@@ -95,11 +95,11 @@ def _reduced(
     """Return the throws with their mass."""
     return once_each(
         throws,
-        lambda one: reduced_throw(bodies[one.name], one.scene, shapes, STEPS, _moving_kg(one.scene)),
+        lambda one: reduced_throw(bodies[one.name], one.scene, shapes, STEPS, moving_kg(one.scene)),
     )
 
 
-def _moving_kg(scene: Scene) -> float:
+def moving_kg(scene: Scene) -> float:
     """Mass of rods and pistons on a crankpin: the rotating one and half the reciprocating one."""
     return moving_inertia_kg_mm2(scene) / scene.throw.radius_mm**2
 

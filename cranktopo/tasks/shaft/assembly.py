@@ -14,7 +14,7 @@ from cranktopo.base.result import Result
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
-from cranktopo.tasks.fea.condense import RX, RZ, UX, UY, Lateral, Superelement, condense
+from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, Lateral, Superelement, condense
 
 Bearings = Literal["free", "rigid", "spring"]
 ShaftBearings = Literal["free", "rigid", "spring", "film"]
@@ -109,17 +109,23 @@ def shaft_stiffness(
     bearings: Bearings,
     spring_N_per_mm: float = 0.0,
     carried: Sequence[int] | None = None,
+    tilt_Nmm_per_rad: float = 0.0,
 ) -> ShaftStiffness:
     """Torsional stiffness of a shaft on bearings.
 
     Args:
         bearings: "rigid" fixes each section's centre radially, "spring" supports it, "free" does not; every
-            bearing lets the section tilt, turn and move axially.
+            bearing lets the section turn and move axially.
         carried: sections that sit in a bearing; all by default.
+        tilt_Nmm_per_rad: stiffness by which bearings, but free ones, resist the tilt of their journals.
     """
     sections = shaft.shape[0] // 6
     stiffness = shaft.copy()
-    radial = [6 * s + m for s in (range(sections) if carried is None else carried) for m in (UX, UY)]
+    borne = range(sections) if carried is None else carried
+    radial = [6 * s + m for s in borne for m in (UX, UY)]
+    if bearings != "free":
+        tilting = [6 * s + m for s in borne for m in (RX, RY)]
+        stiffness[tilting, tilting] += tilt_Nmm_per_rad
     if bearings == "spring":
         stiffness[radial, radial] += spring_N_per_mm
     held = set(radial) if bearings == "rigid" else set()

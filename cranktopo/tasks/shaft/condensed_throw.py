@@ -15,6 +15,7 @@ from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
+from cranktopo.engine.bearings import bearing_tilt_spring_Nmm_per_rad
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
 from cranktopo.tasks.fea.condense import Superelement
 from cranktopo.tasks.fea.discretisation_error import discretisation_errors
@@ -117,7 +118,8 @@ def stiffness_of(
     """Return the stiffness of a shaft of throws of these matrices."""
     turned_deg = tuple(map(about_z_deg, scene.shaft_angles_deg))
     shaft = shaft_matrix(np.array(matrices), turned_deg)
-    return shaft_stiffness(shaft, bearings, spring_N_per_mm, carried(scene))
+    tilt = bearing_tilt_spring_Nmm_per_rad(scene)
+    return shaft_stiffness(shaft, bearings, spring_N_per_mm, carried(scene), tilt)
 
 
 def _softer(found: ShaftStiffness, without: ShaftStiffness) -> dict[str, float]:

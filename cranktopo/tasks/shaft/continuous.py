@@ -8,7 +8,6 @@ import numpy as np
 
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.notes import Pace
-from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
@@ -23,11 +22,11 @@ from cranktopo.tasks.shaft.cycle import (
     cycle_forces,
     journal_loads_N,
     shaft_cycle,
-    web_moments_Nmm,
 )
 from cranktopo.tasks.shaft.loaded_throw import LoadedThrow
 from cranktopo.tasks.shaft.on_film import Support, carried_cycle
 from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftBearing, WebMoment
+from cranktopo.tasks.shaft.web_sections import web_sections
 
 _UM_PER_MM = 1000.0
 _MRAD_PER_RAD = 1000.0
@@ -79,10 +78,11 @@ def _at_speed(
         shaft_cycle([throw], (0.0,), _of_throw(forces, index), None)
         for index, (throw, _) in enumerate(throws)
     ]
-    together = np.ptp(web_moments_Nmm(cycle, scenes), axis=2) / NMM_PER_NM
+    sections = web_sections(cycle, scenes)
+    ranges = {name: sections.range_of(name) for name in sections.curves()}
+    together = ranges["bending_Nm"]
     alone = [
-        np.ptp(web_moments_Nmm(one, [own]), axis=2)[0] / NMM_PER_NM
-        for one, own in zip(single, scenes, strict=True)
+        web_sections(one, [own]).range_of("bending_Nm")[0] for one, own in zip(single, scenes, strict=True)
     ]
     webs = tuple(
         WebMoment(
@@ -91,6 +91,10 @@ def _at_speed(
             range_Nm=float(together[index, side]),
             alone_Nm=float(alone[index][side]),
             share=float(together[index, side] / alone[index][side]),
+            side_range_Nm=float(ranges["side_bending_Nm"][index, side]),
+            torque_range_Nm=float(ranges["torque_Nm"][index, side]),
+            shear_range_N=float(ranges["shear_N"][index, side]),
+            side_shear_range_N=float(ranges["side_shear_N"][index, side]),
         )
         for index in range(len(angles))
         for side in (0, 1)
@@ -100,6 +104,7 @@ def _at_speed(
         spring_N_per_mm=support if isinstance(support, float) else None,
         webs=webs,
         main_bearings=_main_bearings(cycle, single, angles, carried(scene)),
+        sections=sections,
     )
     return shaft, cycle
 

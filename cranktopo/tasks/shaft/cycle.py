@@ -17,7 +17,6 @@ from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.errors import invalid
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.units import NMM_PER_NM, angular_speed_rad_s
-from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.layout import engine_layout
@@ -25,7 +24,7 @@ from cranktopo.engine.cylinders import cylinders
 from cranktopo.engine.forces import INERTIA_EFFECTS, ShaftTorque, by_throw
 from cranktopo.engine.histories import every_degree
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_torque
-from cranktopo.tasks.fea.condense import RX, RZ, UX, UY, UZ
+from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.shaft.assembly import shaft_matrix, turned
 from cranktopo.tasks.shaft.loaded_throw import LOADS, LoadedThrow
 
@@ -121,6 +120,7 @@ def shaft_cycle(
     spring_N_per_mm: float | None,
     borne_by: Sequence[int] | None = None,
     offset_mm: Array | None = None,
+    tilt_Nmm_per_rad: float = 0.0,
 ) -> ShaftCycle:
     """Solve the shaft for all states of a cycle.
 
@@ -129,6 +129,7 @@ def shaft_cycle(
         spring_N_per_mm: radial stiffness of every main bearing; None: rigid.
         borne_by: sections that sit in a bearing; all by default.
         offset_mm: x and y of each of them in rigid bearings, shape (2 bearings, states); none by default.
+        tilt_Nmm_per_rad: stiffness by which each of them resists the tilt of its journal.
     """
     about_z = [about_z_deg(angle) for angle in angles_deg]
     sections, states = len(about_z) + 1, forces.angle_deg.size
@@ -140,8 +141,10 @@ def shaft_cycle(
         load[RZ::6] += about_z_deg(1.0) * forces.added_Nm * NMM_PER_NM
     stiffness = shaft_matrix(np.stack([throw.stiffness for throw in throws]), about_z)
     radial = _radial(range(sections))
-    borne = _radial(range(sections) if borne_by is None else borne_by)
+    in_bearings = range(sections) if borne_by is None else borne_by
+    borne, tilting = _radial(in_bearings), _tilting(in_bearings)
     held = {6 * (sections - 1) + RZ, 6 * (sections - 1) + UZ}
+    stiffness[tilting, tilting] += tilt_Nmm_per_rad
     sprung = stiffness.copy()
     if spring_N_per_mm is None:
         held |= set(borne.tolist())
@@ -167,13 +170,22 @@ def _radial(sections: Iterable[int]) -> NDArray[np.int_]:
     return np.array([6 * section + motion for section in sections for motion in (UX, UY)])
 
 
+def _tilting(sections: Iterable[int]) -> NDArray[np.int_]:
+    """Numbers of the rotations about x and y of some sections."""
+    return np.array([6 * section + motion for section in sections for motion in (RX, RY)])
+
+
 def bent_into_bearings_N_per_mm(
-    throws: Sequence[LoadedThrow], angles_deg: Sequence[float], borne_by: Sequence[int]
+    throws: Sequence[LoadedThrow],
+    angles_deg: Sequence[float],
+    borne_by: Sequence[int],
+    tilt_Nmm_per_rad: float = 0.0,
 ) -> Array:
     """Return what bearings must push where journals lie off their axes, x and y of each, (2 n, 2 n)."""
     about_z = [about_z_deg(angle) for angle in angles_deg]
     stiffness = shaft_matrix(np.stack([throw.stiffness for throw in throws]), about_z)
-    borne, last = _radial(borne_by), 6 * len(about_z)
+    borne, tilting, last = _radial(borne_by), _tilting(borne_by), 6 * len(about_z)
+    stiffness[tilting, tilting] += tilt_Nmm_per_rad
     free = np.setdiff1d(np.arange(len(stiffness)), [*borne, last + RZ, last + UZ])
     across = stiffness[np.ix_(free, borne)]
     led = np.linalg.solve(stiffness[np.ix_(free, free)], across)
@@ -224,16 +236,3 @@ def journal_loads_N(cycle: ShaftCycle) -> Complex:
     """Return the same forces as y + i x: the way journals in films are turned, (sections, states)."""
     loads = loads_on_bearings_N(cycle)
     return np.asarray(loads[:, 1] + 1j * loads[:, 0])  # the shaft turns from y to x
-
-
-def web_moments_Nmm(cycle: ShaftCycle, scenes: Sequence[Scene]) -> Array:
-    """Return the moment about x in the middle of both webs of every throw, (throws, 2, states).
-
-    Of the section forces alone: what is constant over the cycle between section and web, the web's own
-    centrifugal force, is left out.
-    """
-    near, far = (
-        np.array([sum(halves(scene)[side].web_z_mm) / 2 for scene in scenes])[:, None] for side in (0, 1)
-    )
-    first, last = cycle.throw_N[:, :6], cycle.throw_N[:, 6:]
-    return np.stack([first[:, RX] + near * first[:, UY], -(last[:, RX] - far * last[:, UY])], axis=1)

@@ -18,6 +18,7 @@ from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
+from cranktopo.engine.bearings import bearing_tilt_spring_Nmm_per_rad
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.numerics.bearing_film.coupled import coupled_orbits
 from cranktopo.tasks.film.stage import main_bearing, plain_bearings
@@ -42,11 +43,12 @@ def carried_cycle(
     Raises:
         CranktopoError: films without `[bearings]`, or journals that do not become steady.
     """
-    angles, borne_by = scene.shaft_angles_deg, carried(scene)
+    angles, borne_by, tilt = scene.shaft_angles_deg, carried(scene), bearing_tilt_spring_Nmm_per_rad(scene)
     if support != "film":
-        return shaft_cycle(throws, angles, forces, support, borne_by)
-    rigid = shaft_cycle(throws, angles, forces, None, borne_by)
-    return shaft_cycle(throws, angles, forces, None, borne_by, film_offsets_mm(throws, scene, rigid))
+        return shaft_cycle(throws, angles, forces, support, borne_by, tilt_Nmm_per_rad=tilt)
+    rigid = shaft_cycle(throws, angles, forces, None, borne_by, tilt_Nmm_per_rad=tilt)
+    offset_mm = film_offsets_mm(throws, scene, rigid)
+    return shaft_cycle(throws, angles, forces, None, borne_by, offset_mm, tilt)
 
 
 def check_film(scene: Scene) -> None:
@@ -74,7 +76,8 @@ def film_offsets_mm(throws: Sequence[LoadedThrow], scene: Scene, rigid: ShaftCyc
     numbers = carried(scene)
     bearings = [main_bearing(scene, number) for number in numbers]
     clearance = np.array([bearing.clearance_mm for bearing in bearings])
-    bent = bent_into_bearings_N_per_mm(throws, scene.shaft_angles_deg, numbers)
+    tilt = bearing_tilt_spring_Nmm_per_rad(scene)
+    bent = bent_into_bearings_N_per_mm(throws, scene.shaft_angles_deg, numbers, tilt)
     held = journal_loads_N(rigid)[list(numbers)]
     states, cycle_rad = held.shape[1], np.radians(engine_of(scene).cycle_deg)
 

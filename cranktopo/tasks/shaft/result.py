@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from pydantic import Field
+from pydantic import Field, InstanceOf
 
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
 from cranktopo.tasks.fea.evaluation import SCHEMA_VERSION
 from cranktopo.tasks.film.permitted import LeastFilm, beyond_permitted
 from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings, ShaftStiffness
+from cranktopo.tasks.shaft.web_sections import WebSections
 
 
 class WebMoment(Result):
-    """Bending moment in the middle of a web, in the plane of its throw, over the cycle.
+    """Moments and forces in the middle of a web over the cycle, largest less smallest values.
 
     Attributes:
         web: from the free end, 1 first.
-        range_Nm: largest less smallest value in the shaft on all its bearings.
+        range_Nm: of the bending moment in the plane of its throw, in the shaft on all its bearings.
         alone_Nm: the same of a throw that stands alone between its two bearings.
     """
 
@@ -26,6 +27,14 @@ class WebMoment(Result):
     alone_Nm: float
     share: float
     """The first of these over the second."""
+    side_range_Nm: float
+    """Of the bending moment across the throw, in the shaft as all below."""
+    torque_range_Nm: float
+    """Of the torque about the crank axis."""
+    shear_range_N: float
+    """Of the force along the throw."""
+    side_shear_range_N: float
+    """Of the force across the throw."""
 
 
 class ShaftBearing(Result):
@@ -60,6 +69,8 @@ class ContinuousShaft(Result):
     """Of each bearing; none of rigid ones."""
     webs: tuple[WebMoment, ...]
     main_bearings: tuple[ShaftBearing, ...]
+    sections: InstanceOf[WebSections] | None = Field(default=None, exclude=True)
+    """Forces and moments in the webs at every angle."""
 
     @property
     def worst_web(self) -> WebMoment:

@@ -60,6 +60,12 @@ if TYPE_CHECKING:
     help="Write a page with the safety of the webs, by lsa if no method is given; HTML or Markdown.",
 )
 @click.option(
+    "--csv",
+    "csv_path",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write bending, torque and forces in every web at every angle and speed.",
+)
+@click.option(
     "--misfire",
     "misfires",
     type=CylinderNumber(),
@@ -78,6 +84,7 @@ def command(
     method: str | None,
     fillet_fraction: float | None,
     report: Path | None,
+    csv_path: Path | None,
     misfires: tuple[int, ...],
     as_json: bool,
 ) -> None:
@@ -108,7 +115,7 @@ def command(
     resolved = resolve_target(target, design, fillets=method is not None, align=align, whole=True, crank=True)
     support: ShaftBearings = next(name for name in get_args(ShaftBearings) if name == bearings)
     loaded = stands_on_bearings(resolved.scene, support)
-    _check_options(loaded, speeds_rpm, method, misfires, element_size_mm, fillet_fraction)
+    _check_options(loaded, speeds_rpm, method, misfires, csv_path, element_size_mm, fillet_fraction)
     tables = shaft_tables(resolved.scene, support, loaded=loaded)
     if method:
         note_unused(resolved.name, resolved.scene.fatigue, (method,))
@@ -124,6 +131,7 @@ def command(
         fillet_fraction=fillet_fraction or RULE_FRACTION,
         misfire=misfires,
         report=report,
+        csv=csv_path,
     )
     click.echo(json.dumps(shaft.as_json(), indent=2) if as_json else shaft_text(shaft))
 
@@ -133,11 +141,12 @@ def _check_options(
     speeds_rpm: list[float] | None,
     method: str | None,
     misfires: tuple[int, ...],
+    csv_path: Path | None,
     element_size_mm: float | None,
     fillet_fraction: float | None,
 ) -> None:
     """Refuse options that say nothing here."""
-    asked = {"--speeds": speeds_rpm, "--method": method, "--misfire": misfires}
+    asked = {"--speeds": speeds_rpm, "--method": method, "--misfire": misfires, "--csv": csv_path}
     needing = next((option for option, given in asked.items() if given), "")
     if needing and not loaded:
         raise CranktopoError(

@@ -3,10 +3,20 @@
 from __future__ import annotations
 
 from cranktopo.base.units import N_PER_KN
+from cranktopo.bodies.crank_ends import main_journal_places_mm
+from cranktopo.design.schema import Scene
 from cranktopo.report.page import Fact, FactStatus, Page, Section, left_off_first
+from cranktopo.report.plot import Picture
 from cranktopo.tasks.film.permitted import film_words
 from cranktopo.tasks.shaft.result import ContinuousShaft
-from cranktopo.tasks.shaft_safety.plots import BearingPolar, bearing_pictures, safety_pictures
+from cranktopo.tasks.shaft_safety.plots import (
+    BearingPolar,
+    CrankSide,
+    bearing_pictures,
+    safety_pictures,
+    side_picture,
+    web_pictures,
+)
 from cranktopo.tasks.shaft_safety.result import ShaftAssessment, ShaftSafety
 from cranktopo.tasks.shaft_safety.text import (
     bearing_table,
@@ -18,11 +28,12 @@ from cranktopo.tasks.shaft_safety.text import (
 )
 
 
-def shaft_page(shaft: ShaftAssessment, loads: BearingPolar, written: str) -> Page:
+def shaft_page(shaft: ShaftAssessment, loads: BearingPolar, crank: Scene, written: str) -> Page:
     """Return a judged shaft as content; `written` is a date.
 
     Args:
         loads: on the main bearings at the speed where one of them carries most.
+        crank: of which the shaft is, for its picture.
     """
     found = shaft.safety
     assert found is not None
@@ -45,7 +56,7 @@ def shaft_page(shaft: ShaftAssessment, loads: BearingPolar, written: str) -> Pag
                 "all its main bearings; each cylinder acts at its own phase. "
                 f"{shaft.silent} {shaft.pressure} {shaft.added_words}".rstrip(),
                 (("By web, from the free end", web_table(found)), *over_speed),
-                safety_pictures(found),
+                (*safety_pictures(found), *_on_crank(found, crank)),
             ),
             Section(
                 "moments",
@@ -53,6 +64,7 @@ def shaft_page(shaft: ShaftAssessment, loads: BearingPolar, written: str) -> Pag
                 f"Largest less smallest value over the cycle at {moments.speed_rpm:,.0f} rpm, where a web "
                 "carries most, beside a throw that stands alone between its two bearings.",
                 (("In the middle of each web", moment_table(moments)),),
+                () if moments.sections is None else web_pictures(moments.speed_rpm, moments.sections),
             ),
             Section(
                 "bearings",
@@ -64,6 +76,13 @@ def shaft_page(shaft: ShaftAssessment, loads: BearingPolar, written: str) -> Pag
             ),
         ),
     )
+
+
+def _on_crank(found: ShaftSafety, crank: Scene) -> tuple[Picture, ...]:
+    """Return the crank from the side; none of one whose throws differ."""
+    if crank.crank is not None and not crank.crank.uniform:
+        return ()
+    return (side_picture(found, main_journal_places_mm(crank), CrankSide.of(crank)),)
 
 
 def _speeds(found: ShaftSafety) -> str:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import N_PER_KN
+from cranktopo.design.schema import Scene
 from cranktopo.report.plot import GREY, Picture, picture, plain
+from cranktopo.tasks.shaft.web_sections import WebSections
 from cranktopo.tasks.shaft_safety.result import ShaftSafety
 
 _BARS = 0.76
@@ -17,6 +21,41 @@ _BARS = 0.76
 _PARTS = {"pin_fillet": "C0", "journal_fillet": "C1", "outlets": "C2", "elsewhere": "C7"}
 """Parts of a web with the colour of their bars."""
 _LIMIT: dict[str, Any] = {"color": GREY, "ls": "--", "lw": 1.0, "label": "safety of 1"}
+
+
+_SHADES, _PLAIN = "RdYlGn", "0.9"
+"""Colours of safeties, and of what has none."""
+
+
+@dataclass(frozen=True)
+class CrankSide:
+    """Dimensions of a crank of throws that are alike, as seen from the side.
+
+    Attributes:
+        heights_mm: of the crankpins above the crank axis, by throw.
+    """
+
+    journal_mm: float
+    journal_diameter_mm: float
+    pin_mm: float
+    pin_diameter_mm: float
+    web_mm: float
+    heights_mm: tuple[float, ...]
+
+    @classmethod
+    def of(cls, scene: Scene) -> CrankSide:
+        """Return those of a scene, its first throw up."""
+        journal, pin = scene.throw.main_journal, scene.throw.crankpin
+        first, *_ = scene.shaft_angles_deg
+        turn = np.radians(np.array(scene.shaft_angles_deg) - first)
+        return cls(
+            journal.length_mm,
+            journal.outer_diameter_mm,
+            pin.length_mm,
+            pin.outer_diameter_mm,
+            scene.web.thickness_mm,
+            tuple((scene.throw.radius_mm * np.cos(turn)).tolist()),
+        )
 
 
 @dataclass(frozen=True)
@@ -40,10 +79,44 @@ def safety_pictures(found: ShaftSafety) -> tuple[Picture, ...]:
     said = f"least {found.safety:.3f} at web {worst.web}, {worst.speed_rpm:,.0f} rpm"
     pictures = [picture("safety-by-web", f"Least safety of each part of each web: {said}", _by_web, found)]
     if len(found.speeds) > 1:
-        pictures.append(
-            picture("safety-over-speed", f"Least safety of each web over speed: {said}", _over_speed, found)
-        )
+        pictures += [
+            picture("safety-over-speed", f"Least safety of each web over speed: {said}", _over_speed, found),
+            picture("safety-map", f"Map of the least safety over webs and speeds: {said}", _map, found),
+        ]
     return tuple(pictures)
+
+
+def side_picture(found: ShaftSafety, journal_z_mm: Sequence[float], shape: CrankSide) -> Picture:
+    """Return the crank from the side with the least safety of each web.
+
+    Args:
+        journal_z_mm: main journals along the shaft, one more than throws.
+    """
+    worst = found.worst
+    said = f"Least safety of each web on the crank seen from the side: {found.safety:.3f} at web {worst.web}"
+    return picture("safety-on-crank", said, _on_crank, found, journal_z_mm, shape)
+
+
+def web_pictures(speed_rpm: float, sections: WebSections) -> tuple[Picture, ...]:
+    """Return bending, torque and shear of every web over the crank angle at a speed."""
+    told = (
+        ("bending", "Bending moment in the plane of the throw", "N m", sections.bending_Nm),
+        ("side-bending", "Bending moment across the throw", "N m", sections.side_bending_Nm),
+        ("torque", "Torque", "N m", sections.torque_Nm),
+        ("shear", "Force along the throw", "N", sections.shear_N),
+    )
+    return tuple(
+        picture(
+            f"web-{name}",
+            f"{what} in each web over the cycle at {speed_rpm:,.0f} rpm: {curves.min():,.0f} to "
+            f"{curves.max():,.0f} {unit}",
+            _curves,
+            sections.angle_deg,
+            curves.reshape(-1, curves.shape[2]),
+            f"{what.lower()} ({unit})",
+        )
+        for name, what, unit, curves in told
+    )
 
 
 def bearing_pictures(loads: BearingPolar) -> tuple[Picture, ...]:
@@ -86,6 +159,62 @@ def _over_speed(axes: Any, found: ShaftSafety) -> None:
     axes.plot(speeds, [at.safety for at in found.speeds], "k", lw=1.6, label="shaft")
     axes.axhline(1.0, **_LIMIT)
     axes.set(xlabel="speed (rpm)", ylabel="least safety", ylim=(0, None), xlim=(speeds[0], speeds[-1]))
+    plain(axes)
+
+
+def _map(axes: Any, found: ShaftSafety) -> None:
+    """Draw the least safety as a colour over web and speed; each cell reaches half way to the next speed."""
+    speeds = np.array([at.speed_rpm for at in found.speeds])
+    values = np.array([web.over_speeds for web in found.webs])
+    middle = (speeds[1:] + speeds[:-1]) / 2
+    edges = np.concatenate([[speeds[0]], middle, [speeds[-1]]])
+    webs = np.arange(len(values) + 1) + 0.5
+    shades = axes.pcolormesh(edges, webs, values, cmap=_SHADES)
+    axes.figure.colorbar(shades, ax=axes, label="least safety").ax.tick_params(labelsize=8)
+    axes.plot(found.worst.speed_rpm, found.worst.web, "kx", label="least")
+    axes.set_yticks([web.web for web in found.webs])
+    axes.set(xlabel="speed (rpm)", ylabel="web, from the free end")
+    plain(axes)
+
+
+def _on_crank(axes: Any, found: ShaftSafety, journal_z_mm: Sequence[float], shape: CrankSide) -> None:
+    """Draw journals, pins and webs as rectangles; throws that point down lie below the axis."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    safeties = np.array([web.safety for web in found.webs])
+    shades = ScalarMappable(Normalize(safeties.min(), safeties.max()), _SHADES)
+    colours = shades.to_rgba(safeties)
+    for place in journal_z_mm:
+        _box(axes, place, shape.journal_mm, 0.0, shape.journal_diameter_mm, _PLAIN)
+    middles = [(a + b) / 2 for a, b in pairwise(journal_z_mm)]
+    for number, (middle, height) in enumerate(zip(middles, shape.heights_mm, strict=True)):
+        _box(axes, middle, shape.pin_mm, height, shape.pin_diameter_mm, _PLAIN)
+        span = abs(height) + shape.pin_diameter_mm / 2 + shape.journal_diameter_mm / 2
+        centre = np.sign(height or 1.0) * (span / 2 - shape.journal_diameter_mm / 2)
+        for side, web in ((-1, 2 * number), (1, 2 * number + 1)):
+            place = middle + side * (shape.pin_mm + shape.web_mm) / 2
+            _box(axes, place, shape.web_mm, centre, span, colours[web])
+            above = centre + np.sign(height or 1.0) * (span / 2 + shape.pin_diameter_mm / 4)
+            axes.annotate(f"{safeties[web]:.2f}", (place, above), ha="center", va="center", fontsize=7)
+    axes.figure.colorbar(shades, ax=axes, label="least safety").ax.tick_params(labelsize=8)
+    axes.set_aspect("equal")
+    axes.margins(0.05)
+    axes.set(xlabel="along the shaft (mm), from the free end", yticks=[])
+    plain(axes)
+
+
+def _box(axes: Any, z_mm: float, wide_mm: float, y_mm: float, high_mm: float, colour: Any) -> None:
+    from matplotlib.patches import Rectangle
+
+    corner = z_mm - wide_mm / 2, y_mm - high_mm / 2
+    axes.add_patch(Rectangle(corner, wide_mm, high_mm, facecolor=colour, edgecolor=GREY, linewidth=0.5))
+
+
+def _curves(axes: Any, angle_deg: Array, curves: Array, name: str) -> None:
+    for number, curve in enumerate(curves, start=1):
+        axes.plot(angle_deg, curve, lw=0.9, label=f"web {number}")
+    axes.set(xlabel="crank angle (deg)", ylabel=name, xlim=(angle_deg[0], angle_deg[-1]))
     plain(axes)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
 from cranktopo.tasks.fatigue.result import CriticalPoint, JudgedQuality
-from cranktopo.tasks.shaft.result import ShaftEvaluation
+from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftEvaluation
 
 
 class WebSafety(Result):
@@ -105,8 +105,129 @@ class ShaftSafety(Result):
     """Keys that the design does not give and the safety depends on."""
 
 
+class BearingAtSpeed(Result):
+    """A main bearing at a speed."""
+
+    section: int
+    """Its number from the free end, 1 first."""
+    max_N: float
+    """Largest force on it over the cycle."""
+    deg: float
+    """Crank angle of that."""
+    film_um: float | None = UNLESS_NONE
+    """Least thickness of its oil film."""
+    pressure_MPa: float | None = UNLESS_NONE
+    """Largest pressure of the film."""
+
+
+class WebAtSpeed(Result):
+    """A web at a speed."""
+
+    throw: int
+    web: int
+    """Its number from the free end, 1 first."""
+    moment_range_Nm: float
+    """Largest less smallest bending moment in the plane of the throw over the cycle."""
+    torque_range_Nm: float
+    """The same of the torque."""
+
+
+class SafetyAtSpeed(Result):
+    """Least safety of the shaft at a speed."""
+
+    value: float
+    place: str
+    """Part of the web that has it: pin_fillet, journal_fillet, outlets or elsewhere."""
+    throw: int
+    web: int
+
+
+class ShaftAtSpeed(Result):
+    """What bearings and webs of a shaft carry at a speed, and the least safety there."""
+
+    rpm: float
+    bearings: tuple[BearingAtSpeed, ...]
+    webs: tuple[WebAtSpeed, ...]
+    safety: SafetyAtSpeed | None = UNLESS_NONE
+    """With `--method`."""
+
+
+class WorstAtSpeed(Result):
+    """Where and when the shaft is least safe, in short."""
+
+    rpm: float
+    deg: float
+    """Crank angle of the highest stress there."""
+    safety: float
+    place: str
+    """The point in words."""
+    throw: int
+    web: int
+
+
 class ShaftAssessment(ShaftEvaluation):
     """A whole crankshaft and the safety of its webs: the object that `shaft --json` prints."""
 
+    speeds: tuple[ShaftAtSpeed, ...] = ()
+    """What it carries and how safe it is, in short, by speed; `on_bearings` and `safety` have all of it."""
+    worst: WorstAtSpeed | None = UNLESS_NONE
+    """Its least safety at all speeds, with `--method`."""
+    seconds: SafetySeconds | None = UNLESS_NONE
+    """Time taken, with `--method`."""
     safety: ShaftSafety | None = UNLESS_NONE
     """Safety of its webs, with `--method`."""
+
+
+def assessment(found: ShaftEvaluation, safety: ShaftSafety | None = None) -> ShaftAssessment:
+    """Return a whole shaft with the safety of its webs, if they were judged, in full and in short."""
+    by_speed = {at.speed_rpm: at for at in safety.speeds} if safety else {}
+    return ShaftAssessment.model_construct(
+        **dict(found),
+        speeds=tuple(_in_short(at, by_speed.get(at.speed_rpm)) for at in found.on_bearings),
+        worst=_worst_in_short(safety) if safety else None,
+        seconds=safety.seconds if safety else None,
+        safety=safety,
+    )
+
+
+def _in_short(at: ContinuousShaft, judged: SpeedSafety | None) -> ShaftAtSpeed:
+    return ShaftAtSpeed(
+        rpm=at.speed_rpm,
+        bearings=tuple(
+            BearingAtSpeed(
+                section=one.bearing,
+                max_N=one.largest_N,
+                deg=one.at_deg,
+                film_um=one.film_um,
+                pressure_MPa=one.pressure_MPa,
+            )
+            for one in at.main_bearings
+        ),
+        webs=tuple(
+            WebAtSpeed(
+                throw=one.throw,
+                web=one.web,
+                moment_range_Nm=one.range_Nm,
+                torque_range_Nm=one.torque_range_Nm,
+            )
+            for one in at.webs
+        ),
+        safety=_safety_in_short(judged) if judged else None,
+    )
+
+
+def _safety_in_short(judged: SpeedSafety) -> SafetyAtSpeed:
+    throw = (judged.web + 1) // 2
+    return SafetyAtSpeed(value=judged.safety, place=judged.part, throw=throw, web=judged.web)
+
+
+def _worst_in_short(found: ShaftSafety) -> WorstAtSpeed:
+    worst = found.worst
+    return WorstAtSpeed(
+        rpm=worst.speed_rpm,
+        deg=worst.highest_deg,
+        safety=found.safety,
+        place=worst.critical.place,
+        throw=worst.throw,
+        web=worst.web,
+    )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,7 @@ from cranktopo.engine.histories import WebHistory
 from cranktopo.engine.performance import note_pressure
 from cranktopo.engine.plan.planning import note_left_off
 from cranktopo.report.report_file import check_report_path, write_report
+from cranktopo.runs.destination import check_file
 from cranktopo.runs.manifest import timestamp
 from cranktopo.tasks.fatigue.criteria import criterion
 from cranktopo.tasks.fatigue.least import PARTS, Part, least_safeties
@@ -29,7 +31,13 @@ from cranktopo.tasks.fatigue.needs import check_method
 from cranktopo.tasks.fatigue.remarks import mesh_shortfall, note_quality, note_yielding
 from cranktopo.tasks.fatigue.result import JudgedQuality
 from cranktopo.tasks.fatigue.safety_field import FatigueField, field_of_states
-from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, shaft_loads, solve_shaft_stress, solved_cycle
+from cranktopo.tasks.fatigue.shaft_stress import (
+    ShaftStress,
+    SolvedCycle,
+    factors_of,
+    solve_shaft_stress,
+    solved_cycle,
+)
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, check_fillets
 from cranktopo.tasks.fatigue.taken_keys import assumed_by
 from cranktopo.tasks.fea.targets import USED, Target, TargetLike, resolve_target
@@ -47,6 +55,7 @@ from cranktopo.tasks.shaft.stage import (
     throw_targets,
 )
 from cranktopo.tasks.shaft.web_loads import web_histories
+from cranktopo.tasks.shaft.web_sections import write_web_sections
 from cranktopo.tasks.shaft_safety.page import shaft_page
 from cranktopo.tasks.shaft_safety.plots import BearingPolar
 from cranktopo.tasks.shaft_safety.result import (
@@ -56,6 +65,7 @@ from cranktopo.tasks.shaft_safety.result import (
     SpeedSafety,
     WebSafety,
     WorstPlace,
+    assessment,
 )
 
 
@@ -69,6 +79,7 @@ def assess_shaft(
     fillet_fraction: float = RULE_FRACTION,
     misfire: Sequence[int] = (),
     report: Path | str | None = None,
+    csv: Path | str | None = None,
 ) -> ShaftAssessment:
     """Assemble the throws of a target and tell what webs and bearings carry over the cycle.
 
@@ -80,6 +91,7 @@ def assess_shaft(
         fillet_fraction: element size in a fillet over its radius.
         misfire: cylinders that do not fire, in place of those of the design.
         report: page to write, HTML or Markdown; it needs a method.
+        csv: file of what every web carries at every angle and speed.
 
     Raises:
         CranktopoError: a cylinder that the engine does not have, no engine, no loads or no bearings to judge
@@ -88,6 +100,8 @@ def assess_shaft(
     report = as_path(report)
     resolved = resolve_target(target, fillets=method is not None, whole=True, crank=True)
     resolved = replace(resolved, scene=with_misfire(resolved.scene, misfire))
+    if csv is not None:
+        check_file(as_path(csv), "--csv")
     if bearings == "film":
         check_film(resolved.scene)
     if method is None:
@@ -96,7 +110,8 @@ def assess_shaft(
         found = evaluate_shaft(
             resolved, bearings, element_size_mm, speeds_rpm=speeds_rpm, add_worst_speed=True
         )
-        return ShaftAssessment.model_construct(**dict(found))
+        write_curves(found, csv)
+        return assessment(found)
     if report is not None:
         check_report_path(report)
     _check(resolved, bearings, method)
@@ -106,13 +121,29 @@ def assess_shaft(
     found, judged = judged_shaft(
         resolved, bearings, method, speeds_rpm, fillet_fraction, add_worst_speed=True
     )
-    assessed = ShaftAssessment.model_construct(**dict(found), safety=judged.safety())
+    write_curves(found, csv)
+    assessed = assessment(found, judged.safety())
     if report is not None:
         most = max(found.on_bearings, key=lambda at: at.worst_bearing.largest_N)
         loads = judged.bearing_loads(most.speed_rpm)
-        write_report(shaft_page(assessed, loads, timestamp()[:10]), report)
+        write_report(shaft_page(assessed, loads, resolved.scene, timestamp()[:10]), report)
         note(str(report))
     return assessed
+
+
+def write_curves(found: ShaftEvaluation, csv: Path | str | None) -> None:
+    """Write what the webs carry at every angle, if a file is asked for; raises CranktopoError."""
+    if csv is None:
+        return
+    if not found.on_bearings:
+        raise CranktopoError(
+            "--csv: what webs carry over the cycle needs [engine.gas], and bearings that are not free.",
+            hint="Leave it out, or choose --bearings rigid, spring or film.",
+            code=ExitCode.USAGE,
+        )
+    path = as_path(csv)
+    write_web_sections([(at.speed_rpm, at.sections) for at in found.on_bearings if at.sections], path)
+    note(str(path))
 
 
 def judged_shaft(
@@ -198,11 +229,8 @@ class JudgedShaft:
 
     def web_histories(self) -> list[tuple[WebHistory, ...]]:
         """Return at each speed what loads each web, as `web_histories` has it."""
-        scene, found = self.target.scene, []
-        for at in speed_scenes(scene, self.speeds_rpm):
-            throws, forces, cycle = solved_cycle(self.throws, scene, at, self._support)
-            found.append(web_histories(throws, [one.model.scene for one in self.throws], forces, cycle))
-        return found
+        scenes = [one.model.scene for one in self.throws]
+        return [web_histories(throws, scenes, forces, cycle) for throws, forces, cycle in self._cycles]
 
     def bearing_loads(self, speed_rpm: float) -> BearingPolar:
         """Return the forces on the main bearings at one speed."""
@@ -215,12 +243,17 @@ class JudgedShaft:
     def _support(self) -> Support:
         return support_of(self.target.scene, self.bearings)
 
+    @cached_property
+    def _cycles(self) -> list[SolvedCycle]:
+        """The shaft at each speed, solved once for all that is asked of it."""
+        scene = self.target.scene
+        return [
+            solved_cycle(self.throws, scene, at, self._support) for at in speed_scenes(scene, self.speeds_rpm)
+        ]
+
     def _loads(self) -> tuple[Array, list[Array]]:
         """Angles, and of each throw the factors of its fields, (speeds, states, fields)."""
-        scene = self.target.scene
-        found = [
-            shaft_loads(self.throws, scene, at, self._support) for at in speed_scenes(scene, self.speeds_rpm)
-        ]
+        found = [factors_of(self.throws, self.target.scene, solved) for solved in self._cycles]
         return found[0][0], list(np.stack([loads for _, loads in found], axis=1))
 
     def _least(self, loads: Sequence[Array]) -> dict[tuple[int, int, Part], Array]:

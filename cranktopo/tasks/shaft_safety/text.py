@@ -155,11 +155,13 @@ def moment_table(at: ContinuousShaft) -> ResultTable:
             "moment_range_Nm": web.range_Nm,
             "throw_alone_Nm": web.alone_Nm,
             "share_percent": 100 * web.share,
+            "side_range_Nm": web.side_range_Nm,
+            "torque_range_Nm": web.torque_range_Nm,
         }
         for web in at.webs
     )
     digits = {"web": 0, "throw": 0, "moment_range_Nm": 1, "throw_alone_Nm": 1, "share_percent": 1}
-    return ResultTable(digits, rows)
+    return ResultTable({**digits, "side_range_Nm": 1, "torque_range_Nm": 1}, rows)
 
 
 def bearing_table(at: ContinuousShaft) -> ResultTable:

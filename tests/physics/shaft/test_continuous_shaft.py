@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,28 +11,35 @@ from numpy.typing import NDArray
 
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.named import with_values
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.free_forces import turning_masses
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.balance.whole_engine import main_bearings
-from cranktopo.tasks.fea.condense import RX, RZ, UX, UY, UZ
+from cranktopo.engine.continuous_beam import PinLoads, Spans, bend_spans, span_bending
+from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.film.stage import oil_films
+from cranktopo.tasks.shaft.assembly import Bearings, shaft_matrix, shaft_stiffness
 from cranktopo.tasks.shaft.continuous import _of_throw, _with_films, continuous_shaft
 from cranktopo.tasks.shaft.cycle import (
     CycleForces,
+    bent_into_bearings_N_per_mm,
     cycle_forces,
     loads_on_bearings_N,
     shaft_cycle,
-    web_moments_Nmm,
 )
 from cranktopo.tasks.shaft.loaded_throw import LoadedThrow, ThrowBody, loaded_throw, throw_body
+from cranktopo.tasks.shaft.on_film import carried_cycle
 from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftBearing
+from cranktopo.tasks.shaft.web_sections import web_sections, write_web_sections
 from tests.physics.shaft.test_evaluation_chain import CRANK_MM, SPRING_N_PER_MM, beam, polygon
 
 Array = NDArray[np.float64]
 PIN_MM = (6.0, 48.0, 41.0)
 """Where the pin of the beam crank carries its load, beside the middle of the throw."""
 WITH_PIN_MM = [*CRANK_MM[:3], PIN_MM, *CRANK_MM[3:]]
+TILT_NMM_PER_RAD = 5e7
+"""Of a bearing: as much as a span resists by itself."""
 MOTIONS = {"radial": (UY, -1.0), "tangential": (UX, 1.0)}
 
 
@@ -67,7 +75,7 @@ def random_forces(throws: int, states: int = 7) -> CycleForces:
 
 
 def in_one_piece(
-    angles_deg: tuple[float, ...], forces: CycleForces, spring: float | None
+    angles_deg: tuple[float, ...], forces: CycleForces, spring: float | None, tilt: float = 0.0
 ) -> tuple[Array, list[int]]:
     """Motions of all points of the shaft as one frame, and which of them are its sections."""
     points, _ = polygon(tuple(-a for a in angles_deg))
@@ -89,6 +97,8 @@ def in_one_piece(
         load[6 * at + UX], load[6 * at + UY] = c * x - s * y, s * x + c * y
     held = {6 * sections[-1] + RZ, 6 * sections[-1] + UZ}
     for at in sections:
+        for motion in (RX, RY):
+            total[6 * at + motion, 6 * at + motion] += tilt
         for motion in (UX, UY):
             if spring is None:
                 held.add(6 * at + motion)
@@ -100,16 +110,17 @@ def in_one_piece(
     return motion, sections
 
 
+@pytest.mark.parametrize("tilt", [0.0, TILT_NMM_PER_RAD])
 @pytest.mark.parametrize("spring", [None, SPRING_N_PER_MM])
 @pytest.mark.parametrize("angles_deg", [(0.0,), (0.0, 180.0, 180.0, 0.0), (0.0, 120.0, 250.0)])
 def test_condensed_throws_move_as_one_frame_of_beams(
-    angles_deg: tuple[float, ...], spring: float | None
+    angles_deg: tuple[float, ...], spring: float | None, tilt: float
 ) -> None:
     """Lopsided cranks with forces beside the middle of their pins, every section, all six motions."""
     throw = beam_throw(WITH_PIN_MM, 3)
     forces = random_forces(len(angles_deg))
-    found = shaft_cycle([throw] * len(angles_deg), angles_deg, forces, spring)
-    motion, sections = in_one_piece(angles_deg, forces, spring)
+    found = shaft_cycle([throw] * len(angles_deg), angles_deg, forces, spring, tilt_Nmm_per_rad=tilt)
+    motion, sections = in_one_piece(angles_deg, forces, spring, tilt)
     whole = np.concatenate([motion[6 * at : 6 * at + 6] for at in sections])
     assert np.abs(found.motion - whole).max() < 1e-8 * np.abs(whole).max()
     if spring is not None:
@@ -117,9 +128,12 @@ def test_condensed_throws_move_as_one_frame_of_beams(
         assert np.abs(found.bearing_N - springs).max() < 1e-7 * np.abs(springs).max()
 
 
-@pytest.mark.parametrize("spans", [2, 3, 6])
+@pytest.mark.parametrize("spans", range(1, 7))
 def test_straight_shaft_on_many_bearings_by_the_three_moment_equation(spans: int) -> None:
-    """Equal spans with a force in the middle of each: M(i-1) + 4 M(i) + M(i+1) = -3/8 (P(i) + P(i+1)) L."""
+    """Two to seven equally distant bearings, a force in the middle of each span, no moment at the ends.
+
+    M(i-1) + 4 M(i) + M(i+1) = -3/8 (P(i) + P(i+1)) L.
+    """
     length = 80.0
     throw = beam_throw([(0.0, 0.0, 0.0), (0.0, 0.0, length / 2), (0.0, 0.0, length)], 1)
     forces = random_forces(spans)
@@ -127,9 +141,38 @@ def test_straight_shaft_on_many_bearings_by_the_three_moment_equation(spans: int
     right = -3 / 8 * length * (forces.radial_N[:-1] + forces.radial_N[1:])
     inner = spans - 1
     matrix = 4 * np.eye(inner) + np.eye(inner, k=1) + np.eye(inner, k=-1)
-    moments = np.linalg.solve(matrix, right)
-    at_sections = found.throw_N[1:, RX]
-    assert np.abs(np.abs(at_sections) - np.abs(moments)).max() < 1e-8 * np.abs(moments).max()
+    moments = np.pad(np.linalg.solve(matrix, right), ((1, 1), (0, 0)))
+    scale = length * np.abs(forces.radial_N).max()
+    near, far = found.throw_N[:, RX], found.throw_N[:, 6 + RX]
+    assert np.abs(np.abs(near) - np.abs(moments[:-1])).max() < 1e-8 * scale
+    assert np.abs(np.abs(far) - np.abs(moments[1:])).max() < 1e-8 * scale
+
+
+def test_bearings_that_do_not_let_the_journal_tilt_are_built_in_ends() -> None:
+    """Of a span with a force in its middle: P L / 8 at both ends, whatever its neighbours."""
+    length = 80.0
+    throw = beam_throw([(0.0, 0.0, 0.0), (0.0, 0.0, length / 2), (0.0, 0.0, length)], 1)
+    forces = random_forces(3)
+    found = shaft_cycle([throw] * 3, (0.0,) * 3, forces, None, tilt_Nmm_per_rad=1e15)
+    built_in = np.abs(forces.radial_N) * length / 8
+    for ends in (found.throw_N[:, RX], found.throw_N[:, 6 + RX]):
+        assert np.abs(np.abs(ends) - built_in).max() < 1e-5 * built_in.max()
+    loads = PinLoads(1j * forces.radial_N, *2 * (np.zeros_like(forces.radial_N, dtype=complex),))
+    spans = Spans(4e10, length, [length / 4] * 2, 1e15)
+    webs, _ = bend_spans(spans, loads, dict.fromkeys(range(4)))
+    assert np.abs(webs).max() < 1e-5 * built_in.max(), "no moment a quarter of a span from a built-in end"
+
+
+@pytest.mark.parametrize(("bearings", "differs"), [("free", False), ("rigid", True), ("spring", True)])
+def test_torsion_of_a_shaft_feels_bearings_that_resist_tilt(bearings: Bearings, differs: bool) -> None:
+    """A twisted crank tilts its journals; free bearings resist nothing."""
+    shaft = shaft_matrix(beam_throw(WITH_PIN_MM, 3).stiffness, (0.0, 120.0, 250.0))
+    plain, held = (
+        shaft_stiffness(shaft, bearings, SPRING_N_PER_MM, tilt_Nmm_per_rad=tilt).end_to_end_Nm_per_rad
+        for tilt in (0.0, TILT_NMM_PER_RAD)
+    )
+    assert (held > 1.001 * plain) == differs
+    assert held == pytest.approx(plain, rel=1.0 if differs else 1e-12)
 
 
 def meshed_body(scene: Scene, size_mm: float) -> ThrowBody:
@@ -176,11 +219,45 @@ def test_a_single_throw_carries_half_of_its_pin_force() -> None:
     scene = load_scene("car-diesel")
     _, throw = meshed(scene, 20.0)
     forces = random_forces(1)
-    moments = web_moments_Nmm(shaft_cycle([throw], (0.0,), forces, None), [scene])
-    arm = sum(scene.web_z_mm) / 2
-    expected = forces.radial_N[0] / 2 * arm
-    assert np.abs(moments[0, 0]) == pytest.approx(np.abs(expected), rel=1e-4)
-    assert np.abs(moments[0, 1]) == pytest.approx(np.abs(expected), rel=1e-4)
+    found = web_sections(shaft_cycle([throw], (0.0,), forces, None), [scene])
+    arm_m = sum(scene.web_z_mm) / 2000
+    radial, across = forces.radial_N[0], forces.tangential_N[0]
+    for web in (0, 1):
+        assert np.abs(found.bending_Nm[0, web]) == pytest.approx(np.abs(radial / 2 * arm_m), rel=1e-4)
+        assert np.abs(found.side_bending_Nm[0, web]) == pytest.approx(np.abs(across / 2 * arm_m), rel=1e-4)
+        assert np.abs(found.shear_N[0, web]) == pytest.approx(np.abs(radial / 2), rel=1e-4)
+        assert np.abs(found.side_shear_N[0, web]) == pytest.approx(np.abs(across / 2), rel=1e-4)
+    assert np.abs(found.axial_N).max() < 1e-6 * np.abs(radial).max()
+
+
+def test_webs_carry_what_stands_ahead_of_them(tmp_path: Path) -> None:
+    """In rigid bearings the torque is that of the pins ahead; forces change at pins and bearings.
+
+    The file of the curves has all of it, one row an angle.
+    """
+    angles = (0.0, 90.0, 250.0)
+    throw, forces = beam_throw(WITH_PIN_MM, 3), random_forces(3)
+    cycle = shaft_cycle([throw] * 3, angles, forces, None)
+    scene = load_scene("car-diesel")
+    found = web_sections(cycle, [scene] * 3)
+    x_mm, y_mm, _ = PIN_MM
+    own = (forces.tangential_N * y_mm - x_mm * -forces.radial_N) / 1000
+    behind = np.cumsum(own, axis=0)
+    assert np.abs(found.torque_Nm[:, 1]) == pytest.approx(np.abs(behind), rel=1e-9)
+    assert np.abs(found.torque_Nm[1:, 0]) == pytest.approx(np.abs(behind[:-1]), rel=1e-9)
+    step = np.abs(found.shear_N[:, 1] - found.shear_N[:, 0])
+    assert step == pytest.approx(np.abs(forces.radial_N), rel=1e-9)
+    ahead = found.shear_N[0, 0] + 1j * found.side_shear_N[0, 0]
+    assert np.abs(ahead) == pytest.approx(np.hypot(*cycle.bearing_N[0]), rel=1e-9)
+    path = tmp_path / "webs.csv"
+    write_web_sections([(900.0, found), (1800.0, found)], path)
+    head, *rows = path.read_text(encoding="utf-8").splitlines()
+    assert head.startswith("speed_rpm,web,throw,angle_deg,bending_Nm,side_bending_Nm,torque_Nm,shear_N")
+    table = np.array([[float(cell) for cell in row.split(",")] for row in rows])
+    assert len(table) == 2 * 6 * len(forces.angle_deg)
+    last = table[(table[:, 0] == 1800.0) & (table[:, 1] == 6.0)]
+    assert set(last[:, 2]) == {3.0}
+    assert last[:, 6] == pytest.approx(found.torque_Nm[2, 1], rel=1e-7)
 
 
 @pytest.mark.parametrize("offset_mm", [None, 0.0, 6.0])
@@ -231,3 +308,21 @@ def test_shafts_of_the_built_in_engines() -> None:
         found = continuous_shaft([(throw, scene)] * 4, scene, spring)
         assert found.webs[0].share == pytest.approx(outer, abs=0.02)
         assert min(web.share for web in found.webs) == pytest.approx(inner, abs=0.02)
+
+
+def test_the_scene_tells_what_resists_the_tilt_of_journals() -> None:
+    """The cycle in rigid bearings, what films feel of the bent shaft, and the plan's beam take the key."""
+    free = load_scene("car-diesel")
+    stiff = with_values(free, {"supports.bearing_tilt_spring_Nm_per_rad": TILT_NMM_PER_RAD / 1000})
+    throws, angles, forces = [beam_throw(WITH_PIN_MM, 3)] * 4, free.shaft_angles_deg, cycle_forces(free)
+    found = carried_cycle(throws, stiff, forces, None)
+    expected = shaft_cycle(throws, angles, forces, None, tilt_Nmm_per_rad=TILT_NMM_PER_RAD)
+    assert np.array_equal(found.motion, expected.motion)
+    tilted = [
+        np.abs(one.motion.reshape(5, 6, -1)[:, [RX, RY]]).max()
+        for one in (carried_cycle(throws, free, forces, None), found)
+    ]
+    assert tilted[1] < 0.95 * tilted[0]
+    bent = [bent_into_bearings_N_per_mm(throws, angles, range(5), tilt) for tilt in (0.0, TILT_NMM_PER_RAD)]
+    assert np.linalg.eigvalsh(bent[1] - bent[0]).min() > -1e-6 * np.abs(bent[0]).max()
+    assert span_bending(stiff) != span_bending(free)

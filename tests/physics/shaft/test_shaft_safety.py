@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -281,3 +282,47 @@ def test_each_speed_of_a_vibrating_shaft_is_judged_by_itself(
     joined = [own.reshape(1, -1, own.shape[-1]) for own in each]
     lower = [safety.min() for one in least_safeties(stress.model, joined, "lsa") for safety in one.values()]
     assert min(lower) < 0.96 * min(least)  # 1.170 and 1.230
+
+
+FACTORS = {"_mm": 2.0, "_kg": 8.0, "_rpm": 0.5}
+"""Of an engine twice as large, of the same metal and pressures: the same stress at half the speed."""
+
+
+def twice_as_large(value: Any, factor: float = 1.0) -> Any:
+    """A table with its lengths, masses and speeds in other units."""
+    if isinstance(value, dict):
+        ends = {key: next((FACTORS[end] for end in FACTORS if key.endswith(end)), factor) for key in value}
+        return {key: twice_as_large(one, ends[key]) for key, one in value.items()}
+    if isinstance(value, list):
+        return [twice_as_large(one, factor) for one in value]
+    is_number = isinstance(value, float | int) and not isinstance(value, bool)
+    return value * factor if is_number and factor != 1.0 else value
+
+
+@pytest.mark.slow
+def test_scaled_units_give_the_same_stresses(stress: ShaftStress, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every dimension twice as large, masses eight times, half the speed: the same mesh has the same stress.
+
+    Criteria are not asked: the stress gradient of an engine twice as large is half, and its fillets weaker.
+    """
+    small = stress.model.scene
+    data = small.model_dump(mode="json", exclude_none=True, exclude={"published", "fatigue", "drawing"})
+    large = scene_from_dict(twice_as_large(data))
+    meshed = stress.body.meshed
+    off = meshed.mesh.off_surface_mm
+    mesh = replace(
+        meshed.mesh,
+        points_mm=2.0 * meshed.mesh.points_mm,
+        off_surface_mm=None if off is None else 2.0 * off,
+    )
+    monkeypatch.setattr(shaft_stress, "mesh_for_stress", lambda *_: (replace(meshed, mesh=mesh), large))
+    scaled = solve_shaft_stress(Target("large", large), COARSE)
+    found = []
+    for one, scene in ((stress, small), (scaled, large)):
+        of_throws = loads(one, scene.shaft_angles_deg, cycle_forces(scene), None)
+        labels = tuple(map(str, range(len(of_throws[0]))))
+        found.append([field_of_states(one.model, "lsa", own, labels) for own in of_throws])
+    for before, after in zip(*found, strict=True):
+        largest = before.amplitude_MPa.max()
+        assert np.abs(after.amplitude_MPa - before.amplitude_MPa).max() < 1e-9 * largest
+        assert np.abs(after.mean_MPa - before.mean_MPa).max() < 1e-9 * largest

@@ -47,6 +47,39 @@ def test_viscosity_of_a_grade() -> None:
     assert PlainBearings(clearance_mm=0.05, viscosity_mPas=8.0).dynamic_viscosity_Pas == 0.008
 
 
+def test_viscosity_of_a_curve() -> None:
+    """Its points, between two of them a straight line by Walther; two points of a grade are that grade."""
+
+    def of(points: tuple[tuple[float, float], ...], temperature_C: float) -> float:
+        table = PlainBearings(clearance_mm=0.05, viscosity_curve_mPas=points, temperature_C=temperature_C)
+        return 1e3 * table.dynamic_viscosity_Pas
+
+    points = ((40.0, 90.0), (70.0, 27.0), (100.0, 11.0), (150.0, 4.0))
+    for temperature_C, viscosity in points:
+        assert of(points, temperature_C) == pytest.approx(viscosity, rel=1e-12)
+    assert of(points, 85.0) == of(points[1:3], 85.0), "the two nearest decide"
+    assert of(points, 20.0) == of(points[:2], 20.0) > 90.0
+    assert of(points, 180.0) == of(points[2:], 180.0) < 4.0
+
+    def of_grade(temperature_C: float) -> float:
+        table = PlainBearings(clearance_mm=0.05, oil="ISO VG 100", temperature_C=temperature_C)
+        return 1e3 * table.dynamic_viscosity_Pas
+
+    two = tuple((at_C, of_grade(at_C)) for at_C in (50.0, 120.0))
+    for temperature_C in (20.0, 90.0, 140.0):
+        assert of(two, temperature_C) == pytest.approx(of_grade(temperature_C), rel=1e-12)
+
+
+def test_a_curve_is_told_and_takes_the_place_of_the_grade() -> None:
+    found = oil_films(
+        scene("clearance_mm = 0.05\ntemperature_C = 100\nviscosity_curve_mPas = [[40, 90.0], [100, 11.0]]")
+    )
+    assert (found.oil, found.temperature_C) == (None, 100.0)
+    assert found.viscosity_mPas == pytest.approx(11.0, rel=1e-12)
+    assert "oil of the given curve at 100 degC, 11.00 mPa s" in film_text(found)
+    assert "bearings.oil" not in {one.key for one in found.assumed}
+
+
 @pytest.mark.parametrize(
     ("bearings", "message"),
     [
@@ -58,6 +91,15 @@ def test_viscosity_of_a_grade() -> None:
         (OIL + "big_end_width_mm = 37", "must be at most 31 mm, the room between the fillets"),
         ('clearance_mm = 0.5\noil = "ISO VG 46"', "must be at most 0.42 mm, 1 % of the journal's diameter"),
         (OIL + "width_mm = 20\ngroove_mm = 20", "Take at most 18.32 mm, 0 for none"),
+        (
+            OIL + "viscosity_curve_mPas = [[100, 11.0], [40, 90.0]]",
+            "must have rising temperatures and falling",
+        ),
+        (OIL + "viscosity_curve_mPas = [[40, 9.0], [90, 9.0]]", "must have rising temperatures and falling"),
+        (
+            OIL + "viscosity_mPas = 8\nviscosity_curve_mPas = [[40, 90.0], [100, 11.0]]",
+            "must not stand beside bearings.viscosity_mPas",
+        ),
         ("", "bearings.clearance_mm is missing"),
     ],
 )

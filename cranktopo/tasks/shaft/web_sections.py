@@ -1,0 +1,97 @@
+"""Forces and moments in the middle of every web over the cycle, and their table for other programs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.files import replacing
+from cranktopo.base.units import NMM_PER_NM
+from cranktopo.design.halves import halves
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
+from cranktopo.tasks.shaft.cycle import ShaftCycle
+
+
+@dataclass(frozen=True)
+class WebSections:
+    """What the part of the shaft ahead of each web puts on its middle, in the axes of its throw.
+
+    Of the section forces alone: the web's own centrifugal force between section and web, constant over the
+    cycle, is left out. Shapes (throws, 2 webs, states).
+
+    Attributes:
+        bending_Nm: moment in the plane of the throw.
+        side_bending_Nm: moment across it.
+        torque_Nm: about the crank axis.
+        shear_N: along the throw, away from the crank axis.
+        side_shear_N: across it.
+        axial_N: along the crank axis.
+    """
+
+    angle_deg: Array
+    bending_Nm: Array
+    side_bending_Nm: Array
+    torque_Nm: Array
+    shear_N: Array
+    side_shear_N: Array
+    axial_N: Array
+
+    def curves(self) -> dict[str, Array]:
+        """Return the curves by name, without the angles."""
+        return {name: curve for name, curve in vars(self).items() if name != "angle_deg"}
+
+    def range_of(self, name: str) -> Array:
+        """Return the largest less the smallest value of a curve in each web, (throws, 2)."""
+        return np.ptp(self.curves()[name], axis=2)
+
+
+def web_sections(cycle: ShaftCycle, scenes: Sequence[Scene]) -> WebSections:
+    """Return the forces and moments in the webs of throws, each with its own scene."""
+    near, far = (
+        np.array([sum(halves(scene)[side].web_z_mm) / 2 for scene in scenes])[:, None] for side in (0, 1)
+    )
+    ends = ((cycle.throw_N[:, :6], near, 1.0), (cycle.throw_N[:, 6:], -far, -1.0))
+
+    def both(motion: int, lever: int | None = None, turn: float = 0.0) -> Array:
+        found = []
+        for forces, arm_mm, side in ends:
+            about = 0.0 if lever is None else turn * arm_mm * forces[:, lever]
+            found.append(side * (forces[:, motion] + about))
+        return np.stack(found, axis=1)
+
+    return WebSections(
+        cycle.angle_deg,
+        both(RX, UY, 1.0) / NMM_PER_NM,
+        both(RY, UX, -1.0) / NMM_PER_NM,
+        both(RZ) / NMM_PER_NM,
+        both(UY),
+        both(UX),
+        both(UZ),
+    )
+
+
+def write_web_sections(found: Sequence[tuple[float, WebSections]], path: Path) -> None:
+    """Write the curves of every web at every speed as CSV, one row an angle.
+
+    Args:
+        found: speed, rpm, and curves at it.
+
+    Raises:
+        CranktopoError: the file cannot be written.
+    """
+    rows, names = [], list(found[0][1].curves())
+    for speed_rpm, sections in found:
+        curves = np.stack(list(sections.curves().values()), axis=-1)
+        throws, webs, states, _ = curves.shape
+        throw, web, state = np.indices((throws, webs, states)).reshape(3, -1)
+        place = np.stack([np.full(throw.size, speed_rpm), 2 * throw + web + 1, throw + 1], axis=1)
+        angle = sections.angle_deg[state][:, None]
+        rows.append(np.hstack([place, angle, curves.reshape(throw.size, -1)]))
+    head = ",".join(["speed_rpm", "web", "throw", "angle_deg", *names])
+    with replacing(path) as temporary:
+        np.savetxt(temporary, np.vstack(rows), fmt="%.8g", delimiter=",", header=head, comments="")
