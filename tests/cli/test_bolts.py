@@ -1,6 +1,7 @@
 """The command `bolts` as a user runs it."""
 
 import json
+import math
 import re
 
 import pytest
@@ -30,6 +31,27 @@ def test_a_joint_is_told_and_written(capsys, tmp_path):
     assert joint["vdi_2230"]["torque_Nm"] > 60
     safeties = [joint["vdi_2230"][f"{name}_safety"] for name in ("clamp", "yield", "fatigue", "thread")]
     assert joint["smallest_safety"] == min(*safeties, joint["vdi_2230"]["head_pressure_safety"])
+
+
+def test_bolts_of_a_balancer_shafts_masses_are_verified(capsys, tmp_path):
+    """45.268 kg mm at 2460 rpm on two bolts: 1502 N each, as `balancer` has it for the same bolt."""
+    text = (designs_folder() / "balancer-shaft.toml").read_text(encoding="utf-8")
+    bolt = 'unbalance_kg_mm = 45.268\n[balancer.weight.bolt]\nthread = "M8"\ngrip_mm = 20.0'
+    design = tmp_path / "b.toml"
+    design.write_text(text.replace("unbalance_kg_mm = 45.268", bolt, 1))
+    code, out, err = run(capsys, str(design), "--json")
+    assert code == 0, err
+    (joint,) = json.loads(out)["joints"]
+    assert joint["name"] == "balancer weight 1"
+    assert joint["max_force_N"] == pytest.approx(45.268e-3 * (2460 * math.pi / 30) ** 2 / 2)
+    beside = json.loads(run(capsys, str(design), "--json", name="balancer")[1])["joints"]
+    assert [one | {"name": joint["name"]} for one in beside] == [joint]
+
+
+def test_a_design_without_bolts_says_what_has_them(capsys):
+    code, _, err = run(capsys, "mikron-iiic-plain")
+    assert code == 3
+    assert "[balancer.weight.bolt]" in err
 
 
 def test_the_needed_preload_stands_beside_the_one_that_it_is_compared_with(capsys, tmp_path):
