@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.volume import counterweight_mass
 from cranktopo.design.assumed import Assumption
 from cranktopo.design.balancer import BalancerPart
-from cranktopo.design.bolt import Bolt
+from cranktopo.design.bolt import Bolt, BoltedJoint
+from cranktopo.design.halves import halves
 from cranktopo.design.material import Material
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.balancer_shafts import weight_force_N
 from cranktopo.engine.rod_forces import rod_bolt_force_N
 from cranktopo.engine.rod_split import oblique_bolt_force_N
@@ -27,7 +32,7 @@ def check_bolts(design: DesignLike) -> BoltChecks:
         check_joint(
             joint.name,
             joint,
-            JointLoads(joint.max_force_N, joint.min_force_N, joint.clamp_force_N),
+            _loads(scene, joint),
             scene.material,
             joint.permitted_pressure_MPa,
         )
@@ -54,6 +59,22 @@ def check_rod_bolt(scene: Scene) -> JointCheck | None:
     oblique = scene.rod.split_angle_deg > 0
     most, least = (oblique_bolt_force_N(scene), 0.0) if oblique else rod_bolt_force_N(scene)
     return check_joint("rod", bolt, JointLoads(most, least), scene.rod.material or scene.material)
+
+
+def counterweight_pull_N(scene: Scene) -> float:
+    """Return the centrifugal force of a bolted counterweight at the highest speed, of two the larger."""
+    engine = engine_of(scene)
+    speed = max(engine.speed_rpm, engine.overspeed_rpm or 0.0)
+    bolted = [half for half in halves(scene) if half.web.counterweight and half.web.counterweight.bolted]
+    masses = [counterweight_mass(half) for half in bolted]
+    return max(weight_force_N(math.hypot(mass.first_x, mass.first_y), speed) for mass in masses)
+
+
+def _loads(scene: Scene, joint: BoltedJoint) -> JointLoads:
+    most = joint.max_force_N
+    if most is None:
+        most = counterweight_pull_N(scene) / joint.bolts
+    return JointLoads(most, joint.min_force_N, joint.clamp_force_N)
 
 
 def weight_joints(part: BalancerPart, material: Material) -> tuple[JointCheck, ...]:
