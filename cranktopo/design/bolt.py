@@ -13,7 +13,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
-from cranktopo.base.table import Force, Length, LengthOrZero, SceneTable, Strength
+from cranktopo.base.table import SHOWN, Force, Length, LengthOrZero, SceneTable, Strength
 
 COARSE_PITCH_MM = {
     3: 0.5, 4: 0.7, 5: 0.8, 6: 1.0, 7: 1.0, 8: 1.25, 9: 1.25, 10: 1.5, 11: 1.5, 12: 1.75, 14: 2.0, 16: 2.0,
@@ -209,8 +209,15 @@ class BoltedJoint(Bolt):
 
     name: str = Field(default="joint", pattern=r"^[A-Za-z0-9][A-Za-z0-9 ._-]*$", examples=["counterweight"])
     """Name in tables."""
-    max_force_N: float = Field(ge=-1e9, le=1e9, allow_inf_nan=False, examples=[5000.0])
-    """Largest force on one bolt along its axis; positive parts the joint."""
+    holds: Literal["web.counterweight"] | None = Field(default=None, examples=["web.counterweight"])
+    """What it holds: `web.counterweight` is one with a density of its own, which pulls at the bolts outward
+    with its centrifugal force at the highest speed of the engine."""
+    bolts: int = Field(default=2, ge=1, le=64)
+    """Number of bolts that share the force of what `holds` names, each along its axis."""
+    max_force_N: float | None = Field(
+        default=None, ge=-1e9, le=1e9, allow_inf_nan=False, examples=[5000.0], json_schema_extra=SHOWN
+    )
+    """Largest force on one bolt along its axis; positive parts the joint. Left out where `holds` gives it."""
     min_force_N: float = Field(default=0.0, ge=-1e9, le=1e9, allow_inf_nan=False)
     """Smallest force on one bolt along its axis."""
     clamp_force_N: float = Field(default=0.0, ge=0, le=1e9, allow_inf_nan=False)

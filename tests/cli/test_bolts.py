@@ -1,12 +1,14 @@
 """The command `bolts` as a user runs it."""
 
 import json
+import math
 import re
 
 import pytest
 
 from cranktopo.app.main import main
-from cranktopo.design.loading import designs_folder, load_scene
+from cranktopo.design.loading import designs_folder, load_scene, scene_from_dict
+from cranktopo.tasks.bolts.stage import check_bolts
 
 PLAIN = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 JOINT = '\n[[bolted_joint]]\nname = "counterweight"\nthread = "M10"\ngrip_mm = 30.0\nmax_force_N = 9000.0\n'
@@ -30,6 +32,65 @@ def test_a_joint_is_told_and_written(capsys, tmp_path):
     assert joint["vdi_2230"]["torque_Nm"] > 60
     safeties = [joint["vdi_2230"][f"{name}_safety"] for name in ("clamp", "yield", "fatigue", "thread")]
     assert joint["smallest_safety"] == min(*safeties, joint["vdi_2230"]["head_pressure_safety"])
+
+
+def test_bolts_of_a_balancer_shafts_masses_are_verified(capsys, tmp_path):
+    """45.268 kg mm at 2460 rpm on two bolts: 1502 N each, as `balancer` has it for the same bolt."""
+    text = (designs_folder() / "balancer-shaft.toml").read_text(encoding="utf-8")
+    bolt = 'unbalance_kg_mm = 45.268\n[balancer.weight.bolt]\nthread = "M8"\ngrip_mm = 20.0'
+    design = tmp_path / "b.toml"
+    design.write_text(text.replace("unbalance_kg_mm = 45.268", bolt, 1))
+    code, out, err = run(capsys, str(design), "--json")
+    assert code == 0, err
+    (joint,) = json.loads(out)["joints"]
+    assert joint["name"] == "balancer weight 1"
+    assert joint["max_force_N"] == pytest.approx(45.268e-3 * (2460 * math.pi / 30) ** 2 / 2)
+    beside = json.loads(run(capsys, str(design), "--json", name="balancer")[1])["joints"]
+    assert [one | {"name": joint["name"]} for one in beside] == [joint]
+
+
+HELD = '\n[[bolted_joint]]\nholds = "web.counterweight"\nbolts = 3\nthread = "M8"\ngrip_mm = 30.0\n'
+WEB = {"thickness_mm": 19.0, "outline": "rectangle", "width_mm": 60.0, "overhang_mm": 30.0}
+HEAVY = {"outer_radius_mm": 70.0, "half_angle_deg": 90.0, "density_kg_m3": 17500.0}
+
+
+def test_bolts_of_a_counterweight_have_its_centrifugal_force():
+    """Half a disc of 70 mm less the web's 60 x 30 mm in it: 2 R^3 / 3 - b o^2 / 2, by 19 mm and density."""
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", by_alias=True, exclude_none=True)
+    joint = {"holds": "web.counterweight", "bolts": 3, "thread": "M8", "grip_mm": 30.0}
+    data |= {"web": WEB | {"counterweight": HEAVY}, "bolted_joint": [joint]}
+    data["engine"]["overspeed_rpm"] = 3000.0
+    del data["envelope"]
+    first = (2 * 70**3 / 3 - 60 * 30**2 / 2) * 19 * 17.5e-6
+    (found,) = check_bolts(scene_from_dict(data)).joints
+    by_hand = first / 1e3 * (3000 * math.pi / 30) ** 2 / 3
+    assert found.max_force_N == pytest.approx(by_hand, rel=1e-6)
+    (given,) = check_bolts(
+        scene_from_dict(data | {"bolted_joint": [{"thread": "M8", "grip_mm": 30.0, "max_force_N": by_hand}]})
+    ).joints
+    assert found.smallest_safety == pytest.approx(given.smallest_safety, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("joint", "line"),
+    [
+        (HELD, "names a counterweight of its own density"),
+        (HELD + "max_force_N = 1.0\n", "has no meaning beside `holds`"),
+        (JOINT.replace("max_force_N = 9000.0", ""), "bolted_joint[0].max_force_N"),
+    ],
+)
+def test_a_joint_has_one_force(capsys, tmp_path, joint, line):
+    design = tmp_path / "held.toml"
+    design.write_text(PLAIN + joint)
+    code, _, err = run(capsys, str(design))
+    assert code == 3
+    assert line in " ".join(err.split())
+
+
+def test_a_design_without_bolts_says_what_has_them(capsys):
+    code, _, err = run(capsys, "mikron-iiic-plain")
+    assert code == 3
+    assert "[balancer.weight.bolt]" in err
 
 
 def test_the_needed_preload_stands_beside_the_one_that_it_is_compared_with(capsys, tmp_path):

@@ -19,9 +19,12 @@ def check_rod_of(seed: int) -> None:
     scene = scene_from_dict(random_rod_engine(seed))
     with cad_session("rod") as gmsh:
         assert len(add_rod(gmsh.model.occ, scene)) == 1  # its volume is checked against the sections
-    found = check_rod_strength(scene)
+    found, by_fkm = (check_rod_strength(scene, method) for method in ("lsa", "fkm"))
     assert all(0 < section.yield_safety < math.inf for section in found.sections)
-    assert all(0 < section.fatigue_safety < math.inf for section in found.sections)
+    for section, other in zip(found.sections, by_fkm.sections, strict=True):
+        assert 0 < section.fatigue_safety < math.inf
+        assert 0 < other.fatigue_safety < math.inf
+        assert other.yield_safety == section.yield_safety
     assert all(strut.rankine_N < strut.euler_N for strut in found.buckling)
     assert 0.2 < found.masses.centre_from_big_end_mm / scene.engine.rod_length_mm < 0.7
     assert found.push_N > 0

@@ -1,4 +1,8 @@
-"""Bolts against the tables of standards and textbooks, and against their own closed forms."""
+"""Bolts against the tables of standards and textbooks, and against their own closed forms.
+
+The rods of Dolezal 2024 are no case here: no thread, grip, preload or factor of their bolts is among the
+printed values at hand.
+"""
 
 import math
 

@@ -11,8 +11,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from cranktopo.design.loading import load_scene
+from cranktopo.design.material import Material
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
 from cranktopo.tasks.rod.element_stage import check_rod_elements, rod_on_elements
@@ -127,6 +129,37 @@ def test_fatigue_of_the_big_end_of_aluminium(rods):
     found, material = of(rods["mikron-iiic-rod"], "big end"), load_scene("mikron-iiic-rod").rod.material
     slower = found.max_MPa * (2100 / 2800) ** 2
     assert goodman(material, -found.min_MPa, slower) == pytest.approx(4.55, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("name", "against_yield", "fatigue", "ours", "share"),
+    [("mikron-iiic-rod-i", 4.27, 4.08, 9.06, 0.25), ("mikron-iiic-rod-h", 4.51, 4.26, 8.51, 0.21)],
+)
+def test_fatigue_of_the_big_ends_of_steel_is_that_of_another_load(
+    rods, name, against_yield, fatigue, ours, share
+):
+    """Both printed safeties together ask for a smallest stress of 0.25 and 0.21 of the largest, of one sign.
+
+    The printed pull is 0.039 of the printed push. By the rule that meets aluminium ours are twice as safe.
+    """
+    found, material = of(rods[name], "big end"), load_scene(name).rod.material
+    assert goodman(material, -found.min_MPa, found.max_MPa * (2100 / 2800) ** 2) == pytest.approx(
+        ours, abs=0.01
+    )
+    largest = material.yield_MPa / against_yield
+    smallest = brentq(lambda low: goodman(material, largest, low) - fatigue, -largest, largest)
+    assert smallest / largest == pytest.approx(share, abs=0.005)
+    assert share > 5 * 1348 / 34480
+
+
+def test_printed_strengths_are_those_of_the_library():
+    """1100, 900 and 630 MPa of the steel; 385, 300 and 154 MPa of the aluminium, 0.4 of the first."""
+    steel, aluminium = (load_scene(name).rod.material for name in ("mikron-iiic-rod-i", "mikron-iiic-rod"))
+    for material, printed in ((steel, (1100, 900, 630)), (aluminium, (385, 300, 154))):
+        library = Material.model_validate({"name": material.name})
+        assert (library.ultimate_MPa, library.yield_MPa, library.fatigue_bending_MPa) == printed
+        assert material == library
+    assert aluminium.fatigue_bending_MPa == pytest.approx(0.4 * aluminium.ultimate_MPa)
 
 
 def test_stresses_by_elements_that_are_printed():

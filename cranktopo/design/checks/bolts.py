@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cranktopo.design.bolt import LOST_TURNS, Bolt, least_member_mm
+from cranktopo.base.errors import invalid
+from cranktopo.design.bolt import LOST_TURNS, Bolt, BoltedJoint, least_member_mm
+from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 
 
 def check_bolt_dimensions(scene: Scene) -> None:
     """Check that every bolt of a design can be."""
     for number, joint in enumerate(scene.bolted_joint):
-        if joint.min_force_N > joint.max_force_N:
-            raise scene.invalid(
-                f"bolted_joint[{number}].min_force_N", f"must be at most max_force_N, {joint.max_force_N:g} N"
-            )
+        _check_force(scene, f"bolted_joint[{number}]", joint)
     for path, bolt in _bolts(scene):
         diameter = bolt.nominal.diameter_mm
         least = (
@@ -36,6 +35,29 @@ def check_bolt_dimensions(scene: Scene) -> None:
             raise scene.invalid(
                 f"{path}.shank_diameter_mm", f"must be near the {diameter:g} mm of the thread"
             )
+
+
+def _check_force(scene: Scene, path: str, joint: BoltedJoint) -> None:
+    """Check that the force on one bolt is given once, and that it is the larger one."""
+    if joint.holds is not None:
+        _check_held(scene, path, joint)
+    elif joint.max_force_N is None:
+        raise invalid(f"{path}.max_force_N", None, "is missing", "Give it, or `holds` what the bolts hold.")
+    elif joint.min_force_N > joint.max_force_N:
+        raise scene.invalid(f"{path}.min_force_N", f"must be at most max_force_N, {joint.max_force_N:g} N")
+
+
+def _check_held(scene: Scene, path: str, joint: BoltedJoint) -> None:
+    if joint.max_force_N is not None or joint.min_force_N:
+        key = "max_force_N" if joint.max_force_N is not None else "min_force_N"
+        raise scene.invalid(f"{path}.{key}", "has no meaning beside `holds`, whose force it is")
+    if scene.engine is None:
+        raise scene.invalid(f"{path}.holds", "needs [engine], at whose highest speed it pulls")
+    if not any(half.web.counterweight and half.web.counterweight.bolted for half in halves(scene)):
+        allowed = (
+            "names a counterweight of its own density (web.counterweight.density_kg_m3), and there is none"
+        )
+        raise scene.invalid(f"{path}.holds", allowed)
 
 
 def _bolts(scene: Scene) -> Iterator[tuple[str, Bolt]]:

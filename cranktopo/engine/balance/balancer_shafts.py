@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from cranktopo.base.units import MM_PER_M, W_PER_KW
+from cranktopo.base.units import MM_PER_M, W_PER_KW, angular_speed_rad_s
 from cranktopo.design.engine import BalancerShaft, Gear
 from cranktopo.engine.balance.free_forces import ForceEllipse, FreeForce, direction_deg
 
@@ -87,6 +87,11 @@ def needed_shafts(free: Sequence[FreeForce], w2: float, length_mm: float) -> tup
                     found.append(sized)
                     left += effect
     return tuple(found)
+
+
+def weight_force_N(unbalance_kg_mm: float, speed_rpm: float) -> float:
+    """Return the centrifugal force of a mass on a shaft that turns at a speed."""
+    return unbalance_kg_mm / MM_PER_M * angular_speed_rad_s(speed_rpm) ** 2
 
 
 def gear_forces(gear: Gear, speed_rad_s: float) -> GearForces:

@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.units import MM_PER_M, MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s, density_kg_per_mm3
+from cranktopo.base.units import MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s, density_kg_per_mm3
 from cranktopo.design.balancer import BalancerBearing, BalancerPart, ShaftNotch
 from cranktopo.design.material import Material
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.strength import RulingSection, material_remarks, through_mm
-from cranktopo.engine.balance.balancer_shafts import GearForces, gear_forces
+from cranktopo.engine.balance.balancer_shafts import GearForces, gear_forces, weight_force_N
 from cranktopo.engine.bearings import equivalent_load_N, rating_life_h, roller_bearing_spring_N_per_mm
 from cranktopo.numerics.stepped_beam import Beam, BentBeam, bend, round_beam
 from cranktopo.tasks.balancer.notch import notch_stress, size_factor
@@ -27,9 +27,7 @@ from cranktopo.tasks.balancer.result import (
     ShaftBearingLoad,
     WeightForce,
 )
-from cranktopo.tasks.bolts.joint import JointLoads
-from cranktopo.tasks.bolts.result import JointCheck
-from cranktopo.tasks.bolts.stage import check_joint
+from cranktopo.tasks.bolts.stage import weight_joints
 from cranktopo.tasks.fatigue.criteria import strengths_of
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa, lsa_strength
@@ -79,7 +77,7 @@ def strength_of(scene: Scene, part: BalancerPart) -> BalancerStrength:
         mass_kg=_mass_kg(part, loaded.material),
         gear=_gear(part),
         weights=tuple(
-            WeightForce(z_mm=w.z_mm, force_N=_force_N(w.unbalance_kg_mm, part.max_speed_rpm), deg=w.deg)
+            WeightForce(z_mm=w.z_mm, force_N=weight_force_N(w.unbalance_kg_mm, part.max_speed_rpm), deg=w.deg)
             for w in part.weight
         ),
         bearings=tuple(_bearings(loaded)),
@@ -96,7 +94,7 @@ def strength_of(scene: Scene, part: BalancerPart) -> BalancerStrength:
             for probe in part.probe
         ),
         notches=tuple(_notch(loaded, notch) for notch in part.notch),
-        joints=tuple(_joints(loaded)),
+        joints=weight_joints(part, loaded.material),
         strength_remarks=_remarks(loaded) if part.notch else None,
     )
 
@@ -178,10 +176,6 @@ def _spring_N_per_mm(bearing: BalancerBearing) -> float | None:
     return roller_bearing_spring_N_per_mm(rollers)
 
 
-def _force_N(unbalance_kg_mm: float, speed_rpm: float) -> float:
-    return unbalance_kg_mm / MM_PER_M * angular_speed_rad_s(speed_rpm) ** 2
-
-
 def _gear(part: BalancerPart) -> GearForces | None:
     return gear_forces(part.gear, angular_speed_rad_s(part.max_speed_rpm)) if part.gear else None
 
@@ -198,7 +192,7 @@ def _load(scene: Scene, part: BalancerPart) -> _LoadedShaft:
     nowhere = np.zeros(len(z), dtype=complex)
     weights, gear, couple = nowhere.copy(), nowhere.copy(), nowhere.copy()
     for weight in part.weight:
-        force = _force_N(weight.unbalance_kg_mm, part.max_speed_rpm)
+        force = weight_force_N(weight.unbalance_kg_mm, part.max_speed_rpm)
         weights[_nearest(beam, weight.z_mm)] += cmath.rect(force, math.radians(weight.deg))
     forces = _gear(part)
     if part.gear and forces:
@@ -294,13 +288,6 @@ def _notch(loaded: _LoadedShaft, notch: ShaftNotch) -> NotchCheck:
 def _strength(loaded: _LoadedShaft, size: float) -> LsaStrength:
     own = lsa_strength(_of_its_material(loaded.scene, loaded.part))
     return replace(own, size_factor=size, treatment_factor=loaded.part.treatment_factor)
-
-
-def _joints(loaded: _LoadedShaft) -> Iterator[JointCheck]:
-    for number, weight in enumerate(loaded.part.weight, start=1):
-        if weight.bolt is not None:
-            force = _force_N(weight.unbalance_kg_mm, loaded.part.max_speed_rpm) / weight.bolts
-            yield check_joint(f"weight {number}", weight.bolt, JointLoads(force), loaded.material)
 
 
 def _mass_kg(part: BalancerPart, material: Material) -> float:

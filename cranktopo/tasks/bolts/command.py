@@ -23,7 +23,8 @@ _DESIGN = "mikron-iiic-rod"
 def command(design: str, as_json: bool) -> None:
     """Bolted joints of DESIGN: preload, tightening torque, stiffness, separation, fatigue, pressures.
 
-    The joints are [[bolted_joint]] and the bolts of [rod.bolt], which the engine's inertia loads.
+    The joints are [[bolted_joint]], the bolts of [rod.bolt], which the engine's inertia loads, and those of
+    [balancer.weight.bolt], which the mass that they hold loads.
 
     Example: cranktopo bolts mikron-iiic-rod
     """

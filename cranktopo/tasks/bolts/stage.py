@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import math
+
 from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.volume import counterweight_mass
 from cranktopo.design.assumed import Assumption
-from cranktopo.design.bolt import Bolt
+from cranktopo.design.balancer import BalancerPart
+from cranktopo.design.bolt import Bolt, BoltedJoint
+from cranktopo.design.halves import halves
 from cranktopo.design.material import Material
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import engine_of
+from cranktopo.engine.balance.balancer_shafts import weight_force_N
 from cranktopo.engine.rod_forces import rod_bolt_force_N
 from cranktopo.engine.rod_split import oblique_bolt_force_N
 from cranktopo.tasks.bolts.joint import JointLoads, shigley, vdi_2230
@@ -15,7 +22,7 @@ from cranktopo.tasks.bolts.result import BoltChecks, JointCheck
 
 
 def check_bolts(design: DesignLike) -> BoltChecks:
-    """Return the rod bolt and every joint of `[[bolted_joint]]`, verified by VDI 2230 and by Shigley.
+    """Return rod bolt, `[[bolted_joint]]` and bolts of the balancer shaft, by VDI 2230 and by Shigley.
 
     Raises:
         CranktopoError: the design has none, or a rod bolt without an engine or gas pressure.
@@ -25,18 +32,18 @@ def check_bolts(design: DesignLike) -> BoltChecks:
         check_joint(
             joint.name,
             joint,
-            JointLoads(joint.max_force_N, joint.min_force_N, joint.clamp_force_N),
+            _loads(scene, joint),
             scene.material,
             joint.permitted_pressure_MPa,
         )
         for joint in scene.bolted_joint
     ]
     rod_bolt = check_rod_bolt(scene)
-    found = [*([rod_bolt] if rod_bolt else []), *found]
+    found = [*([rod_bolt] if rod_bolt else []), *found, *_on_the_balancer_shaft(scene)]
     if not found:
         raise CranktopoError(
             f"{scene.name}: has no bolted joint.",
-            hint="Add [[bolted_joint]], one for each kind of bolt, or [rod.bolt].",
+            hint="Add [[bolted_joint]], one for each kind of bolt, [rod.bolt] or [balancer.weight.bolt].",
         )
     return BoltChecks(design=scene.name, joints=tuple(found), assumed=rod_bolt_assumed(scene))
 
@@ -52,6 +59,44 @@ def check_rod_bolt(scene: Scene) -> JointCheck | None:
     oblique = scene.rod.split_angle_deg > 0
     most, least = (oblique_bolt_force_N(scene), 0.0) if oblique else rod_bolt_force_N(scene)
     return check_joint("rod", bolt, JointLoads(most, least), scene.rod.material or scene.material)
+
+
+def counterweight_pull_N(scene: Scene) -> float:
+    """Return the centrifugal force of a bolted counterweight at the highest speed, of two the larger."""
+    engine = engine_of(scene)
+    speed = max(engine.speed_rpm, engine.overspeed_rpm or 0.0)
+    bolted = [half for half in halves(scene) if half.web.counterweight and half.web.counterweight.bolted]
+    masses = [counterweight_mass(half) for half in bolted]
+    return max(weight_force_N(math.hypot(mass.first_x, mass.first_y), speed) for mass in masses)
+
+
+def _loads(scene: Scene, joint: BoltedJoint) -> JointLoads:
+    most = joint.max_force_N
+    if most is None:
+        most = counterweight_pull_N(scene) / joint.bolts
+    return JointLoads(most, joint.min_force_N, joint.clamp_force_N)
+
+
+def weight_joints(part: BalancerPart, material: Material) -> tuple[JointCheck, ...]:
+    """Return the bolts of a balancer shaft's masses under their centrifugal force at its highest speed."""
+    return tuple(
+        check_joint(
+            f"weight {number}",
+            weight.bolt,
+            JointLoads(weight_force_N(weight.unbalance_kg_mm, part.max_speed_rpm) / weight.bolts),
+            material,
+        )
+        for number, weight in enumerate(part.weight, start=1)
+        if weight.bolt is not None
+    )
+
+
+def _on_the_balancer_shaft(scene: Scene) -> tuple[JointCheck, ...]:
+    part = scene.balancer
+    if part is None:
+        return ()
+    joints = weight_joints(part, part.material or scene.material)
+    return tuple(joint.model_copy(update={"name": f"balancer {joint.name}"}) for joint in joints)
 
 
 def rod_bolt_assumed(scene: Scene) -> tuple[Assumption, ...]:
