@@ -130,7 +130,7 @@ class Answers:
     async def _answer_settled(self, question: tuple[Callable[[str], Data], str, str]) -> None:
         data_of, now, original = question
         for text in dict.fromkeys((now, original)):
-            for part in ("stiffness", "shaft", "safety"):
+            for part in ("stiffness", "film", "shaft", "safety"):
                 so_far = self._settled.get(text, {})
                 if part in so_far.get("parts", ()):
                     continue
@@ -141,7 +141,7 @@ class Answers:
                         f"settled.settled_{part}", data_of(text), *known
                     )
                 except CranktopoError as error:
-                    found = {"gauges": {}, **({} if part == "shaft" else {"missing": str(error)})}
+                    found = {"gauges": {}, **({} if part in ("film", "shaft") else {"missing": str(error)})}
                 self._keep(text, part, found)
                 if part == "stiffness" and text == now:
                     await self._calibrate(data_of(text), found["gauges"])

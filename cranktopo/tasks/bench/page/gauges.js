@@ -1,6 +1,6 @@
 // Gauges against original and limit.
 import { $, lower, make, plain, signed, words } from "./base.js";
-import { FAILS_BELOW, GAUGES, SAFETIES, SOLVED, boundOf, changeOf, comparable, errorOf, inPoints, limitsOf, state, valueAt, valueOf } from "./state.js";
+import { FAILS_BELOW, GAUGES, OF_TABLE, SAFETIES, SOLVED, boundOf, changeOf, comparable, errorOf, inPoints, limitsOf, state, valueAt, valueOf } from "./state.js";
 import { edit } from "./talk.js";
 import { showPlace } from "./view.js";
 
@@ -12,7 +12,7 @@ export function showGauges() {
   const rows = GAUGES.map((gauge) => {
     const [name, label] = gauge, [value, ring] = valueOf(name), original = state.original[name];
     if (value === undefined && original === undefined && !SOLVED.has(name)) return null;
-    if (value === undefined && original === undefined && (state.missing && SAFETIES(name) || name === "outlet_safety" && !hasOutlets())) return null;
+    if (value === undefined && original === undefined && (state.missing && SAFETIES(name) || isLeftOut(OF_TABLE[name]))) return null;
     const percent = value !== undefined && original && comparable(name) ? changeOf(name, value) : null, better = gauge[4];
     const way = percent === null || !better || Math.abs(percent) < (SAFETIES(name) ? errorOf(name) : 0.05) ? 0 : Math.sign(percent) * better * Math.sign(original);
     const limits = limitsOf(name, value), text = shownValue(gauge, value);
@@ -44,7 +44,7 @@ function showWarnings(texts) {
   if (shown.join("\n") !== wanted.join("\n")) list.replaceChildren(...wanted.map((text) => make("li", {}, text)));
 }
 
-const hasOutlets = () => Boolean(valueAt("throw.drilling")?.length);
+const isLeftOut = (table) => Boolean(table) && !Object.keys(valueAt(table) ?? {}).length;
 const shownValue = ([, , unit, digits, , size = 1], value) => (value === undefined ? "…" : `${plain(value / size, digits)} ${unit}`.trim());
 
 // Limits that no gauge stands for are the jobs' alone.
