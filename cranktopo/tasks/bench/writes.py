@@ -52,6 +52,9 @@ WRITTEN: Mapping[str, Written] = {
     "drawing-svg": Written(".svg", ("export", "{design}", "{file}", "--force")),
     "m53": Written("-m53.pdf", ("fatigue", "{design}", "--method=m53", "--report={file}")),
     "vibration": Written("-vibration.html", ("vibration", "{design}", "--report={file}")),
+    "vibration-misfire": Written(
+        "-misfire.html", ("vibration", "{design}", "--misfire=1", "--report={file}")
+    ),
     "compare": Written("-compare.html", (*_COMPARED, "--report={file}")),
     "table": Written("-table.md", (*_COMPARED, "--format=markdown"), printed=True),
     "latex": Written("-table.tex", (*_COMPARED, "--format=latex"), printed=True),
