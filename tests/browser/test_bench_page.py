@@ -280,6 +280,9 @@ def test_bearings_crank_forging_and_drawing_have_forms(quick: Any) -> None:
         page.wait_for_selector(f"#history li.here:has-text('added {table}')")
         assert page.locator(f"#tree [data-row^='{table}.']").count() > 0
     assert page.locator("#tree [data-path='group:Second web'] button").count() > 0
+    page.get_by_role("button", name="Remove forging", exact=True).click()
+    page.wait_for_selector("#history li.here:has-text('removed forging')")
+    assert page.get_by_role("button", name="Add forging", exact=True).count() == 1
 
 
 def test_a_task_by_keyboard_alone(quick: Any, tmp_path: Path) -> None:
