@@ -23,13 +23,20 @@ export function showGauges() {
     if (value !== undefined && !stale) for (const limit of limits) if (!limit.holds) broken.push(`${lower(label)} ${limit.text} (it is ${text})`);
     return gaugeRow(gauge, value, text, ring, percent, way, limits, stale);
   }).filter(Boolean);
-  $("dials").replaceChildren(...rows);
+  keepSame($("dials"), rows);
   const line = [...fails, broken.length ? `Limit not kept: ${broken.join("; ")}.` : "", below.length ? `Below what the rule asks for: ${below.join("; ")}.` : ""].filter(Boolean).join(" ");
   const same = state.project.at === state.project.original && !state.dragging;
   $("worse").textContent = same ? ["This is the original.", line].filter(Boolean).join(" ") : !state.fresh && !worse.length && !line ? "Nothing known so far is worse than the original." : [line, worse.length ? `Worse than the original: ${worse.join("; ")}.` : "Nothing is worse than the original."].filter(Boolean).join(" ");
   $("worse").className = line || (!same && worse.length) ? "bad" : same ? "" : "good";
   showWhere();
   $("notes").replaceChildren(...[...(state.notes ?? []), ...withoutGauge()].map((text) => make("li", {}, text)));
+}
+
+// Takes new rows where they say something else: what is not painted anew costs no time while dragging.
+function keepSame(list, rows) {
+  const before = [...list.children], alike = before.length === rows.length && rows.every((row, i) => row.dataset.gauge === before[i].dataset.gauge);
+  if (!alike) return list.replaceChildren(...rows);
+  rows.forEach((row, i) => row.outerHTML === before[i].outerHTML || before[i].replaceWith(row));
 }
 
 function showWhere() {

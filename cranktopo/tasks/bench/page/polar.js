@@ -3,9 +3,12 @@ import { $, make, plain } from "./base.js";
 import { state } from "./state.js";
 
 const HALF = 100;
+let told = "";
 
 export function showPolars() {
-  const box = $("polars"), shown = state.polars ?? [];
+  const box = $("polars"), shown = state.polars ?? [], text = JSON.stringify([shown, state.originalPolars]);
+  if (text === told) return;
+  told = text;
   box.parentElement.hidden = !shown.length;
   box.replaceChildren(...shown.map((one, i) => polar(one, state.originalPolars?.[i])));
 }
