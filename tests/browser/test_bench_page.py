@@ -11,8 +11,10 @@ import pytest
 from cranktopo.design.edits import changed_text
 from cranktopo.design.loading import design_text, scene_from_dict
 from cranktopo.design.toml_text import parse_toml
+from cranktopo.tasks.bench.access import Password
 from cranktopo.tasks.bench.forms import new_design
-from tests.browser.bench_page import gauge, set_slider, shown, stays_shown
+from tests.browser.bench_page import gauge, quick_bench, set_slider, shown, stays_shown
+from tests.browser.conftest import QUICK_MS
 
 pytest.importorskip("tornado")
 PLAIN = "mikron-iiic-plain"
@@ -318,6 +320,21 @@ def test_a_task_by_keyboard_alone(quick: Any, tmp_path: Path) -> None:
     keys.press("Enter")
     page.wait_for_selector("#made a:has-text('keys.step')")
     assert (tmp_path / "keys.step").read_text(encoding="ascii").startswith("ISO-10303-21")
+
+
+def test_a_bench_of_others_asks_for_its_password_once(browser: Any, tmp_path: Path) -> None:
+    password = Password("a long password")
+    with quick_bench(tmp_path, PLAIN, host="127.0.0.2", password=password) as address:
+        page = browser.new_context().new_page()
+        page.set_default_timeout(QUICK_MS)
+        page.goto(address)
+        for word in ("a wrong password", "a long password"):
+            page.get_by_label("Password").fill(word)
+            page.get_by_role("button", name="Open").click()
+            page.wait_for_selector("#told:has-text('not the password')" if "wrong" in word else "#dials li")
+        page.reload()
+        page.wait_for_selector("#dials li")
+        page.context.close()
 
 
 def test_a_use_fills_in_a_sound_beginning(quick: Any) -> None:
