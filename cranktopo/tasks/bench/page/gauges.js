@@ -36,7 +36,7 @@ export function showGauges() {
 function keepSame(list, rows) {
   const before = [...list.children], alike = before.length === rows.length && rows.every((row, i) => row.dataset.gauge === before[i].dataset.gauge);
   if (!alike) return list.replaceChildren(...rows);
-  rows.forEach((row, i) => row.outerHTML === before[i].outerHTML || before[i].replaceWith(row));
+  rows.forEach((row, i) => row.isEqualNode(before[i]) || before[i].replaceWith(row));
 }
 
 function showWhere() {
