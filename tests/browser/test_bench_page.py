@@ -220,7 +220,8 @@ def test_variants_are_lines_across_their_gauges(quick: Any) -> None:
     page.evaluate(
         """async (known) => {
             const [{ state }, { showVariants }] = [await import("./state.js"), await import("./variants.js")];
-            const named = (i) => ({ id: `v${i}`, name: `variant ${i}`, what: "", pinned: false });
+            const none = { what: "", pinned: false, outlines: [] };
+            const named = (i) => ({ id: `v${i}`, name: `variant ${i}`, ...none });
             state.project.variants = known.map((gauges, i) => ({ ...named(i), gauges }));
             const step = state.project.steps[state.project.at].file;
             state.jobs = [{ step, gauges: { bound_mass: 1.4 } }];
@@ -239,6 +240,19 @@ def test_variants_are_lines_across_their_gauges(quick: Any) -> None:
     lefts = [float(dot.get_attribute("cx")) for dot in page.locator("#scatter circle").all()]
     assert float(bound.get_attribute("x1")) < min(lefts), "no variant is lighter than the proof allows"
     assert seen.complaints == []
+
+
+def test_kept_variants_have_a_small_picture_to_one_scale(quick: Any) -> None:
+    page = quick(PLAIN).page
+    shown(page)
+    for number, width in enumerate((50, 60), start=1):
+        if width != 50:
+            set_slider(page, "web.width_mm", width, release=True)
+            page.wait_for_selector(f"#history li.here:has-text('width: {width} mm')")
+        page.get_by_role("button", name="Keep variant").click()
+        page.wait_for_selector(f"tr[data-variant=v{number}] svg.small path", state="attached")
+    boxes = [one.evaluate("(path) => path.getBBox().width") for one in page.locator("svg.small path").all()]
+    assert boxes == pytest.approx([50, 60], rel=0.02)
 
 
 def test_how_far_a_job_is_is_a_bar_with_the_time_left(quick: Any) -> None:

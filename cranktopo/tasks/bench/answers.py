@@ -82,6 +82,14 @@ class Answers:
         found = await self._workers["live"].ask("live.live_numbers", data, self._factors)
         return _known_gauges(found)
 
+    async def outlines(self, data: Data) -> list[Any]:
+        """Return the outlines of the web of a design; none where it is broken."""
+        try:
+            found: list[Any] = await self._workers["live"].ask("front_view.web_outlines", data)
+        except CranktopoError:
+            return []
+        return found
+
     def known(self, text: str) -> dict[str, float]:
         """Return all numbers that are known of a design."""
         return {**self._exact.get(text, {}), **self._settled.get(text, {}).get("gauges", {})}

@@ -258,11 +258,13 @@ class Bench:
         self._required.pin()
         self._moved()
 
-    def _keep(self, asked: Mapping[str, Any], tell: Tell) -> None:
+    async def _keep(self, asked: Mapping[str, Any], tell: Tell) -> None:
         project = self._required
         original = project.data(project.text_of(project.original))
         changed = difference_words(original, project.data()) or "as the original"
-        project.keep(str(asked.get("name", "")), self.answers.known(project.text), what=changed)
+        text, name = project.text, str(asked.get("name", ""))
+        outlines = await self.answers.outlines(project.data(text))
+        project.keep(name, self.answers.known(text), text, changed, outlines)
         self._tell_state()
 
     def _drop(self, asked: Mapping[str, Any], tell: Tell) -> None:
@@ -398,7 +400,11 @@ class Bench:
             if text is not None:
                 exact = await self.answers.exact(project.data(text))
                 told = {**self.answers.known(text), **exact, **numbers}
-                id_ = project.keep(f"{job.known.kind} {job.known.id}", told, text, "; ".join(found[:1])).id
+                name, outlines = (
+                    f"{job.known.kind} {job.known.id}",
+                    await self.answers.outlines(project.data(text)),
+                )
+                id_ = project.keep(name, told, text, "; ".join(found[:1]), outlines).id
         except (CranktopoError, OSError, subprocess.SubprocessError) as error:
             found = [f"its result cannot be kept: {error}"]
         job.note_result(id_, found, numbers)

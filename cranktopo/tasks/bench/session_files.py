@@ -1,4 +1,4 @@
-"""Files of a session for other processes and for users: designs, commands that write, the steps as a script."""
+"""Files of a session for other processes and users: designs, commands that write, the steps as a script."""
 
 from __future__ import annotations
 
