@@ -31,6 +31,7 @@ class Shown:
 Case = Acts | Refused | Shown
 MIKRON = "mikron-iiic-plain"
 QUIET = Shown("cli/test_command_line.py::test_every_command_that_tells_notes_can_be_quiet_or_verbose")
+_ACCESS = "unit/bench/test_access.py"
 _GOAL = {
     "--minimise": Acts(MIKRON, "--minimise mass"),
     "--maximise": Acts(MIKRON, "--maximise torsion"),
@@ -295,6 +296,10 @@ TABLE: dict[str, dict[str, Case]] = {
     "bench": {
         "--port": Refused("--port 80", "80 is not in the range"),
         "--no-browser": Shown("browser/test_bench.py::test_a_drag_moves_numbers_and_picture"),
+        "--host": Shown(
+            f"{_ACCESS}::test_an_address_that_others_reach_needs_that_it_is_known_and_a_password"
+        ),
+        "--i-know": Refused("--i-know", "--i-know is about --host"),
     },
 }
 _SWEEP = f"{MIKRON} --vary web.thickness_mm=18,20"

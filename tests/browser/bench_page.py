@@ -43,7 +43,7 @@ def running_bench(folder: Path, *words: str) -> Iterator[tuple[subprocess.Popen[
 
 
 @contextmanager
-def quick_bench(folder: Path, design: str = "") -> Iterator[str]:
+def quick_bench(folder: Path, design: str = "", **serving: Any) -> Iterator[str]:
     """A bench in a thread, its address: it answers drags, but solves nothing; it ends with the block."""
     from cranktopo.tasks.bench.server import Server
     from cranktopo.tasks.bench.session import Bench
@@ -64,7 +64,7 @@ def quick_bench(folder: Path, design: str = "") -> Iterator[str]:
             setattr(bench.answers, name, lambda *asked: None)
         if design:
             bench.open_text(design_text(design), f"{design}.toml", f"opened {design}", "cranktopo bench")
-        return Server(bench)
+        return Server(bench, **serving)
 
     server = do(started)
     try:

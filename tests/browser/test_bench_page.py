@@ -11,8 +11,10 @@ import pytest
 from cranktopo.design.edits import changed_text
 from cranktopo.design.loading import design_text, scene_from_dict
 from cranktopo.design.toml_text import parse_toml
+from cranktopo.tasks.bench.access import Password
 from cranktopo.tasks.bench.forms import new_design
-from tests.browser.bench_page import gauge, set_slider, shown, stays_shown
+from tests.browser.bench_page import gauge, quick_bench, set_slider, shown, stays_shown
+from tests.browser.conftest import QUICK_MS
 
 pytest.importorskip("tornado")
 PLAIN = "mikron-iiic-plain"
@@ -218,7 +220,8 @@ def test_variants_are_lines_across_their_gauges(quick: Any) -> None:
     page.evaluate(
         """async (known) => {
             const [{ state }, { showVariants }] = [await import("./state.js"), await import("./variants.js")];
-            const named = (i) => ({ id: `v${i}`, name: `variant ${i}`, what: "", pinned: false });
+            const none = { what: "", pinned: false, outlines: [] };
+            const named = (i) => ({ id: `v${i}`, name: `variant ${i}`, ...none });
             state.project.variants = known.map((gauges, i) => ({ ...named(i), gauges }));
             const step = state.project.steps[state.project.at].file;
             state.jobs = [{ step, gauges: { bound_mass: 1.4 } }];
@@ -237,6 +240,19 @@ def test_variants_are_lines_across_their_gauges(quick: Any) -> None:
     lefts = [float(dot.get_attribute("cx")) for dot in page.locator("#scatter circle").all()]
     assert float(bound.get_attribute("x1")) < min(lefts), "no variant is lighter than the proof allows"
     assert seen.complaints == []
+
+
+def test_kept_variants_have_a_small_picture_to_one_scale(quick: Any) -> None:
+    page = quick(PLAIN).page
+    shown(page)
+    for number, width in enumerate((50, 60), start=1):
+        if width != 50:
+            set_slider(page, "web.width_mm", width, release=True)
+            page.wait_for_selector(f"#history li.here:has-text('width: {width} mm')")
+        page.get_by_role("button", name="Keep variant").click()
+        page.wait_for_selector(f"tr[data-variant=v{number}] svg.small path", state="attached")
+    boxes = [one.evaluate("(path) => path.getBBox().width") for one in page.locator("svg.small path").all()]
+    assert boxes == pytest.approx([50, 60], rel=0.02)
 
 
 def test_how_far_a_job_is_is_a_bar_with_the_time_left(quick: Any) -> None:
@@ -273,13 +289,16 @@ def test_bearings_crank_forging_and_drawing_have_forms(quick: Any) -> None:
         group = page.locator(f"#tree [data-path='group:{title}']")
         assert group.count() == 1
         group.locator("summary").first.click()
-        if table in data:
-            assert group.locator(f"[data-row^='{table}.']").count() > 0
+        if group.locator(f"[data-row^='{table}.']").count():
             continue
+        assert table not in data
         group.get_by_role("button", name=f"Add {table}", exact=True).click()
         page.wait_for_selector(f"#history li.here:has-text('added {table}')")
         assert page.locator(f"#tree [data-row^='{table}.']").count() > 0
     assert page.locator("#tree [data-path='group:Second web'] button").count() > 0
+    page.get_by_role("button", name="Remove forging", exact=True).click()
+    page.wait_for_selector("#history li.here:has-text('removed forging')")
+    assert page.get_by_role("button", name="Add forging", exact=True).count() == 1
 
 
 def test_a_task_by_keyboard_alone(quick: Any, tmp_path: Path) -> None:
@@ -315,6 +334,21 @@ def test_a_task_by_keyboard_alone(quick: Any, tmp_path: Path) -> None:
     keys.press("Enter")
     page.wait_for_selector("#made a:has-text('keys.step')")
     assert (tmp_path / "keys.step").read_text(encoding="ascii").startswith("ISO-10303-21")
+
+
+def test_a_bench_of_others_asks_for_its_password_once(browser: Any, tmp_path: Path) -> None:
+    password = Password("a long password")
+    with quick_bench(tmp_path, PLAIN, host="127.0.0.2", password=password) as address:
+        page = browser.new_context().new_page()
+        page.set_default_timeout(QUICK_MS)
+        page.goto(address)
+        for word in ("a wrong password", "a long password"):
+            page.get_by_label("Password").fill(word)
+            page.get_by_role("button", name="Open").click()
+            page.wait_for_selector("#told:has-text('not the password')" if "wrong" in word else "#dials li")
+        page.reload()
+        page.wait_for_selector("#dials li")
+        page.context.close()
 
 
 def test_a_use_fills_in_a_sound_beginning(quick: Any) -> None:

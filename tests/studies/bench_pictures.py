@@ -95,6 +95,8 @@ def _pictured(page: Any, path: Path) -> None:
 
 def _documentation(browser: Any, address: str) -> None:
     page = _dragged(browser, address, SIZES["desk"])
+    page.locator("#hint button").click()
+    page.wait_for_selector("[data-gauge=torsion] .ring:has-text('coarse')")
     page.screenshot(path=PICTURE)
     image = Image.open(PICTURE).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
     image.save(PICTURE, optimize=True)

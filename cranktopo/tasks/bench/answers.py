@@ -82,6 +82,14 @@ class Answers:
         found = await self._workers["live"].ask("live.live_numbers", data, self._factors)
         return _known_gauges(found)
 
+    async def outlines(self, data: Data) -> list[Any]:
+        """Return the outlines of the web of a design; none where it is broken."""
+        try:
+            found: list[Any] = await self._workers["live"].ask("front_view.web_outlines", data)
+        except CranktopoError:
+            return []
+        return found
+
     def known(self, text: str) -> dict[str, float]:
         """Return all numbers that are known of a design."""
         return {**self._exact.get(text, {}), **self._settled.get(text, {}).get("gauges", {})}
@@ -130,7 +138,7 @@ class Answers:
     async def _answer_settled(self, question: tuple[Callable[[str], Data], str, str]) -> None:
         data_of, now, original = question
         for text in dict.fromkeys((now, original)):
-            for part in ("stiffness", "shaft", "safety"):
+            for part in ("stiffness", "film", "shaft", "safety"):
                 so_far = self._settled.get(text, {})
                 if part in so_far.get("parts", ()):
                     continue
@@ -141,7 +149,7 @@ class Answers:
                         f"settled.settled_{part}", data_of(text), *known
                     )
                 except CranktopoError as error:
-                    found = {"gauges": {}, **({} if part == "shaft" else {"missing": str(error)})}
+                    found = {"gauges": {}, **({} if part in ("film", "shaft") else {"missing": str(error)})}
                 self._keep(text, part, found)
                 if part == "stiffness" and text == now:
                     await self._calibrate(data_of(text), found["gauges"])

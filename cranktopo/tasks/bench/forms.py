@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -18,6 +19,7 @@ from cranktopo.tasks.bench.design_files import changed_files
 from cranktopo.tasks.designs.beginning import KNOWN, begun, begun_line
 
 _MATERIAL = "material"
+_REMARKS = 8
 BODIES = (".step", ".stp", ".brep", ".stl", ".3mf", ".obj")
 """Files that may hold a crank from CAD."""
 
@@ -86,3 +88,9 @@ def read_upload(path: Path) -> tuple[str | None, str]:
     if not file.is_file():
         import_crank(path, out=file.parent)
     return changed_files(read_text_file(file, f"'{file}'"), file.parent), file.name
+
+
+def remarks_of(text: str) -> str:
+    """Return what the first lines of a read design tell of the body that it was read from."""
+    head = itertools.takewhile(lambda line: line.startswith("#"), text.splitlines())
+    return "\n".join([line.removeprefix("# ") for line in head][:_REMARKS])

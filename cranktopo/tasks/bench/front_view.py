@@ -9,12 +9,15 @@ from typing import Any
 import numpy as np
 
 from cranktopo.design.clearance import turning_limits
+from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.drawing.views import outline_points
 from cranktopo.throw.envelope import BoxEnvelope, CylinderEnvelope, OutlineEnvelope
 from cranktopo.throw.primitives import Circle
 
 _POINTS = 90
+_SMALL = 4
+"""Of so many points of an outline a small picture has one."""
 _FAR = 3.0
 
 
@@ -48,6 +51,12 @@ def front_view(scene: Scene) -> dict[str, Any]:
         "room": [*_envelope(scene), *_turning(scene)],
         "handles": list(_handles(scene)),
     }
+
+
+def web_outlines(data: dict[str, Any]) -> list[list[list[float]]]:
+    """Return the closed outlines of the web of a design, mm, for a small picture."""
+    paths = front_view(scene_from_dict(data, "design", whole=True))["paths"]
+    return [path["points"][::_SMALL] for path in paths if path["kind"] == "web"]
 
 
 def _rounded(points: Any) -> list[list[float]]:

@@ -27,6 +27,7 @@ from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT, few_throws
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.report.shading import SHARP_DEGREES, web_sides_mm
 from cranktopo.report.viewer.scene3d import PARTNERS, Arrays, scaled
+from cranktopo.tasks.bench.bearing_forces import largest_bearing_force_N, polars
 from cranktopo.tasks.bench.front_view import front_view
 from cranktopo.tasks.fatigue.m53 import (
     LEAST_FACTOR,
@@ -49,7 +50,7 @@ _CLOSED_FORM = {
 """Throws by elements are 1.0 to 1.56 times as stiff as in closed form, on the engines that were measured."""
 _OF_FEW_THROWS = f"; disks of so few throws: up to {TOO_HIGH_PERCENT} % too high"
 _AS_SETTLED = "live, stiffness of a throw as it settled last"
-_GAS_GAUGES = ("gas_force", "pin_force", "mean_torque", "mean_pressure", "power")
+_GAS_GAUGES = ("gas_force", "pin_force", "bearing_force", "mean_torque", "mean_pressure", "power")
 _BROKEN = re.compile(r"(?:^|(?<=[\s:]))((?:[a-z_]\w*(?:\[\d+\])*\.)*[a-z_]\w*(?:\[\d+\])*) = ")
 
 
@@ -79,6 +80,7 @@ def told_numbers(scene: Scene, stiffness_factors: Sequence[float] = ()) -> dict[
         "of_stiffness": resting,
         "stiffness": "" if not resting else "settled" if stiffness_factors else "closed form",
         "marks": {name: LEAST_FACTOR for name in gauges if name.startswith("m53_")},
+        "polars": _polars(scene),
         "notes": notes(scene),
         "warnings": warnings(shown),
     }
@@ -197,7 +199,7 @@ def exact_values(scene: Scene) -> dict[str, float]:
     }
     if balance.balance_factor_percent is not None:
         found["balance_factor"] = balance.balance_factor_percent
-    return found | dict(_parts(scene, (_room, _loads, _rule, _vibration)))
+    return found | dict(_parts(scene, (_room, _loads, _bearings, _rule, _vibration)))
 
 
 def _parts(
@@ -252,6 +254,18 @@ def _vibration(scene: Scene) -> Iterator[tuple[str, float]]:
     elastic = [f for f in estimated_chain(scene).chain.natural_frequencies_Hz() if f > 1e-3]
     if elastic:
         yield "natural_frequency", elastic[0]
+
+
+def _bearings(scene: Scene) -> Iterator[tuple[str, float]]:
+    if scene.engine is not None and scene.engine.speed_rpm and scene.engine.gas is not None:
+        yield "bearing_force", largest_bearing_force_N(scene)
+
+
+def _polars(scene: Scene) -> list[dict[str, Any]]:
+    try:
+        return polars(scene)
+    except CranktopoError:
+        return []  # loads that cannot be used are told as a warning
 
 
 def notes(scene: Scene) -> list[str]:

@@ -7,7 +7,7 @@ replaced whole.
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from difflib import unified_diff
 from functools import cached_property, lru_cache
@@ -50,6 +50,7 @@ class Variant(Result):
     what: str = ""
     gauges: dict[str, float] = Field(default_factory=dict)
     pinned: bool = False
+    outlines: tuple[tuple[tuple[float, float], ...], ...] = ()
 
 
 class MadeFile(Result):
@@ -222,15 +223,25 @@ class Project:
             self._text = self.text_of(at)
 
     def keep(
-        self, name: str, gauges: Mapping[str, float], text: str | None = None, what: str = ""
+        self,
+        name: str,
+        gauges: Mapping[str, float],
+        text: str | None = None,
+        what: str = "",
+        outlines: Sequence[Any] = (),
     ) -> Variant:
-        """Keep a variant: the design as it stands, or another text; its name and its words are its own."""
+        """Keep a variant: the design as it stands, or another text; its name and its words are its own.
+
+        Args:
+            outlines: of its web, for a small picture.
+        """
         number = 1 + max((int(variant.id[1:]) for variant in self.variants), default=0)
         id_, kept = f"v{number}", self._text if text is None else text
         clean = " ".join(name.split())[:60] or f"variant {number}"
         clean += f" ({number})" if any(variant.name == clean for variant in self.variants) else ""
         what = self._words_of_its_own(what, kept)
-        variant = Variant(id=id_, name=clean, file=f"{id_}.toml", what=what, gauges=dict(gauges))
+        told: dict[str, Any] = {"what": what, "gauges": dict(gauges), "outlines": outlines}
+        variant = Variant(id=id_, name=clean, file=f"{id_}.toml", **told)
         write_text(self.place / variant.file, kept)
         self._write(variants=(*self.variants, variant))
         return variant

@@ -1,4 +1,7 @@
-"""The web server of the bench: this machine alone, by a token in the address, nothing from elsewhere."""
+"""The web server of the bench: this machine alone, by a token in the address, nothing from elsewhere.
+
+Other machines reach it where the user asks for that, with a password besides.
+"""
 
 from __future__ import annotations
 
@@ -18,6 +21,7 @@ from typing_extensions import override
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import from_json
 from cranktopo.report.viewer.scene3d import SCRIPT
+from cranktopo.tasks.bench.access import COOKIE, Password
 from cranktopo.tasks.bench.session import Bench
 
 HOST = "127.0.0.1"
@@ -38,16 +42,20 @@ class Server:
         address: of the page, its token included.
     """
 
-    def __init__(self, bench: Bench, port: int = 0) -> None:
+    def __init__(
+        self, bench: Bench, port: int = 0, host: str = HOST, password: Password | None = None
+    ) -> None:
         self.bench, self.token = bench, secrets.token_urlsafe(24)
-        listening = _listening(port)
+        self.host, self.password = host, password
+        listening = _listening(host, port)
         self.port = int(listening.getsockname()[1])
-        self.address = f"http://{HOST}:{self.port}/{self.token}/"
+        self.address = f"http://{host}:{self.port}/{self.token}/"
         routes: list[Any] = [
             (r"/([^/]+)/", _File, {"name": "bench.html"}),
             (r"/([^/]+)/([a-z]+\.(?:css|js))", _File),
             (r"/([^/]+)/talk", _Talk),
             (r"/([^/]+)/upload", _Upload),
+            (r"/([^/]+)/login", _Login),
             (r"/([^/]+)/made/([^/]+)", _Made),
             (r"/([^/]+)/job/([0-9]+)", _Report),
             (r".*", _Nothing),
@@ -68,30 +76,32 @@ class Server:
         self.bench.close()
 
     @property
-    def origins(self) -> tuple[str, str]:
+    def origins(self) -> tuple[str, ...]:
         """Origins of the page itself."""
-        return f"http://{HOST}:{self.port}", f"http://localhost:{self.port}"
+        names = (HOST, "localhost") if self.host == HOST else (self.host,)
+        return tuple(f"http://{name}:{self.port}" for name in names)
 
 
-def _listening(port: int) -> socket.socket:
-    """Return a socket that listens on this machine alone; raises CranktopoError for a port that is taken."""
+def _listening(host: str, port: int) -> socket.socket:
+    """Return a socket that listens on one address; raises CranktopoError where that cannot be used."""
     found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     try:
         found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        found.bind((HOST, port))
+        found.bind((host, port))
         found.listen()
     except OSError as error:
         found.close()
-        raise CranktopoError(
-            f"--port {port}: cannot be used: {error.strerror}.",
-            hint="Leave --port out to take a free one.",
-        ) from None
+        where = f"--port {port}" if host == HOST else f"--host {host}"
+        hint = "Leave --port out to take a free one." if host == HOST else "Take an address of this machine."
+        raise CranktopoError(f"{where}: cannot be used: {error.strerror}.", hint=hint) from None
     found.setblocking(False)
     return found
 
 
 class _Guarded(RequestHandler):
-    """Rules that every request must keep: host, token, and for whatever changes something the origin."""
+    """Rules that every request keeps: host, token, password, and for what changes something the origin."""
+
+    open_to_all = False
 
     @property
     def server(self) -> Server:
@@ -118,10 +128,18 @@ class _Guarded(RequestHandler):
             or self.request.headers.get("Sec-Fetch-Site") == "cross-site"
         ):
             raise HTTPError(403)
+        if not self.admitted and not self.open_to_all:
+            raise HTTPError(401)
+
+    @property
+    def admitted(self) -> bool:
+        """True for a browser that gave the password, where there is one."""
+        password = self.server.password
+        return password is None or password.admits(self.get_cookie(COOKIE))
 
     @override
     def set_default_headers(self) -> None:
-        own = f"ws://{HOST}:{self.server.port} ws://localhost:{self.server.port}"
+        own = " ".join(origin.replace("http:", "ws:") for origin in self.server.origins)
         for name, value in {
             "Server": "cranktopo",
             "Content-Security-Policy": (
@@ -149,12 +167,16 @@ class _Nothing(_Guarded):
 
 
 class _File(_Guarded):
+    """A file of the page, which holds nothing of the session; its first one asks for the password."""
+
+    open_to_all = True
+
     @override
     def initialize(self, name: str = "") -> None:
         self.name = name
 
     def get(self, token: str, name: str = "") -> None:
-        name = self.name or name
+        name = (self.name if self.admitted else "login.html") if self.name else name
         path = SCRIPT if name == SCRIPT.name else _PAGE / name
         if not path.is_file():
             raise HTTPError(404)
@@ -184,6 +206,20 @@ class _Report(_Guarded):
         self.set_header("Content-Security-Policy", _REPORT_POLICY)
         self.set_header("Content-Type", "text/html; charset=utf-8")
         self.finish(path.read_bytes())
+
+
+class _Login(_Guarded):
+    """The password of a browser, which gets a cookie that scripts do not see and no other site sends."""
+
+    open_to_all = True
+
+    def post(self, token: str) -> None:
+        password = self.server.password
+        cookie = password and password.cookie_for(self.request.body[:1000].decode("utf-8", "replace"))
+        if not cookie:
+            raise HTTPError(401)
+        self.set_cookie(COOKIE, cookie, path=f"/{token}/", httponly=True, samesite="Strict")
+        self.finish()
 
 
 class _Upload(_Guarded):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import itertools
 import re
 import shlex
 import subprocess
@@ -19,21 +18,21 @@ from cranktopo.base.child import in_child
 from cranktopo.base.errors import CranktopoError, quoted
 from cranktopo.base.files import read_text_file, write_bytes, write_text
 from cranktopo.design.edits import changed_data, difference_words
-from cranktopo.design.loading import builtin_designs, design_text, load_scene, resolve_design
+from cranktopo.design.loading import builtin_designs, design_text, resolve_design
 from cranktopo.design.material import material_library
 from cranktopo.design.pitch import JOURNAL_LENGTHS
 from cranktopo.tasks.bench.answers import Answers
 from cranktopo.tasks.bench.design_files import changed_files, check_files_inside
-from cranktopo.tasks.bench.forms import BODIES, form_reference, new_design, read_upload
+from cranktopo.tasks.bench.forms import BODIES, form_reference, new_design, read_upload, remarks_of
 from cranktopo.tasks.bench.jobs import BenchJob, Jobs, reap
 from cranktopo.tasks.bench.project import Project, file_in
 from cranktopo.tasks.bench.proposals import with_pitch_kept
 from cranktopo.tasks.bench.results import job_numbers, job_words, variant_of
-from cranktopo.tasks.bench.writes import ENDINGS, SCRIPT_ENDING, WRITTEN, Written, script_of, written_by
+from cranktopo.tasks.bench.session_files import SCRIPT_ENDING, portable, session_script, write_lines
+from cranktopo.tasks.bench.writes import ENDINGS, WRITTEN, written_by
 
 Tell = Callable[[dict[str, Any]], None]
 _WATCH_S = 1.0
-_REMARKS = 8
 _UPLOADS = (".toml", ".csv", *BODIES)
 _GIVEN = (".toml", *ENDINGS)
 _ACTIONS = re.compile(
@@ -131,9 +130,7 @@ class Bench:
                 else ["cranktopo", "bench", name]
             )
             self.open_text(text, source, f"dropped {name}", shlex.join(command))
-        head = itertools.takewhile(lambda line: line.startswith("#"), (text or "").splitlines())
-        remarks = [line.removeprefix("# ") for line in head]
-        return {"opened": name, "told": "\n".join(remarks[:_REMARKS]) if path.suffix != ".toml" else ""}
+        return {"opened": name, "told": remarks_of(text) if text and path.suffix != ".toml" else ""}
 
     def made(self, name: str) -> Path:
         """Return a file that the bench wrote; raises CranktopoError for any other."""
@@ -261,11 +258,13 @@ class Bench:
         self._required.pin()
         self._moved()
 
-    def _keep(self, asked: Mapping[str, Any], tell: Tell) -> None:
+    async def _keep(self, asked: Mapping[str, Any], tell: Tell) -> None:
         project = self._required
         original = project.data(project.text_of(project.original))
         changed = difference_words(original, project.data()) or "as the original"
-        project.keep(str(asked.get("name", "")), self.answers.known(project.text), what=changed)
+        text, name = project.text, str(asked.get("name", ""))
+        outlines = await self.answers.outlines(project.data(text))
+        project.keep(name, self.answers.known(text), text, changed, outlines)
         self._tell_state()
 
     def _drop(self, asked: Mapping[str, Any], tell: Tell) -> None:
@@ -283,7 +282,7 @@ class Bench:
         self._tell_state()
 
     def _job(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        design = self._portable(self._required.text, "check").read_text(encoding="utf-8")
+        design = portable(self._required, self._required.text, "check").read_text(encoding="utf-8")
         step = self._required.step.file
         options, run = dict(asked.get("options", {})), str(asked.get("run", ""))
         self._jobs.start(str(asked["kind"]), design, options, step, run)
@@ -300,22 +299,11 @@ class Bench:
         """Have a file written, beside whatever else is asked meanwhile."""
         kind = WRITTEN[str(asked["kind"])]
         path = self._target(asked, kind.ending)
-        words, shown = self._write_lines(kind, path)
+        words, shown = write_lines(self._required, kind, path)
         tell({"type": "busy", "what": f"writing {path.name}"})
         task = asyncio.get_running_loop().create_task(self._write_by(words, kind.printed, path, shown, tell))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
-
-    def _write_lines(self, kind: Written, path: Path) -> tuple[list[str], str]:
-        """Return the command that writes a file here, and the one that a user would type."""
-        project, name = self._required, self._required.name
-        original = f"{name}-original"
-        if kind.compares:
-            original = str(self._portable(project.text_of(project.original), original))
-        words = kind.line(str(self._portable(project.text, name)), original, str(path))
-        files = project.runnable(project.at), project.runnable(project.original)
-        shown = shlex.join(["cranktopo", *kind.line(*files, path.name)])
-        return words, shown + (f" > {path.name}" if kind.printed else "")
 
     async def _write_by(self, words: list[str], printed: bool, path: Path, shown: str, tell: Tell) -> None:
         try:
@@ -335,9 +323,7 @@ class Bench:
     def _script(self, asked: Mapping[str, Any], tell: Tell) -> None:
         """Write a Python script that repeats the session as far as the step in hand."""
         path, project = self._target(asked, SCRIPT_ENDING), self._required
-        done = enumerate(project.as_steps(-1, project.at))
-        steps = {project.runnable(number): step.what for number, step in done}
-        write_text(path, script_of(steps, f"{project.name}-steps.step"))
+        write_text(path, session_script(project))
         self._tell_made(path, shlex.join(["python", path.name]))
 
     def _start(self, asked: Mapping[str, Any], tell: Tell) -> None:
@@ -375,14 +361,6 @@ class Bench:
         data = changed_data(project.data(), changes)
         check_files_inside(data, project.folder, project.opened_data)
         return data
-
-    def _portable(self, text: str, name: str) -> Path:
-        """Return a file with a design that is valid, its files by absolute names: for another process."""
-        path = self._required.place / "written" / f"{name}.toml"
-        path.parent.mkdir(exist_ok=True)
-        write_text(path, changed_files(text, self._required.folder))
-        load_scene(path, whole=True)
-        return path
 
     def _target(self, asked: Mapping[str, Any], ending: str = "") -> Path:
         path = file_in(self.folder, f"{asked['name']}{ending}", ENDINGS if ending else (".toml",))
@@ -422,7 +400,11 @@ class Bench:
             if text is not None:
                 exact = await self.answers.exact(project.data(text))
                 told = {**self.answers.known(text), **exact, **numbers}
-                id_ = project.keep(f"{job.known.kind} {job.known.id}", told, text, "; ".join(found[:1])).id
+                name, outlines = (
+                    f"{job.known.kind} {job.known.id}",
+                    await self.answers.outlines(project.data(text)),
+                )
+                id_ = project.keep(name, told, text, "; ".join(found[:1]), outlines).id
         except (CranktopoError, OSError, subprocess.SubprocessError) as error:
             found = [f"its result cannot be kept: {error}"]
         job.note_result(id_, found, numbers)

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.notes import silent
 from cranktopo.bodies.shown_solid import shown_half
 from cranktopo.design.halves import difference
 from cranktopo.design.loading import scene_from_dict
@@ -26,6 +27,7 @@ from cranktopo.tasks.fatigue.target_safety import fatigue_field
 from cranktopo.tasks.fea.evaluation import evaluate
 from cranktopo.tasks.fea.quantities import goal_values
 from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.film.stage import oil_films
 from cranktopo.tasks.shaft.stage import evaluate_shaft, of_stiffness, with_throw_stiffness
 from cranktopo.tasks.shape.start import kept_features
 
@@ -62,6 +64,20 @@ def settled_shaft(data: dict[str, Any]) -> dict[str, Any]:
         "stiffness_factors": [throw / throw_stiffness_Nm_per_rad(target.scene) for throw in throws],
         "shaft_seconds": time.perf_counter() - began,
     }
+
+
+def settled_film(data: dict[str, Any]) -> dict[str, Any]:
+    """Return the thinnest oil film of all bearings and the largest pressure in one, as `film` tells them.
+
+    Nothing where the design has no `[bearings]`.
+    """
+    scene = scene_from_dict(data, "design", whole=True)
+    if scene.bearings is None:
+        return {"gauges": {}}
+    with silent():
+        films = [film for at_speed in oil_films(scene).speeds for film in at_speed.bearings]
+    thinnest = min(film.film_um for film in films)
+    return {"gauges": {"film": thinnest, "film_pressure": max(film.pressure_MPa for film in films)}}
 
 
 def settled_safety(

@@ -6,21 +6,30 @@ import asyncio
 import shlex
 import signal
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from cranktopo.base.child import in_child
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import design_text, load_scene, resolve_design
 from cranktopo.design.writing import toml_text
+from cranktopo.tasks.bench.access import Password
 from cranktopo.tasks.bench.design_files import changed_files
 from cranktopo.tasks.bench.forms import BODIES, read_upload
-from cranktopo.tasks.bench.server import Server
+from cranktopo.tasks.bench.server import HOST, Server
 from cranktopo.tasks.bench.session import Bench
 from cranktopo.tasks.designs.run_webs import parametric_scene, web_target
 
 
-def run_bench(folder: Path, target: str | None, port: int, ready: Callable[[str], None]) -> None:
-    """Serve a bench on 127.0.0.1 until Ctrl-C.
+def run_bench(
+    folder: Path,
+    target: str | None,
+    port: int,
+    ready: Callable[[str], None],
+    host: str = HOST,
+    password: Password | None = None,
+) -> None:
+    """Serve a bench on 127.0.0.1, or on another address with a password, until Ctrl-C.
 
     Args:
         folder: where designs are read and files are written; nothing outside it is.
@@ -32,13 +41,18 @@ def run_bench(folder: Path, target: str | None, port: int, ready: Callable[[str]
         CranktopoError: no such target, or a port that is taken.
     """
     begin = _beginning(target) if target else None
-    asyncio.run(_serve(folder, target or "", begin, port, ready))
+    server = partial(Server, port=port, host=host, password=password)
+    asyncio.run(_serve(folder, target or "", begin, server, ready))
 
 
 async def _serve(
-    folder: Path, target: str, begin: tuple[str, str] | None, port: int, ready: Callable[[str], None]
+    folder: Path,
+    target: str,
+    begin: tuple[str, str] | None,
+    serving: Callable[[Bench], Server],
+    ready: Callable[[str], None],
 ) -> None:
-    server = Server(Bench(folder), port)
+    server = serving(Bench(folder))
     ended = asyncio.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         asyncio.get_running_loop().add_signal_handler(number, ended.set)

@@ -52,40 +52,14 @@ WRITTEN: Mapping[str, Written] = {
     "drawing-svg": Written(".svg", ("export", "{design}", "{file}", "--force")),
     "m53": Written("-m53.pdf", ("fatigue", "{design}", "--method=m53", "--report={file}")),
     "vibration": Written("-vibration.html", ("vibration", "{design}", "--report={file}")),
+    "vibration-misfire": Written(
+        "-misfire.html", ("vibration", "{design}", "--misfire=1", "--report={file}")
+    ),
     "compare": Written("-compare.html", (*_COMPARED, "--report={file}")),
     "table": Written("-table.md", (*_COMPARED, "--format=markdown"), printed=True),
     "latex": Written("-table.tex", (*_COMPARED, "--format=latex"), printed=True),
 }
-SCRIPT_ENDING = "-steps.py"
 ENDINGS = (*{f".{kind.ending.rpartition('.')[2]}": None for kind in WRITTEN.values()}, ".py")
-
-_SCRIPT = """\
-\"\"\"A session of the bench, step by step: mass and both stiffnesses of each, the last as STEP.\"\"\"
-
-from cranktopo import Target, evaluate_target, export_solid, load_scene
-
-STEPS = {{
-{steps}
-}}
-
-for file, what in STEPS.items():
-    scene = load_scene(file)
-    found = evaluate_target(Target(what, scene))
-    torsion, bending = found.torsion_Nm_per_rad / 1e3, found.bending_N_per_mm / 1e3
-    print(f"{{what}}: {{found.throw_kg:.4g}} kg, {{torsion:.4g}} kN m/rad, {{bending:.4g}} kN/mm")
-export_solid(scene, "throw", {step_file})
-"""
-
-
-def script_of(steps: Mapping[str, str], step_file: str) -> str:
-    """Return a Python script that repeats a session.
-
-    Args:
-        steps: what each step was, by its file.
-        step_file: STEP file of the last one.
-    """
-    lines = "\n".join(f"    {file!a}: {what!a}," for file, what in steps.items())
-    return _SCRIPT.format(steps=lines, step_file=ascii(step_file))
 
 
 async def written_by(words: list[str], printed: bool, path: Path) -> list[str]:

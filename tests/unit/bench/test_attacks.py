@@ -19,8 +19,9 @@ from tornado.websocket import websocket_connect
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import design_text
+from cranktopo.tasks.bench.access import Password
 from cranktopo.tasks.bench.project import Project, file_in
-from cranktopo.tasks.bench.server import MOST_UPLOAD, Server
+from cranktopo.tasks.bench.server import HOST, MOST_UPLOAD, Server
 from cranktopo.tasks.bench.session import Bench
 
 MIKRON = "mikron-iiic-plain"
@@ -29,7 +30,8 @@ MIKRON = "mikron-iiic-plain"
 class Running:
     """A server in a thread of its own, with a design on the bench and no processes that answer."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, host: str = HOST, password: Password | None = None) -> None:
+        self.host, self.password = host, password
         self.folder, self.loop = folder, asyncio.new_event_loop()
         self.thread = threading.Thread(target=self.loop.run_forever, daemon=True)
         self.thread.start()
@@ -43,10 +45,10 @@ class Running:
         bench.project = Project.opened(
             self.folder, design_text(MIKRON), "web.toml", "opened", "cranktopo bench"
         )
-        return Server(bench)
+        return Server(bench, 0, self.host, self.password)
 
     def get(self, path: str, **how: Any) -> HTTPResponse:
-        address = f"http://127.0.0.1:{self.server.port}{path}"
+        address = f"http://{self.host}:{self.server.port}{path}"
 
         async def fetch() -> HTTPResponse:
             return await AsyncHTTPClient().fetch(
@@ -64,9 +66,9 @@ class Running:
 
     def talk(self, *messages: str | bytes, origin: str | None = "", token: str = "") -> list[dict[str, Any]]:
         """Send messages on the socket of a page; return what is told first, nothing where it closes."""
-        own = f"http://127.0.0.1:{self.server.port}"
+        own = f"http://{self.host}:{self.server.port}"
         headers = {} if origin is None else {"Origin": origin or own}
-        address = f"ws://127.0.0.1:{self.server.port}/{token or self.server.token}/talk"
+        address = f"ws://{self.host}:{self.server.port}/{token or self.server.token}/talk"
 
         async def exchange() -> list[dict[str, Any]]:
             line = await websocket_connect(HTTPRequest(address, headers=headers, connect_timeout=600))

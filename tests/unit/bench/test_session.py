@@ -28,7 +28,8 @@ def asked(folder: Path, *messages: dict[str, Any]) -> list[dict[str, Any]]:
     def shown(data: dict[str, Any], seq: int | None, tell: Any, text: str = "") -> None:
         tell({"type": "live", "seq": seq, "data": data})
 
-    bench.answers = MagicMock(checked=AsyncMock(return_value=[]), known=lambda text: {}, live=shown)
+    quiet = {"checked": AsyncMock(return_value=[]), "outlines": AsyncMock(return_value=[[[0.0, 1.0]]])}
+    bench.answers = MagicMock(known=lambda text: {}, live=shown, **quiet)
 
     async def talk() -> None:
         bench.open_text(design_text("mikron-iiic-plain"), "mine.toml", "opened", "cranktopo bench mine")
@@ -52,6 +53,7 @@ def test_a_thickness_with_and_without_the_pitch_kept_are_two_variants(tmp_path: 
     first, second = project["variants"]
     assert (first["name"], second["name"]) == ("variant 1", "variant 2")
     assert first["what"] == f"{THICKNESS}: 19 to 21"
+    assert first["outlines"] == [[[0.0, 1.0]]]
     assert MAIN in second["what"]
     assert project["steps"][1]["what"].startswith(f"thickness: 21 mm; {MAIN}: "), "the step says it, too"
 

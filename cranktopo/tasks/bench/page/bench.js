@@ -4,6 +4,7 @@ import { beginForm, showBegin, showMaterials } from "./begin.js";
 import { filterForms, showBroken, showForms } from "./forms.js";
 import { showFront } from "./front.js";
 import { showGauges } from "./gauges.js";
+import { showPolars } from "./polar.js";
 import { OF_STIFFNESS, ofDesign, ofStep, pick, state } from "./state.js";
 import { answered, complain, connect, line, say, status } from "./talk.js";
 import { showHistory, showVariants } from "./variants.js";
@@ -80,10 +81,12 @@ function hearLive(message) {
   for (const name of ["rings", "marks", "stiffness", "warnings"]) state[name] = message[name];
   state.turns = message.turns_deg;
   state.notes = message.notes;
+  state.polars = message.polars;
   state.front = message.front;
   state.picture = message.picture;
   showPicture(message.seq);
   showFront();
+  showPolars();
   showGauges();
 }
 
@@ -91,10 +94,12 @@ function hearOriginal(message) {
   if (message.broken) return;
   state.original = { ...state.original, ...message.gauges };
   state.originalStiffness = message.stiffness;
+  state.originalPolars = message.polars;
   state.ghostFront = message.front;
   state.ghostPicture = message.picture;
   showGhost();
   showFront();
+  showPolars();
   showGauges();
 }
 

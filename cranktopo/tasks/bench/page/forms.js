@@ -38,12 +38,16 @@ function tableForms(path, place) {
     ];
   }
   if (value === undefined && !common.required && !common.empty) return [make("div", { class: "tools" }, ...adders(tables, place, path))];
-  return path.includes(".") ? oneTable(tables, path, place, words(path.split(".").pop()), !common.required && !common.empty) : tableBody(tables, path, place);
+  const title = words(path.split(".").pop()), removable = !common.required && !common.empty;
+  if (path.includes(".")) return oneTable(tables, path, place, title, removable);
+  return [...tableBody(tables, path, place), ...(removable ? [remover(place, title)] : [])];
 }
+
+const remover = (place, title) => make("div", { class: "tools" }, make("button", { type: "button", onclick: () => edit({ [place]: null }, `removed ${title}`) }, `Remove ${title}`));
 
 function oneTable(tables, path, place, title, removable) {
   const body = tableBody(tables, path, place);
-  if (removable) body.push(make("div", { class: "tools" }, make("button", { type: "button", onclick: () => edit({ [place]: null }, `removed ${title}`) }, `Remove ${title}`)));
+  if (removable) body.push(remover(place, title));
   return [make("details", { "data-path": place, open: openTables().has(place) || path === "throw.main_journal" || path === "throw.crankpin" || removable }, make("summary", {}, title), ...body)];
 }
 

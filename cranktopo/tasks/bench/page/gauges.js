@@ -1,6 +1,6 @@
 // Gauges against original and limit.
 import { $, lower, make, plain, signed, words } from "./base.js";
-import { FAILS_BELOW, GAUGES, SAFETIES, SOLVED, boundOf, changeOf, comparable, errorOf, inPoints, limitsOf, state, valueAt, valueOf } from "./state.js";
+import { FAILS_BELOW, GAUGES, OF_TABLE, SAFETIES, SOLVED, boundOf, changeOf, comparable, errorOf, inPoints, limitsOf, state, valueAt, valueOf } from "./state.js";
 import { edit } from "./talk.js";
 import { showPlace } from "./view.js";
 
@@ -12,7 +12,7 @@ export function showGauges() {
   const rows = GAUGES.map((gauge) => {
     const [name, label] = gauge, [value, ring] = valueOf(name), original = state.original[name];
     if (value === undefined && original === undefined && !SOLVED.has(name)) return null;
-    if (value === undefined && original === undefined && (state.missing && SAFETIES(name) || name === "outlet_safety" && !hasOutlets())) return null;
+    if (value === undefined && original === undefined && (state.missing && SAFETIES(name) || isLeftOut(OF_TABLE[name]))) return null;
     const percent = value !== undefined && original && comparable(name) ? changeOf(name, value) : null, better = gauge[4];
     const way = percent === null || !better || Math.abs(percent) < (SAFETIES(name) ? errorOf(name) : 0.05) ? 0 : Math.sign(percent) * better * Math.sign(original);
     const limits = limitsOf(name, value), text = shownValue(gauge, value);
@@ -23,13 +23,20 @@ export function showGauges() {
     if (value !== undefined && !stale) for (const limit of limits) if (!limit.holds) broken.push(`${lower(label)} ${limit.text} (it is ${text})`);
     return gaugeRow(gauge, value, text, ring, percent, way, limits, stale);
   }).filter(Boolean);
-  $("dials").replaceChildren(...rows);
+  keepSame($("dials"), rows);
   const line = [...fails, broken.length ? `Limit not kept: ${broken.join("; ")}.` : "", below.length ? `Below what the rule asks for: ${below.join("; ")}.` : ""].filter(Boolean).join(" ");
   const same = state.project.at === state.project.original && !state.dragging;
   $("worse").textContent = same ? ["This is the original.", line].filter(Boolean).join(" ") : !state.fresh && !worse.length && !line ? "Nothing known so far is worse than the original." : [line, worse.length ? `Worse than the original: ${worse.join("; ")}.` : "Nothing is worse than the original."].filter(Boolean).join(" ");
   $("worse").className = line || (!same && worse.length) ? "bad" : same ? "" : "good";
   showWhere();
   $("notes").replaceChildren(...[...(state.notes ?? []), ...withoutGauge()].map((text) => make("li", {}, text)));
+}
+
+// Takes new rows where they say something else: what is not painted anew costs no time while dragging.
+function keepSame(list, rows) {
+  const before = [...list.children], alike = before.length === rows.length && rows.every((row, i) => row.dataset.gauge === before[i].dataset.gauge);
+  if (!alike) return list.replaceChildren(...rows);
+  rows.forEach((row, i) => row.isEqualNode(before[i]) || before[i].replaceWith(row));
 }
 
 function showWhere() {
@@ -44,7 +51,7 @@ function showWarnings(texts) {
   if (shown.join("\n") !== wanted.join("\n")) list.replaceChildren(...wanted.map((text) => make("li", {}, text)));
 }
 
-const hasOutlets = () => Boolean(valueAt("throw.drilling")?.length);
+const isLeftOut = (table) => Boolean(table) && !Object.keys(valueAt(table) ?? {}).length;
 const shownValue = ([, , unit, digits, , size = 1], value) => (value === undefined ? "…" : `${plain(value / size, digits)} ${unit}`.trim());
 
 // Limits that no gauge stands for are the jobs' alone.

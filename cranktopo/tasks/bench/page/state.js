@@ -13,10 +13,13 @@ export const GAUGES = [
   ["m53_pin_elements", "UR M53 elements, pin fillet", "", 3, 1], ["m53_journal_elements", "UR M53 elements, journal fillet", "", 3, 1],
   ["natural_frequency", "First natural frequency", "Hz", 4, 0], ["piston_gap", "Gap to the piston skirt", "mm", 3, 0],
   ["crankcase_gap", "Gap to the crankcase", "mm", 3, 0], ["gas_force", "Gas force", "kN", 4, 0, 1e3],
-  ["pin_force", "Largest rod force", "kN", 4, 0, 1e3], ["mean_torque", "Mean torque of the engine", "N m", 4, 0],
+  ["pin_force", "Largest rod force", "kN", 4, 0, 1e3], ["bearing_force", "Largest main bearing force", "kN", 4, -1, 1e3], ["film", "Oil film, least", "um", 3, 1],
+  ["film_pressure", "Oil film, largest pressure", "MPa", 3, -1], ["mean_torque", "Mean torque of the engine", "N m", 4, 0],
   ["mean_pressure", "Indicated mean pressure", "bar", 3, 0], ["power", "Indicated power", "kW", 4, 0],
 ];
-export const SOLVED = new Set(["torsion", "bending", "torsion_per_mass", "bending_per_mass", "fatigue_safety", "pin_fillet_safety", "journal_fillet_safety", "outlet_safety", "stress"]);
+export const SOLVED = new Set(["torsion", "bending", "torsion_per_mass", "bending_per_mass", "fatigue_safety", "pin_fillet_safety", "journal_fillet_safety", "outlet_safety", "stress", "film", "film_pressure"]);
+// Gauges of what a design may leave out, each with its table.
+export const OF_TABLE = { outlet_safety: "throw.drilling", film: "bearings", film_pressure: "bearings" };
 
 // That of nearly equal webs scatters from mesh to mesh, where the errors of stiffness are alike.
 export const SAFETIES = (name) => name.includes("safety") || name === "stress";
@@ -27,7 +30,7 @@ export const OF_STIFFNESS = new Set(["m53_pin", "m53_journal", "natural_frequenc
 
 // What is known of one design alone: forgotten with every step, or with the design.
 export const ofStep = () => ({ fresh: false, settledPicture: null, colours: [], dragging: false, place: null, point: null, spot: false, missing: null, coarse: {}, tooFar: false, settledParts: [], settledWarnings: [] });
-export const ofDesign = () => ({ ...ofStep(), live: {}, rings: {}, marks: {}, stiffness: "", originalStiffness: "", warnings: [], notes: [], settled: {}, errors: {}, original: {}, madeWarnings: "", picture: null, ghostPicture: null, broken: [], refit: true });
+export const ofDesign = () => ({ ...ofStep(), live: {}, rings: {}, marks: {}, stiffness: "", originalStiffness: "", warnings: [], notes: [], settled: {}, errors: {}, original: {}, polars: [], originalPolars: [], madeWarnings: "", picture: null, ghostPicture: null, broken: [], refit: true });
 
 export const state = { reference: null, project: null, jobs: [], turns: [0], front: null, ghostFront: null, keepPitch: false, ...ofDesign() };
 

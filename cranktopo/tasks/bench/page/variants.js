@@ -24,8 +24,9 @@ export function showVariants() {
   }
   const head = make("tr", {}, make("th", { scope: "col" }, "Variant"), ...gauges.map(([, label, unit]) => make("th", { scope: "col" }, `${label.replace("stiffness ", "").replace(", least", "")} ${unit}`)), make("th", {}, ""));
   const first = variants.find((one) => one.pinned), base = first?.gauges;
+  const small = smallPictures(variants);
   const rows = variants.map((variant) => make("tr", { "data-variant": variant.id },
-    make("th", { scope: "row", title: variant.what }, make("label", {}, make("input", { type: "checkbox", checked: variant.pinned, "aria-label": `compare ${variant.name}`, onchange: (event) => say({ do: "compare", id: variant.id, pinned: event.target.checked }) }), ` ${variant.name}`), make("br"), make("small", {}, variant.what)),
+    make("th", { scope: "row", title: variant.what }, small(variant), make("label", {}, make("input", { type: "checkbox", checked: variant.pinned, "aria-label": `compare ${variant.name}`, onchange: (event) => say({ do: "compare", id: variant.id, pinned: event.target.checked }) }), ` ${variant.name}`), make("br"), make("small", {}, variant.what)),
     ...gauges.map(([name, , , digits, , size = 1]) => {
       const value = variant.gauges[name], before = base?.[name];
       return make("td", { class: name === "fatigue_safety" && value < FAILS_BELOW ? "missed" : "" }, value === undefined ? "" : plain(value / size, digits), before && value !== undefined && variant !== first ? ` (${signed(100 * (value / before - 1))})` : "");
@@ -35,6 +36,14 @@ export function showVariants() {
   $("compared").textContent = state.project.compared;
   scatter(variants);
   parallels(variants);
+}
+
+// Webs from the front, all to one scale.
+function smallPictures(variants) {
+  const all = variants.flatMap((one) => one.outlines.flat()), [xs, ys] = [0, 1].map((i) => all.map((point) => point[i]));
+  const box = all.length && [Math.min(...xs), -Math.max(...ys), Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys)];
+  const path = (points) => make("path", { d: `M${points.map(([x, y]) => `${x},${-y}`).join("L")}Z` });
+  return ({ name, outlines }) => (outlines.length ? make("svg", { class: "small", viewBox: box.join(" "), role: "img", "aria-label": `Web of ${name}` }, ...outlines.map(path)) : "");
 }
 
 // Variants as lines across one axis for each gauge that all of them know; what is better is up, as far as it has a way.

@@ -21,7 +21,7 @@ const JOBS = {
 
 const FILES = {
   toml: "design (TOML)", "step-throw": "STEP, throw", "step-web": "STEP, web", "step-crank": "STEP, crank", stl: "STL",
-  "drawing-pdf": "drawing, PDF", "drawing-svg": "drawing, SVG", m53: "UR M53 papers, PDF", vibration: "torsional vibration, page",
+  "drawing-pdf": "drawing, PDF", "drawing-svg": "drawing, SVG", m53: "UR M53 papers, PDF", vibration: "torsional vibration, page", "vibration-misfire": "the same, cylinder 1 misfires",
   compare: "comparison with the original, page", table: "table against the original, Markdown", latex: "table, LaTeX", python: "the steps, Python script",
 };
 
