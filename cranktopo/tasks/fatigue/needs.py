@@ -6,14 +6,13 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import Loads, WebLoads, histories_of
-from cranktopo.engine.load_case import LoadKind
 from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.tasks.fatigue.criteria import safety_method
 from cranktopo.tasks.fatigue.stress_model import check_fillets
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind
 
-_EVERY: tuple[LoadKind, ...] = ("bending", "tangential", "torsion", "centrifugal")
+_EVERY: tuple[FieldKind, ...] = ("bending", "tangential", "torsion", "centrifugal")
 _IN_SHAFT: tuple[FieldKind, ...] = ("moment", "side_moment", *_EVERY)
 
 
@@ -72,7 +71,7 @@ def load_kinds(scene: Scene, kind: Loads) -> tuple[frozenset[str], tuple[FieldKi
     if isinstance(kind, WebLoads):
         return frozenset(_EVERY), _IN_SHAFT
     enabled = plan_for_stress(scene).enabled
-    possible: tuple[LoadKind, ...] = ("bending", "torsion", "centrifugal")
+    possible: tuple[FieldKind, ...] = ("bending", "torsion", "centrifugal")
     if kind == "cycle":
         possible = _EVERY
     return enabled, tuple(k for k in possible if k in enabled)
