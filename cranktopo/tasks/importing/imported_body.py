@@ -45,7 +45,7 @@ _SNAP_MM = 0.05
 """Largest distance of an end section from its plane; closer vertices are moved onto it."""
 _UNIT_SHARE = 0.01
 _ROUNDING = 1e-6
-"""How far single precision and the mesher may move an end section, over the pitch."""
+"""Distance by which single precision and the mesher may move an end section, over the pitch."""
 
 
 def mesh_file(path: Path, scene: Scene, element_size_mm: float, align: bool = False) -> MeshedThrow:
