@@ -26,7 +26,7 @@ ROOTS = {
     "rod": ("`rod --json`", "cranktopo.tasks.rod.result:RodStrength"),
     "balancer": ("`balancer --json`", "cranktopo.tasks.balancer.result:BalancerStrength"),
     "accuracy": ("`accuracy --json`", "cranktopo.tasks.fea.studies:StudyResult"),
-    "evaluate": ("`evaluate --json`", "cranktopo.tasks.evaluate.result:Evaluations"),
+    "evaluate": ("`evaluate --json`", "cranktopo.tasks.evaluate.result:EvaluationList"),
     "compare": ("`compare --format json`", "cranktopo.tasks.compare.result:ComparisonResult"),
     "bound": ("`bound --json`", "cranktopo.tasks.bound.result:BoundResult"),
     "shape": ("`shape --json` and `shape.json`", "cranktopo.tasks.shape.result:ShapeResult"),

@@ -30,7 +30,7 @@ class ExtremeState:
 
 
 @dataclass(frozen=True)
-class LoadedThrow:
+class ThrowLoads:
     """A throw and its loads, from which its extreme states are found.
 
     Attributes:

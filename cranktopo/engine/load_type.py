@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import Literal, Protocol
 
 from cranktopo.design.load_kinds import LOAD_KINDS
-from cranktopo.engine.extreme_state import ExtremeState, LoadedThrow
+from cranktopo.engine.extreme_state import ExtremeState, ThrowLoads
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.throw_compliance import ThrowCompliance
 
@@ -52,7 +52,7 @@ class LoadType:
     state: str
     load: _LoadField
     label: str
-    states: Callable[[LoadedThrow], Sequence[ExtremeState]]
+    states: Callable[[ThrowLoads], Sequence[ExtremeState]]
     energy_Nmm: Callable[[LoadFacts], float]
     unit_load: float = 0.0
     odd_in_x: bool = False

@@ -14,7 +14,7 @@ from cranktopo.design.misfire import all_firing
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_extreme_speeds
-from cranktopo.engine.extreme_state import ExtremeState, LoadedThrow
+from cranktopo.engine.extreme_state import ExtremeState, ThrowLoads
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.load_case import LoadCase, LoadKind
 from cranktopo.engine.load_type import load_types
@@ -36,7 +36,7 @@ def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState,
         return tuple(kind.unit_state(why) for kind in kinds if kind.unit_load)
     scene = all_firing(scene)
     analyses = tuple(analyse(at, enabled) for at in at_extreme_speeds(scene, enabled))
-    throw = LoadedThrow(scene, analyses, enabled)
+    throw = ThrowLoads(scene, analyses, enabled)
     return _mark_redundant(tuple(state for kind in kinds for state in kind.states(throw)), enabled)
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from cranktopo.engine.extreme_state import ExtremeState, LoadedThrow, place_of
+from cranktopo.engine.extreme_state import ExtremeState, ThrowLoads, place_of
 from cranktopo.engine.forces import near_share
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.load_type import LoadFacts, LoadType
 
 
-def _states(throw: LoadedThrow) -> tuple[ExtremeState]:
+def _states(throw: ThrowLoads) -> tuple[ExtremeState]:
     analysis = throw.analysis
     given, cycle = analysis.engine.max_gas_force_N, analysis.cycle
     if given is not None:

@@ -12,7 +12,7 @@ import numpy as np
 from cranktopo.design.engine import Engine
 from cranktopo.design.load_kinds import MAIN_KINDS
 from cranktopo.design.schema import Scene
-from cranktopo.engine.extreme_state import ExtremeState, LoadedThrow
+from cranktopo.engine.extreme_state import ExtremeState, ThrowLoads
 from cranktopo.engine.forces import rods_on_pins, rotating_forces
 from cranktopo.engine.gas import STEP_DEG
 from cranktopo.engine.kinematics import exact_motion, force_ratios
@@ -23,7 +23,7 @@ from cranktopo.engine.plan.effect import Estimate
 from cranktopo.engine.plan.load_rules import PlannedLoadType, by_size_or_goal
 
 
-def _states(throw: LoadedThrow) -> tuple[ExtremeState, ...]:
+def _states(throw: ThrowLoads) -> tuple[ExtremeState, ...]:
     """Inertia alone at the highest speed: the rods pull the pin outward, one alone at top dead centre."""
     scene, analysis, engine = throw.scene, throw.analysis, throw.analysis.engine
     speed = max(engine.overspeed_rpm or 0.0, engine.speed_rpm)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.engine.analysis import Extreme
-from cranktopo.engine.extreme_state import ExtremeState, LoadedThrow, place_of
+from cranktopo.engine.extreme_state import ExtremeState, ThrowLoads, place_of
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.load_type import LoadFacts, LoadType
 
 
-def _states(throw: LoadedThrow) -> tuple[ExtremeState]:
+def _states(throw: ThrowLoads) -> tuple[ExtremeState]:
     analysis = throw.analysis
     cycle, given = analysis.cycle, analysis.engine.max_torque_Nm
     if cycle is not None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.engine.analysis import Extreme, LoadAnalysis
-from cranktopo.engine.extreme_state import ExtremeState, LoadedThrow, place_of
+from cranktopo.engine.extreme_state import ExtremeState, ThrowLoads, place_of
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.load_type import LoadFacts, LoadType
 
@@ -15,7 +15,7 @@ _Torque = tuple[LoadAnalysis, Extreme | None]
 """A torque and the analysis at its speed; None where the scene does not tell it."""
 
 
-def _states(throw: LoadedThrow) -> tuple[ExtremeState, ...]:
+def _states(throw: ThrowLoads) -> tuple[ExtremeState, ...]:
     high, low = _torques(throw.analyses)
     shaft = throw.scene.shaft
     throws = "" if shaft is None or shaft.gives_stiffness else ", throws in closed form"

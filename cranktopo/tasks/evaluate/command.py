@@ -78,14 +78,14 @@ def command(
             f"{fine.solve_seconds:.1f} s to solve, error estimate {evaluation.error_percent:.2f} %"
         )
     if as_json:
-        from cranktopo.tasks.evaluate.result import Evaluations, TargetEvaluation
+        from cranktopo.tasks.evaluate.result import EvaluationList, TargetEvaluation
 
         tables = [one.table for one in worth]
         entries = (
             TargetEvaluation(**dict(one.result), sensitivities=table)
             for one, table in zip_longest(found.evaluations, tables)
         )
-        click.echo(json.dumps(Evaluations(evaluations=tuple(entries)).as_json(), indent=2))
+        click.echo(json.dumps(EvaluationList(evaluations=tuple(entries)).as_json(), indent=2))
     else:
         from cranktopo.report.result_table import terminal
         from cranktopo.tasks.fea.quantities import evaluation_table, result_line

@@ -19,7 +19,7 @@ class TargetEvaluation(EvaluationResult):
     sensitivities: WebSensitivities | None = UNLESS_NONE
 
 
-class Evaluations(Result):
+class EvaluationList(Result):
     """Evaluated targets, in the order in which they were given."""
 
     schema_version: int = 1
