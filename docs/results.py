@@ -26,6 +26,7 @@ ROOTS = {
     "rod": ("`rod --json`", "cranktopo.tasks.rod.result:RodStrength"),
     "balancer": ("`balancer --json`", "cranktopo.tasks.balancer.result:BalancerStrength"),
     "accuracy": ("`accuracy --json`", "cranktopo.tasks.fea.studies:StudyResult"),
+    "evaluate": ("`evaluate --json`", "cranktopo.tasks.evaluate.result:EvaluationList"),
     "compare": ("`compare --format json`", "cranktopo.tasks.compare.result:ComparisonResult"),
     "bound": ("`bound --json`", "cranktopo.tasks.bound.result:BoundResult"),
     "shape": ("`shape --json` and `shape.json`", "cranktopo.tasks.shape.result:ShapeResult"),
@@ -38,6 +39,9 @@ ROOTS = {
     "remodel": ("`remodel --json` and `remodel.json`", "cranktopo.tasks.refit.result:RefitResult"),
     "iterate": ("`iterate --json` and `iterate.json`", "cranktopo.tasks.iterate.result:LoopResult"),
     "sweep": ("`sweep --json` and `sweep.json`", "cranktopo.tasks.sweep.result:SweepResult"),
+    "runs": ("`runs list --json`", "cranktopo.tasks.run_list.stage:RunList"),
+    "designs": ("`designs list --json`", "cranktopo.tasks.designs.result:DesignList"),
+    "doctor": ("`doctor --json`", "cranktopo.tasks.doctor.result:MachineChecks"),
 }
 """Name of the schema file: where the JSON is found, and its model as "module:Class". One line a result."""
 _TYPES = {

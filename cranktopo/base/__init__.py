@@ -1,1 +1,1 @@
-"""What every room uses: errors, units, files, scene tables, sections; it knows no crank."""
+"""Tools of every room: errors, units, files, scene tables, sections; it knows no crank."""

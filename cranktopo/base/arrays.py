@@ -11,3 +11,11 @@ Complex = NDArray[np.complex128]
 """Of 128-bit complex numbers."""
 Index = NDArray[np.intp]
 """Of positions in other arrays."""
+Mask = NDArray[np.bool_]
+"""Of truth values, such as which cells or nodes are chosen."""
+Int64 = NDArray[np.int64]
+"""Of numbers of nodes, such as the corners of triangles and tetrahedra."""
+Int32 = NDArray[np.int32]
+"""Of labels, and of positions where a library takes no longer ones."""
+Single = NDArray[np.float32]
+"""Of 32-bit floating-point numbers."""

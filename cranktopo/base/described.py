@@ -31,7 +31,7 @@ class Described(BaseModel):
         schema = handler(core_schema)
         properties = handler.resolve_ref_schema(schema).get("properties", {})
         for name, field in cls.model_fields.items():
-            text = _text_of(cls, name)
+            text = field.description or _text_of(cls, name)
             key = field.serialization_alias or name
             if text and key in properties:
                 properties[key].setdefault("description", text)

@@ -1,4 +1,4 @@
-"""What the program writes, by file ending or part; it loads nothing, so that command lines can offer it."""
+"""Forms that the program writes, by file ending or part; loads nothing, so that help can name them."""
 
 from __future__ import annotations
 

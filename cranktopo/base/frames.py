@@ -15,7 +15,7 @@ X, Y, Z = 0, 1, 2
 
 Parity = Literal["symmetric", "antisymmetric"]
 Span = Literal["symmetric", "antisymmetric", "whole"]
-"""What is modelled: a half throw with motions of one parity about the mid-pin plane, or the whole throw."""
+"""Extent of a model: a half throw with motions of one parity about the mid-pin plane, or the whole throw."""
 
 
 def about_z_deg(crank_angle_deg: float) -> float:

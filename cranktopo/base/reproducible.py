@@ -1,4 +1,4 @@
-"""What makes repeated work the same: the seed of random choices, and the date that files carry."""
+"""Means to make repeated work the same: the seed of random choices, and the date that files carry."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ def _listed(value: Any) -> Any:
 
 
 class Result(Described):
-    """What a stage returns, and what its command prints with `--json`: fields are keys, units in their names.
+    """The result of a stage, which its command prints with `--json`: fields are keys, units in their names.
 
     Keys that a newer version added are ignored when a file is read.
     """

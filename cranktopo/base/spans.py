@@ -11,7 +11,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Index
 
 Span = tuple[Array, Array]
 """Lateral interval (from, to), mm; empty where from >= to."""
@@ -82,9 +82,6 @@ def holds(spans: Sequence[Span], x_mm: Array) -> NDArray[np.bool_]:
     return np.asarray(np.logical_or.reduce(parts))
 
 
-_Indices = NDArray[np.intp]
-
-
 def polygon_section(contours: list[Array]) -> Section:
     """Return the inside of closed contours (n, 2) by the even-odd rule, at all heights."""
     starts = np.concatenate([np.zeros((0, 2)), *contours])
@@ -105,7 +102,7 @@ def polygon_section(contours: list[Array]) -> Section:
     return spans
 
 
-def _crossings(start: Array, end: Array, places: Array) -> tuple[_Indices, _Indices]:
+def _crossings(start: Array, end: Array, places: Array) -> tuple[Index, Index]:
     """Edges and places of all pairs in which an edge passes a place; a corner belongs to the edge above."""
     order = np.argsort(places, kind="stable")
     first = np.searchsorted(places, np.minimum(start, end), sorter=order)
@@ -132,7 +129,7 @@ def self_intersection(points: Array) -> tuple[float, float] | None:
     return _meeting(points, ends, first[apart], second[apart])
 
 
-def _meeting(starts: Array, ends: Array, i: _Indices, j: _Indices) -> tuple[float, float] | None:
+def _meeting(starts: Array, ends: Array, i: Index, j: Index) -> tuple[float, float] | None:
     """Return where the first pair of edges meets that has a point in common."""
     sides = [
         np.sign(_cross(ends[a] - starts[a], point - starts[a]))

@@ -91,7 +91,7 @@ def filled_in(data: Any, library: Mapping[str, dict[str, Any]], needed: frozense
 UNSHOWN_TEXT = "unshown_text"
 """Type of the error for a text that cannot be shown; its context has the place in the table."""
 _NOT_SHOWN = re.compile(r"[^\t\n\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-"""What XML holds no more than a terminal does."""
+"""Characters that XML holds no more than a terminal does."""
 # What the reference and the template of all keys need to know of a field beside its type.
 SHOWN: dict[str, JsonValue] = {"shown": True}
 """An optional key that the template has switched on, with its example."""

@@ -10,6 +10,7 @@ import numpy as np
 from manifold3d import CrossSection, FillRule, Manifold
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.spans import Section, polygon_section
 from cranktopo.bodies.solid.step import STEP_SUFFIXES, step_surface
@@ -133,9 +134,6 @@ def _closed_surface(path: Path, key: str) -> SurfaceMesh:
     return surface
 
 
-_Contour = NDArray[np.float64]
-
-
 def envelope_z_mm(scene: Scene) -> tuple[float, float]:
     """Return the axial range that the envelope may fill: that of the web less the clearances."""
     start, end = scene.web_z_mm
@@ -145,7 +143,7 @@ def envelope_z_mm(scene: Scene) -> tuple[float, float]:
     return start + envelope.bearing_clearance_mm, end - envelope.rod_clearance_mm
 
 
-def through_holes(scene: Scene, heights_mm: Sequence[float]) -> list[list[_Contour]]:
+def through_holes(scene: Scene, heights_mm: Sequence[float]) -> list[list[Array]]:
     """Return contours (n, 2), mm, of the holes at each height; none where the envelope may not be.
 
     A hole counts with all its steps and chamfers if some line along the crank axis passes through it at all
@@ -161,7 +159,7 @@ def through_holes(scene: Scene, heights_mm: Sequence[float]) -> list[list[_Conto
     return [[c for c in layer if not (_region([c]) ^ through).is_empty()] for layer in layers]
 
 
-def _holes(scene: Scene, z_mm: float) -> list[_Contour]:
+def _holes(scene: Scene, z_mm: float) -> list[Array]:
     """Inner contours of the envelope's cross-section; none where its file is gone."""
     envelope = scene.envelope
     if envelope is None or envelope.stl_file is None or not envelope.stl_file.is_file():
@@ -170,10 +168,10 @@ def _holes(scene: Scene, z_mm: float) -> list[_Contour]:
     return [contour for contour in contours if _area(contour) < 0]
 
 
-def _area(contour: _Contour) -> float:
+def _area(contour: Array) -> float:
     x, y = contour.T
     return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
 
 
-def _region(contours: list[_Contour]) -> CrossSection:
+def _region(contours: list[Array]) -> CrossSection:
     return CrossSection(contours, FillRule.NonZero) if contours else CrossSection()

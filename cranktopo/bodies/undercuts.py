@@ -54,7 +54,7 @@ class Undercuts:
 
 @dataclass(frozen=True)
 class Withdrawal:
-    """How a die, a mould or a mill leaves the web.
+    """The way in which a die, a mould or a mill leaves the web.
 
     Attributes:
         axis: along which it is left; None for a mill, which comes from both faces and both sides.

@@ -1,4 +1,4 @@
-"""How much a long command says on stderr: --quiet, --verbose, and colour only where it is wanted."""
+"""Messages of a long command on stderr: --quiet, --verbose, and colour only where it is wanted."""
 
 from __future__ import annotations
 

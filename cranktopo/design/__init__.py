@@ -1,1 +1,1 @@
-"""What the user wrote: tables with their checks, loading, messages, goal and limits."""
+"""The user's design: tables with their checks, loading, messages, goal and limits."""

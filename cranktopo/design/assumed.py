@@ -1,4 +1,4 @@
-"""What a scene leaves out and the program therefore assumes: said by every command that uses it."""
+"""Values that a scene leaves out and the program assumes: said by every command that uses it."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ THROW, LOADS, SUPPORTS, ENVELOPE, FATIGUE = "throw", "engine", "supports", "enve
 GOAL, VIBRATION = "goal", "shaft"
 """Tables of the scene whose assumptions a command may ask for."""
 EVALUATED = (THROW, SUPPORTS)
-"""What the stiffnesses of a throw depend on."""
+"""Tables that the stiffnesses of a throw depend on."""
 SHAFT = (THROW, "engine.strokes", "engine.cylinders", "engine.masses")
-"""What a whole shaft on rigid or free bearings uses."""
+"""Tables and keys that a whole shaft on rigid or free bearings uses."""
 CARRIED = tuple(f"{VIBRATION}.{part}" for part in ("damper", *ROTORS))
 """Parts of the shaft's table that a vibration without damping uses."""
 _CONSEQUENCES = {
@@ -31,7 +31,7 @@ _CONSEQUENCES = {
     "rod_rotating_kg": "no centrifugal force of the rod's big end",
     "loss_factor": "nothing damps that shaft's twist",
 }
-"""What the default of a key means where the number alone does not say it."""
+"""Meaning of a key's default, for keys whose number alone does not say it."""
 _WIDTH = 110
 _QUIET = {
     "m53_factors",

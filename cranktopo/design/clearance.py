@@ -1,4 +1,4 @@
-"""What pistons and crankcase leave of the section in which web and counterweight turn.
+"""The room that pistons and crankcase leave in the section in which web and counterweight turn.
 
 In each direction from the crank axis the web may reach to a largest radius: to the crankcase, and as far as
 it meets no piston while it turns. Of the piston the lower edge of its skirt counts, as wide as it is above

@@ -73,7 +73,7 @@ class BalancerShaft(SceneTable):
 
 
 class Arrangement(SceneTable):
-    """How cylinders and throws are arranged; without it: in line, evenly firing.
+    """Arrangement of cylinders and throws; without it: in line, evenly firing.
 
     `V`: two rods side by side on each pin; cylinder 1 to n/2 are the first bank, the others the second, each
     from the free end. `boxer`: flat, opposed, each cylinder on its own pin; odd numbers are the first bank,
@@ -148,7 +148,7 @@ class Gas(SceneTable):
 
     @property
     def measured(self) -> bool:
-        """Whether a pressure is that of a measured trace, at one speed at least."""
+        """True if a pressure is that of a measured trace, at one speed at least."""
         return self.indicator_csv is not None or any(at.file is not None for at in self.map)
 
     @property

@@ -97,7 +97,7 @@ class Material(SceneTable):
     )
     """Heat treatment of the forging, for the dossier of `fatigue --method m53`."""
     source: str = ""
-    """Where the values come from."""
+    """Origin of the values."""
 
     @model_validator(mode="before")
     @classmethod

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, create_model
 
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.table import (
@@ -25,6 +25,7 @@ from cranktopo.design.crank import Crank
 from cranktopo.design.drawing import Drawing
 from cranktopo.design.engine import Engine
 from cranktopo.design.goal.limit import GoalTable
+from cranktopo.design.load_kinds import LOAD_KINDS, LoadKeys
 from cranktopo.design.material import Fatigue, Material
 from cranktopo.design.messages import explain, register_root
 from cranktopo.design.plain_bearings import PlainBearings
@@ -95,28 +96,61 @@ class ThrowTable(SceneTable):
 
 _EffectState = Literal["auto", "on", "off"]
 Process = Literal["free", "forged", "cast", "milled"]
-"""How the web is made; free: anyhow, so that undercuts and closed hollows are possible."""
+"""Process that makes the web; free: any, so that undercuts and closed hollows are possible."""
 Parting = Literal["lateral", "web_faces"]
-"""Where the halves of a die or mould leave: along x, or along z through the web's faces."""
+"""Direction in which the halves of a die or mould leave: along x, or along z through the web's faces."""
 
 
-class Effects(SceneTable):
-    """State of each effect, and the relative change below which `auto` leaves an effect out."""
-
+class _Threshold(SceneTable):
     threshold: float = Field(default=0.02, ge=1e-6, le=0.99)
     """Relative change below which `auto` leaves an effect out."""
-    bending: _EffectState = "auto"
-    """Load case of the largest radial force."""
-    torsion: _EffectState = "auto"
-    """Load case of the largest torque."""
-    tangential: _EffectState = "auto"
-    """Load case of the force across the throw on the crankpin."""
+
+
+def _switches(by_mass: bool) -> dict[str, Any]:
+    return {
+        name: (_EffectState, Field(default="auto", description=keys.meaning))
+        for name, keys in LOAD_KINDS.items()
+        if keys.by_mass == by_mass
+    }
+
+
+if TYPE_CHECKING:
+
+    class _ForceSwitches(_Threshold): ...
+
+else:
+    _ForceSwitches = create_model("_ForceSwitches", __base__=_Threshold, **_switches(by_mass=False))
+
+
+class _InertiaSwitches(_ForceSwitches):
     reciprocating_inertia: _EffectState = "auto"
     """Inertia of piston and upper end of the rod in the rod force."""
     rotating_rod_mass: _EffectState = "auto"
     """Centrifugal force of the rod's big end on the crankpin."""
-    centrifugal: _EffectState = "auto"
-    """Load case of the rotating throw's own body force, at the overspeed if one is given."""
+
+
+def _weight(name: str, keys: LoadKeys) -> Any:
+    return Weight, Field(default=keys.weight, description=f"Weight of the {name} case.")
+
+
+if TYPE_CHECKING:
+
+    class _LoadSwitches(_InertiaSwitches): ...
+
+    class _LoadWeights(SceneTable): ...
+
+else:
+    _LoadSwitches = create_model("_LoadSwitches", __base__=_InertiaSwitches, **_switches(by_mass=True))
+    _LoadWeights = create_model(
+        "_LoadWeights",
+        __base__=SceneTable,
+        **{name: _weight(name, keys) for name, keys in LOAD_KINDS.items()},
+    )
+
+
+class Effects(_LoadSwitches):
+    """State of each effect, and the relative change below which `auto` leaves an effect out."""
+
     torsional_vibration: _EffectState = "auto"
     """Torque of the vibrating shaft at its worst speed in place of the quasi-static one; needs `[shaft]`."""
     bearing_compliance: _EffectState = "auto"
@@ -135,20 +169,11 @@ class Effects(SceneTable):
     fatigue: _EffectState = "auto"
     """Fatigue safety in the plan and in `compare`."""
     bound: _EffectState = "auto"
-    """What no web of the envelope can beat, proven and told beside a result."""
+    """Bound that no web of the envelope can beat, proven and told beside a result."""
 
 
-class Weights(SceneTable):
-    """Weight of each load case in the objective."""
-
-    bending: Weight = 0.5
-    """Weight of the bending case."""
-    torsion: Weight = 0.5
-    """Weight of the torsion case."""
-    tangential: Weight = 0.5
-    """Weight of the tangential case."""
-    centrifugal: Weight = 0.0
-    """Weight of the centrifugal case; at 0 the plan leaves it out."""
+class Weights(_LoadWeights):
+    """Weight of each load case in the objective; at 0 the plan leaves a case out."""
 
 
 _OptimiserMethod = Literal["auto", "optimality_criteria", "moving_asymptotes"]
@@ -175,7 +200,7 @@ class Optimise(SceneTable):
     combine: Literal["sum", "worst"] = "sum"
     """Without a goal: minimise the weighted `sum` of the load cases' compliances, or the `worst` of them."""
     method: _OptimiserMethod = "auto"
-    """How the next design is found: `optimality_criteria` for the plain sum at a volume fraction, the method
+    """Way to the next design: `optimality_criteria` for the plain sum at a volume fraction, the method
     of `moving_asymptotes` for anything; `auto`: the former where it can."""
     limits_by_evaluation: bool = True
     """With a goal: the surface is evaluated on body-fitted elements, and the limits in the cells are moved by
@@ -191,10 +216,10 @@ class Optimise(SceneTable):
     move: float = Field(default=0.2, ge=0.001, le=1)
     """Largest change of a design variable by one step of the first stage; later ones take smaller steps."""
     process: Process = Field(default="free", examples=["forged"], json_schema_extra=SHOWN)
-    """How the web is made: `forged` by a die with a flat parting plane, `cast` in a mould of two halves with
-    any parting surface, `milled` from both web faces and both sides, or `free`."""
+    """Process that makes the web: `forged` by a die with a flat parting plane, `cast` in a mould of two
+    halves with any parting surface, `milled` from both web faces and both sides, or `free`."""
     parting: Parting = "lateral"
-    """How die and mould open: `lateral` along x, the die parting in x = 0; `web_faces` along z, mid-web."""
+    """Opening of die and mould: `lateral` along x, the die parting in x = 0; `web_faces` along z, mid-web."""
     draft_deg: float = Field(default=0.0, ge=0, le=20, examples=[5.0], json_schema_extra=SHOWN)
     """Least angle between the walls of a forged or cast web and the way its die or mould opens."""
     tool_radius_mm: Length | None = Field(default=None, examples=[5.0])

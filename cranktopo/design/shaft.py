@@ -58,7 +58,7 @@ class RollerBearing(SceneTable):
     dynamic_rating_kN: float | None = Field(default=None, ge=1e-3, le=1e5, examples=[26.0])
     """Basic dynamic load rating (ISO 281), for the life in `cranktopo balance`; axial of a thrust bearing."""
     source: str = ""
-    """Where the values come from."""
+    """Origin of the values."""
 
     @model_validator(mode="before")
     @classmethod
@@ -67,7 +67,7 @@ class RollerBearing(SceneTable):
 
 
 class Supports(SceneTable):
-    """How the rigid mid-journal sections are held, per load case, and how stiff the bearings are.
+    """Supports of the rigid mid-journal sections, per load case, and stiffness of the bearings.
 
     The radial stiffness of one bearing is given directly, by the clearance of a plain bearing, or by the
     roller table of a roller bearing.
@@ -165,7 +165,7 @@ ROTORS = ("pulley", "flywheel", "coupling", "driven", "propeller")
 
 
 class ShaftTable(SceneTable):
-    """What turns with the crankshaft, and what damps it: the model of torsional vibration.
+    """Inertias that turn with the crankshaft, and its damping: the model of torsional vibration.
 
     From the free end to the takeoff: damper, pulley, the throws, flywheel, coupling, driven machine or
     propeller. Values behind a gear that turns i times as fast as the crankshaft are those of the part times

@@ -69,7 +69,7 @@ class Spans:
 
 @dataclass(frozen=True)
 class PinLoads:
-    """What acts on the pins, in one plane of complex numbers or in the axes of each throw, (throws, states).
+    """Loads on the pins, in one plane of complex numbers or in the axes of each throw, (throws, states).
 
     Attributes:
         couple_Nmm: of the two rods of a pin about its middle, as `bend` counts it.

@@ -32,7 +32,7 @@ class ShaftTorque:
 
     @property
     def vibrates(self) -> bool:
-        """Whether it is that of a vibrating shaft."""
+        """True if it is that of a vibrating shaft."""
         return self.ahead_Nm is not None
 
     @property

@@ -16,7 +16,6 @@ from cranktopo.design.misfire import all_firing
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Cycle, LoadAnalysis, analyse, at_worst_speed, engine_of
 from cranktopo.engine.forces import ThrowForces
-from cranktopo.engine.load_case import LOAD_TYPES
 from cranktopo.engine.states import ExtremeState, extreme_states
 
 HistoryKind = Literal["extremes", "cycle"]
@@ -284,8 +283,17 @@ def _throw(
 
 
 def _without(history: LoadHistory, enabled: frozenset[str]) -> LoadHistory:
-    kept = {}
-    for kind in LOAD_TYPES.values():
-        name = "angular_speed_rad_s" if kind.load == "speed_rpm" else kind.load
-        kept[name] = getattr(history, name) * (1.0 if kind.name in enabled else 0.0)
+    kept = {
+        quantity: getattr(history, quantity) * (1.0 if effect in enabled else 0.0)
+        for effect, quantity in _EFFECT_OF.items()
+    }
     return LoadHistory(**kept, labels=history.labels)
+
+
+_EFFECT_OF = {
+    "bending": "radial_N",
+    "torsion": "torque_Nm",
+    "tangential": "tangential_N",
+    "centrifugal": "angular_speed_rad_s",
+}
+"""Quantity of a history that an effect switches."""

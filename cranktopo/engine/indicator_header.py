@@ -36,7 +36,7 @@ _NUMBER = re.compile(r"[+-]?[.,]?\d")
 
 
 class UnusableError(ValueError):
-    """What makes a file of a pressure trace unusable, and what to do next."""
+    """The reason why a file of a pressure trace is unusable, and what to do next."""
 
     def __init__(self, what: str, hint: str = "") -> None:
         super().__init__(what)
@@ -108,7 +108,7 @@ def _words(text: str) -> list[str]:
 
 
 def _unit_texts(cell: str) -> list[str]:
-    """Where a unit may stand: in brackets, or else after a stroke or as a word of the name.
+    """Return the places where a unit may stand: in brackets, or else after a stroke or as a word of the name.
 
     A rate, such as bar/°KW in brackets, is neither an angle nor a pressure.
     """

@@ -28,7 +28,7 @@ _SIGNS = {
     "³": r"\textsuperscript{3}",
     **{sign: f"\\{sign}" for sign in "{}$&#_%"},
 }
-"""What LaTeX reads as commands. In German documents `"` is one too; behind a row's end so are `[` and `*`."""
+"""Commands of LaTeX. In German documents `"` is one too; behind a row's end so are `[` and `*`."""
 _POWER = re.compile(r"(?<=m)[23]\b")
 _NUMBER = re.compile(r"-?[\d,]*\.?\d+")
 

@@ -139,9 +139,9 @@ def _block(columns: Sequence[_Printed], ruled: bool) -> str:
 
 
 _SPECIAL = re.compile(r"([\\`*_|\[\]<>~&$#])")
-"""What Markdown and its tables read as a sign of their own anywhere in a line."""
+"""Signs that Markdown and its tables read as their own anywhere in a line."""
 _LIST = re.compile(r"^(\d*)([+.)-])(?=[\s-]|$)")
-"""What begins a list, or is a rule, at the start of a line."""
+"""Starts of a line that make it a list or a rule."""
 _SIGNIFICANT, _GROUPED = 4, 1e4
 """Digits beyond which an error of a percent leaves no sense; numbers from which thousands stand apart."""
 _LINE = 24

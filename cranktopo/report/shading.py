@@ -35,7 +35,7 @@ STRESS_COLOURS = (
 _FACES_ALONG = 40
 """Faces that a body's longest extent is cut into at least, for sorting by depth."""
 _BEYOND_MM = 0.06
-"""How far beyond its sides the web still is web: a body from CAD may lie off by 0.05 mm."""
+"""Distance beyond its sides within which the web still is web: a body from CAD may lie off by 0.05 mm."""
 _INSET = 0.01
 """Way of a journal's cap into it, over the body's extent: near an outer face it would show in stripes."""
 _HIDDEN = 0.01

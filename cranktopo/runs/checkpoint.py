@@ -68,7 +68,7 @@ def _path(run: Path, iteration: int) -> Path:
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """What was saved: arrays by name, bit for bit, and a state of plain values."""
+    """Saved state: arrays by name, bit for bit, and a state of plain values."""
 
     arrays: dict[str, NDArray[Any]]
     state: dict[str, Any]

@@ -1,4 +1,4 @@
-"""What a run was made of: command, resolved scene, versions, hashes, status."""
+"""Origin of a run: command, resolved scene, versions, hashes, status."""
 
 from __future__ import annotations
 

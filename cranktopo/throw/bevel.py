@@ -67,7 +67,7 @@ class EndBevel(Feature):
     face: Literal["journal", "pin"] = Field(examples=["journal"])
     """Face that it is cut from: `journal` bevels the crankpin's end of the web, `pin` the main journal's."""
     y_mm: Place = Field(examples=[60.0])
-    """Where it meets that face, along the throw from the crank axis."""
+    """Place where it meets that face, along the throw from the crank axis."""
     depth_mm: Length = Field(examples=[8.0])
     """Depth below that face at the very end of the outline; smaller than the web's thickness."""
     crown_mm: Place = 0.0

@@ -18,7 +18,7 @@ from cranktopo.throw.zone import Zone
 
 
 class Clearance(SceneTable):
-    """What web and counterweight keep clear of while they turn, whatever the shape of the envelope.
+    """Room that web and counterweight keep free while they turn, whatever the shape of the envelope.
 
     Rods beside the web are kept clear of by `envelope.rod_clearance_mm`.
     """

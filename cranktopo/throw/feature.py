@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, Protocol, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Mask
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.spans import Span, holds
 from cranktopo.base.table import SceneTable
@@ -86,7 +85,6 @@ class ThrowView(Hashable, Protocol):
         """Distance between the middles of the main journals."""
 
 
-Mask = NDArray[np.bool_]
 Face = Literal["journal", "pin"]
 Reach = tuple[str, object, tuple[Array, Array]]
 """A key path, its value, and points (|x|, y) that it reaches to, mm."""

@@ -1,4 +1,4 @@
-"""What a feature says so that the re-model can fit it: parameters, signed distance, constraints, tables."""
+"""A feature as the re-model fits it: parameters, signed distance, constraints, tables."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Mask
 from cranktopo.throw.bevel_arc import BevelArc
-from cranktopo.throw.feature import Face, Feature, Mask, ThrowView
+from cranktopo.throw.feature import Face, Feature, ThrowView
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 Named = dict[str, Any]
@@ -27,7 +27,7 @@ _RESOLUTION_MM = 0.01
 """Parameters are rounded to this in the scene; the constraints keep as much clear."""
 CLEAR_MM = 2 * _RESOLUTION_MM
 JOURNALS = ("main journal", "crankpin")
-"""What the journals are called in a sentence, in the order of the throw."""
+"""Names of the journals in a sentence, in the order of the throw."""
 LEAST_MM = 3.0
 """Least size of a pocket."""
 SIZE_OVER_CORNER = 2.2
@@ -37,7 +37,7 @@ _STEP = 1e-6
 
 
 class BodyCells(Protocol):
-    """Which cells the extracted body fills; x > 0 only."""
+    """Cells that the extracted body fills; x > 0 only."""
 
     @property
     def x_mm(self) -> Array:
@@ -110,7 +110,7 @@ class FittedFeature(ABC):
     table: ClassVar[str] = "pocket"
     """Key of the web under which its tables go."""
     follows_ends: ClassVar[bool] = False
-    """Whether its surface moves with the ends of the outline."""
+    """True if its surface moves with the ends of the outline."""
 
     @property
     @abstractmethod

@@ -12,9 +12,9 @@ from typing import Any, ClassVar, Literal, Self
 import numpy as np
 from typing_extensions import override
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Mask
 from cranktopo.throw.face_pocket import FacePocket
-from cranktopo.throw.feature import Feature, Mask, ThrowView, least_shoulder_mm
+from cranktopo.throw.feature import Feature, ThrowView, least_shoulder_mm
 from cranktopo.throw.fitted import (
     CLEAR_MM,
     JOURNALS,

@@ -10,10 +10,10 @@ from typing import Literal
 import numpy as np
 from typing_extensions import override
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Mask
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.spans import Span
-from cranktopo.throw.feature import Body, Mask, ThrowView, least_shoulder_mm
+from cranktopo.throw.feature import Body, ThrowView, least_shoulder_mm
 from cranktopo.throw.primitives import Box, Cylinder, Frustum, Solid
 from cranktopo.throw.tapered_hole import rounded_gap_mm
 

@@ -1,4 +1,4 @@
-"""What a die or a mill can make: the limits of the re-model, and the settings of its fit."""
+"""Limits of a die or a mill: those of the re-model, and the settings of its fit."""
 
 from __future__ import annotations
 

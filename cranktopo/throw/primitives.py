@@ -1,4 +1,4 @@
-"""What features are made of, as data: solids for the CAD kernel, strokes for the drawing; all in mm."""
+"""Parts of features, as data: solids for the CAD kernel, strokes for the drawing; all in mm."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ class Loft:
 
 @dataclass(frozen=True)
 class RoundedOutlet:
-    """What rounds the edge at which a hole leaves a cylinder along the crank axis.
+    """Rounding of the edge at which a hole leaves a cylinder along the crank axis.
 
     The hole's axis meets the cylinder `at` a point and leaves it `outward`; the cylinder is called `on` in
     the scene, has its axis at `y_mm` along the throw and the radius `surface_mm`.
@@ -159,7 +159,7 @@ class DimensionLine:
 
 @dataclass(frozen=True)
 class FeatureDrawing:
-    """How a feature appears in the drawing of its web.
+    """A feature in the drawing of its web.
 
     Attributes:
         front: edges in the view along the crank axis, (x, y).

@@ -47,13 +47,13 @@ _INWARD = 1 - 1e-6
 
 
 class WebTable(SceneTable, ABC):
-    """What all webs have: thickness and features; an outline extends it by its own dimensions."""
+    """Keys of all webs: thickness and features; an outline extends it by its own dimensions."""
 
     thickness_mm: Length = Field(examples=[19.0])
     """Thickness along the crank axis."""
     bevel: tuple[EndBevel, ...] = Field(default=(), max_length=2)
     pocket: tuple[Pocket, ...] = ()
-    """What is taken out of the outline's solid; `shape` chooses the kind."""
+    """Pockets taken out of the outline's solid; `shape` chooses the kind."""
     counterweight: Counterweight | None = None
 
     feature_keys: ClassVar[tuple[str, ...]] = ("bevel", "pocket")

@@ -19,6 +19,7 @@ import trimesh
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.progress import Work
+from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.outcome import goal_outcome
 from cranktopo.design.schema import Scene
@@ -190,7 +191,9 @@ class Invented:
         return {"mass": 1.4, "torsion": self.percent}
 
     def limits(self, state: State) -> tuple[CheckedLimit, ...]:
-        in_cells = ResponseConstraint(TORSION, ">=", state.bounds[0] if state.bounds else 90.0)
+        in_cells = ResponseConstraint(
+            TORSION, Constraint("torsion", ">=", state.bounds[0] if state.bounds else 90.0)
+        )
         (outcome,) = goal_outcome(self.goal, self.reached(state), self.original()).limits
         return (CheckedLimit(in_cells, in_cells.bound, outcome),)
 

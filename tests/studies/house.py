@@ -22,6 +22,7 @@ from tests.studies.house_arrows import PACKAGE, Trees, arrows, circles, floors, 
 REPORT = {"report", "page", "pages", "text", "table", "tables", "figures", "plot", "plots", "picture"}
 TOPICS = {"vibration": r"vibrat\w*", "balance": r"balanc\w*", "bound": r"bounds?"}
 QUESTIONS = {"What", "Whether", "How", "Which", "Where"}
+ALIAS = re.compile(r"(np\.|numpy\.)?(NDArray|ndarray)\b|Array$")
 LOOSE = "dict[str, Any]"
 SHORT_MODULE, SHORT_FUNCTION, LONG_FUNCTION, NAMES_OF_A_TOPIC = 40, 15, 60, 3
 Counts = dict[str, str]
@@ -75,6 +76,12 @@ def loose_annotations(trees: Iterable[ast.AST]) -> tuple[int, int]:
     return parts.count(LOOSE), sum(part in others for part in parts)
 
 
+def array_aliases(tree: ast.Module) -> list[str]:
+    """Return names of a module that stand for an array of one type of numbers and nothing more."""
+    made = [node for node in tree.body if isinstance(node, ast.Assign | ast.AnnAssign) and node.value]
+    return [ast.unparse(node) for node in made if ALIAS.match(ast.unparse(node.value or node))]
+
+
 def question(node: ast.Expr) -> bool:
     """Tell whether a statement is a docstring that begins like a question."""
     text = getattr(node.value, "value", None)
@@ -124,6 +131,7 @@ def style(trees: Trees) -> Counts:
     """Return numbers of loose types, vague names and questions."""
     report = [tree for name, tree in trees.items() if words(name) & REPORT]
     loose, by_name = loose_annotations(trees.values())
+    aliases = [array_aliases(tree) for name, tree in trees.items() if not name.endswith("base.arrays")]
     arguments = Counter(node.arg for node in of_kind(trees.values(), ast.arg))
     decorators = [ast.unparse(d) for c in of_kind(trees.values(), ast.ClassDef) for d in c.decorator_list]
     data = [text for text in decorators if text.split("(")[0].split(".")[-1] == "dataclass"]
@@ -133,6 +141,7 @@ def style(trees: Trees) -> Counts:
         "files of report code": f"{len(report)}",
         f"{LOOSE} in annotations": f"{loose}",
         f"{LOOSE} in annotations by another name": f"{by_name}",
+        "names of array types outside base/arrays.py": f"{sum(map(len, aliases))}",
         "parameters called info": f"{arguments['info']}",
         "parameters called progress": f"{arguments['progress']}",
         "docstrings that begin like a question": f"{sum(map(question, of_kind(trees.values(), ast.Expr)))}",

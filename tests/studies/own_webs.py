@@ -18,9 +18,9 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import silent
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.design.halves import usual_scale
+from cranktopo.design.load_kinds import MAIN_KINDS
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.engine.load_case import MAIN_KINDS
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import without
 from cranktopo.tasks.density.stage import prepare

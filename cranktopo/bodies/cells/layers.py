@@ -34,7 +34,7 @@ GridContent = Literal["envelope", "web"]
 
 @dataclass(frozen=True)
 class AxialLayer:
-    """What fills the plane between two heights of the half throw; None for nothing.
+    """Material in the plane between two heights of the half throw; None for nothing.
 
     Its sections, of which passive is undesignable solid and web the full one, may change between the heights.
     What it has as passive may replace what other layers between these heights have as design.

@@ -1,4 +1,4 @@
-"""How much of a design's own web its envelope does not hold, where no web that is sought may be."""
+"""The part of a design's own web that its envelope does not hold, where no web that is sought may be."""
 
 from __future__ import annotations
 

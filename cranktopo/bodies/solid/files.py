@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Int64
 from cranktopo.base.errors import solver_error
 from cranktopo.base.files import as_path, replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
@@ -41,7 +42,6 @@ if TYPE_CHECKING:
     from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
 
-_Tags = NDArray[np.int64]
 _TRIANGLE = 2
 _FRAME = "y along the throw, origin at the mid-main-journal plane"
 _FRAME_OF_ROD = "y along the rod, origin at the axis of its big end"
@@ -73,7 +73,7 @@ def _points(gmsh: Any) -> NDArray[np.float64]:
     return points
 
 
-def _turned(tags: dict[int, _Tags]) -> dict[int, bool]:
+def _turned(tags: dict[int, Int64]) -> dict[int, bool]:
     neighbours = _neighbours(tags)
     turned: dict[int, bool] = {}
     for first in tags:
@@ -88,7 +88,7 @@ def _turned(tags: dict[int, _Tags]) -> dict[int, bool]:
     return turned
 
 
-def _neighbours(tags: dict[int, _Tags]) -> dict[int, list[tuple[int, bool]]]:
+def _neighbours(tags: dict[int, Int64]) -> dict[int, list[tuple[int, bool]]]:
     """Faces that share an edge with each face, and whether they run along it in the same direction."""
     sides: dict[tuple[int, int], list[tuple[int, bool]]] = defaultdict(list)
     for face, corners in tags.items():
@@ -103,7 +103,7 @@ def _neighbours(tags: dict[int, _Tags]) -> dict[int, list[tuple[int, bool]]]:
     return found
 
 
-def _border(triangles: _Tags) -> list[tuple[int, int]]:
+def _border(triangles: Int64) -> list[tuple[int, int]]:
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     if not len(edges):
         return []

@@ -323,7 +323,7 @@ class LimitsTable(SceneTable):
 
 
 class GoalTable(SceneTable):
-    """What an optimiser is asked for: one quantity as low or as high as the limits allow.
+    """The task of an optimiser: one quantity as low or as high as the limits allow.
 
     Without this table `optimise` minimises the weighted compliance at `optimise.volume_fraction`.
     """

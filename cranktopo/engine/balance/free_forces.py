@@ -65,7 +65,7 @@ class ForceEllipse:
 
 @dataclass(frozen=True)
 class FreeForce:
-    """What one order leaves free: force, N, and moment about the middle of the shaft, N m.
+    """Free force and moment of one order: force, N, and moment about the middle of the shaft, N m.
 
     The moment is the sum of place times force, so its direction is that of the force at the takeoff end.
     """

@@ -1,4 +1,4 @@
-"""Where the throws, webs, bearings and cylinders of an engine are, along the shaft and around it.
+"""Places of the throws, webs, bearings and cylinders of an engine, along the shaft and around it.
 
 Directions count from the engine's plane of symmetry (in line: the cylinders' plane) in the crank's sense of
 rotation, at firing top dead centre of the cylinder that fires first; places along the shaft from its middle

@@ -1,1 +1,1 @@
-"""Which physics a scene calls for, and why."""
+"""The physics that a scene calls for, and why."""

@@ -1,4 +1,4 @@
-"""What the rules look at: the scene, its extreme load states and closed-form compliances, once."""
+"""Facts that the rules look at: the scene, its extreme load states and closed-form compliances, once."""
 
 from __future__ import annotations
 
@@ -7,19 +7,20 @@ from functools import cached_property
 
 import numpy as np
 
-from cranktopo.base.units import MM_PER_M, NMM_PER_NM, angular_speed_rad_s
+from cranktopo.base.units import MM_PER_M, angular_speed_rad_s
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.halves import halves
 from cranktopo.design.misfire import all_firing
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
+from cranktopo.engine.extreme_state import ExtremeState
 from cranktopo.engine.forces import INERTIA_EFFECTS, RotatingForces, rotating_forces
 from cranktopo.engine.histories import joined_extremes
-from cranktopo.engine.load_case import LoadKind
+from cranktopo.engine.load_type import load_types
 from cranktopo.engine.plan.cost import Costing
 from cranktopo.engine.plan.simulated import without
-from cranktopo.engine.states import ExtremeState, extreme_states
+from cranktopo.engine.states import extreme_states
 from cranktopo.engine.throw_compliance import (
     ThrowCompliance,
     radial_energy_Nmm,
@@ -75,7 +76,7 @@ class PlanningContext:
         """Mass properties of the throw."""
         return throw_balance(self.scene)
 
-    def state(self, kind: LoadKind) -> ExtremeState:
+    def state(self, kind: str) -> ExtremeState:
         """Return the state that would be the load case of a kind."""
         return next(state for state in self.states if state.case.kind == kind and not state.redundant)
 
@@ -127,15 +128,6 @@ class PlanningContext:
         return max(engine.overspeed_rpm or 0.0, engine.speed_rpm) if engine else 0.0
 
     @cached_property
-    def energy_Nmm(self) -> dict[LoadKind, float]:
+    def energy_Nmm(self) -> dict[str, float]:
         """Closed-form strain energy of the throw in each load case, N mm."""
-        bend = self.compliance.bending_mm_per_N
-        radial = self.state("bending").case.radial_N
-        torque = self.state("torsion").case.torque_Nm * NMM_PER_NM
-        tangential = self.state("tangential").case.tangential_N
-        return {
-            "bending": radial**2 * bend / 2,
-            "torsion": torque**2 * self.compliance.torsion_rad_per_Nmm / 2,
-            "tangential": tangential**2 * self.compliance.tangential_mm_per_N / 2,
-            "centrifugal": self.centrifugal_Nmm(*self.centrifugal_N),
-        }
+        return {kind.name: kind.energy_Nmm(self) for kind in load_types()}

@@ -1,4 +1,4 @@
-"""What an effect costs: extra solves, cells and seconds, estimated before anything is solved."""
+"""Cost of an effect: extra solves, cells and seconds, estimated before anything is solved."""
 
 from __future__ import annotations
 

@@ -10,25 +10,25 @@ from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.notes import note
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.halves import envelope_asymmetry, may_mirror, web_asymmetry
+from cranktopo.design.load_kinds import LOAD_KINDS
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Effects, Scene
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.gas import FileState, file_state, trace_states
-from cranktopo.engine.load_case import LOAD_TYPES
+from cranktopo.engine.load_type import load_types
 from cranktopo.engine.plan.context import PlanningContext
 from cranktopo.engine.plan.cost import Costing, CostRates
 from cranktopo.engine.plan.effect import Effect, Estimate, PhysicsPlan, Switch
+from cranktopo.engine.plan.load_rules import PlannedLoadType, quasi_static
 from cranktopo.engine.plan.rules import (
     bearing_compliance,
     bores,
     bound,
-    centrifugal,
     check_goal_cases,
     fatigue,
     fillets,
     lateral_symmetry,
     manufacturing_constraint,
-    quasi_static,
     reciprocating_inertia,
     rotating_rod_mass,
     whole_throw,
@@ -37,11 +37,23 @@ from cranktopo.engine.plan.shaft_rule import continuous_shaft
 from cranktopo.engine.plan.simulated import APPLIED, FEATURES, Feature, apply_physics_plan, without
 from cranktopo.engine.plan.vibration_rule import torsional_vibration
 
-_RULES: dict[str, Callable[[PlanningContext], Estimate]] = {
-    **{name: partial(quasi_static, name) for name, kind in LOAD_TYPES.items() if kind.unit_load},
+_Rule = Callable[[PlanningContext], Estimate]
+
+
+def _of_loads(by_mass: bool) -> dict[str, _Rule]:
+    """Return the rules of the load cases, by a method of their own or by their strain energy."""
+    return {
+        load.name: load.estimate if isinstance(load, PlannedLoadType) else partial(quasi_static, load)
+        for load in load_types()
+        if LOAD_KINDS[load.name].by_mass == by_mass
+    }
+
+
+_RULES: dict[str, _Rule] = {
+    **_of_loads(by_mass=False),
     "reciprocating_inertia": reciprocating_inertia,
     "rotating_rod_mass": rotating_rod_mass,
-    "centrifugal": centrifugal,
+    **_of_loads(by_mass=True),
     "torsional_vibration": torsional_vibration,
     "bearing_compliance": bearing_compliance,
     "continuous_shaft": continuous_shaft,
@@ -54,7 +66,7 @@ _RULES: dict[str, Callable[[PlanningContext], Estimate]] = {
 }
 _VIBRATION = "torsional_vibration"
 """It comes first: the loads that the other rules look at depend on it."""
-_LOADS = {*LOAD_TYPES, *INERTIA_EFFECTS, _VIBRATION, "continuous_shaft"}
+_LOADS = {*LOAD_KINDS, *INERTIA_EFFECTS, _VIBRATION, "continuous_shaft"}
 
 
 def plan(scene: DesignLike, rates: CostRates | None = None, goal: Goal | None = None) -> PhysicsPlan:
@@ -78,7 +90,7 @@ def plan_for_stress(scene: Scene) -> PhysicsPlan:
     The weights of the optimiser's objective say nothing about stress: a load of weight 0 acts all the same.
     The centrifugal load counts by the stress that the throw's own pull adds, of which energy is the square.
     """
-    weighted = scene.with_optimise(weights=dict.fromkeys(LOAD_TYPES, 1.0))
+    weighted = scene.with_optimise(weights=dict.fromkeys(LOAD_KINDS, 1.0))
     return _plan(weighted, CostRates(), None, _file_states(scene), for_stress=True)
 
 
@@ -134,7 +146,7 @@ def _plan(
         for name, rule in _RULES.items()
     )
     decided += whole_throw(context)
-    cases = [effect.name for effect in decided if effect.state == "on" and effect.name in LOAD_TYPES]
+    cases = [effect.name for effect in decided if effect.state == "on" and effect.name in LOAD_KINDS]
     if goal is None:
         _check_cases(scene, cases)
     else:
@@ -165,12 +177,12 @@ def _check_cases(scene: Scene, cases: Sequence[str]) -> None:
     if not any(weights.values()) or cases:
         raise invalid(
             "optimise.weights",
-            {name: weights[name] for name in cases or LOAD_TYPES},
+            {name: weights[name] for name in cases or LOAD_KINDS},
             "at least one load case that is on must have a weight above 0",
             "Raise a weight, or set effects of a case that has one to 'on'.",
         )
     raise CranktopoError(
-        "effects: no load case is on.", hint=f"Set one of {', '.join(LOAD_TYPES)} to 'on' or 'auto'."
+        "effects: no load case is on.", hint=f"Set one of {', '.join(LOAD_KINDS)} to 'on' or 'auto'."
     )
 
 

@@ -1,4 +1,4 @@
-"""Rules of the effects: loads, structure, and what a goal asks for.
+"""Rules of the effects: inertia, structure, and what a goal asks for.
 
 A load case matters by the strain energy that it puts into the throw: that is what the optimiser minimises.
 An inertia matters by what it changes in the peak radial force on the web, a feature of the structure by what
@@ -9,21 +9,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection
-from dataclasses import replace
 
 from cranktopo.base.errors import invalid
 from cranktopo.base.units import NMM_PER_NM, signed_percent
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.goal.quantities import QUANTITIES, QuantityName
+from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.halves import difference, halves, of_halves
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
 from cranktopo.engine.forces import INERTIA_EFFECTS
-from cranktopo.engine.load_case import LOAD_TYPES, MAIN_KINDS, LoadKind
 from cranktopo.engine.plan.context import PlanningContext
 from cranktopo.engine.plan.cost import Cost
 from cranktopo.engine.plan.effect import Effect, Estimate
+from cranktopo.engine.plan.load_rules import wants_safety
 from cranktopo.engine.plan.simulated import without
 from cranktopo.engine.states import extreme_states
 from cranktopo.engine.throw_compliance import (
@@ -35,38 +34,6 @@ from cranktopo.engine.throw_compliance import (
 
 _NEGLIGIBLE = 1e-9
 """Unbalance over mass times throw radius that is nothing but rounding."""
-
-
-def _as_wanted(estimate: Estimate, goal: Goal, kind: LoadKind) -> Estimate:
-    """Return the estimate of a load case whose need a goal decides, not its size."""
-    users = [f"{goal.sense} {goal.quantity}"] if QUANTITIES[goal.quantity].load_case == kind else []
-    users += [str(limit) for limit in goal.limits if QUANTITIES[limit.quantity].load_case == kind]
-    if not goal.load_cases and kind in MAIN_KINDS:  # which stand for the stress where there are no fillets
-        users += _users_of_stress(goal)
-    if not users:
-        absent, changes = "neither goal nor limits need it", "nothing"
-        if kind in ("centrifugal", "tangential") and _users_of_stress(goal):
-            told = "fatigue safety" if _wants_safety(goal) else "stress"
-            absent, changes = f"{absent} on cells: the {told} counts it", f"{changes} on cells"
-        return replace(estimate, changes=changes, absent=absent, needed="")
-    needed = f"the goal needs it: {', '.join(users)}"
-    changes = f"{', '.join(users)} cannot be told"
-    return replace(estimate, changes=changes, absent="", needed=needed, indispensable=needed)
-
-
-def _wants_safety(goal: Goal | None) -> str:
-    """Tell why the goal needs the fatigue safety; empty when it does not."""
-    users = [] if goal is None else _users_of(goal, "fatigue_safety")
-    return f"the goal needs it: {', '.join(users)}" if users else ""
-
-
-def _users_of_stress(goal: Goal) -> list[str]:
-    return [user for name, of in QUANTITIES.items() if of.of_stress for user in _users_of(goal, name)]
-
-
-def _users_of(goal: Goal, name: QuantityName) -> list[str]:
-    limits = [str(limit) for limit in goal.limits_of(name)]
-    return [f"{goal.sense} {name}"] if goal.quantity == name else limits
 
 
 def _unproven(goal: Goal) -> str:
@@ -242,7 +209,7 @@ def fatigue(context: PlanningContext) -> Estimate:
     strength = context.scene.material.fatigue_bending_MPa or math.inf
     percent = 100 * stress / strength
     because = f"nominal amplitude {stress:.0f} MPa is {percent:.3g} % of the strength {strength:g} MPa"
-    needed = _wants_safety(context.goal)
+    needed = wants_safety(context.goal)
     return Estimate(percent, because, changes, context.costing.fatigue(), needed=needed)
 
 
@@ -254,49 +221,6 @@ def _fatigue_absent(context: PlanningContext) -> str:
     return ""
 
 
-def quasi_static(kind: LoadKind, context: PlanningContext) -> Estimate:
-    """Estimate a load on pin or journals by the closed-form strain energy that it causes."""
-    load = LOAD_TYPES[kind]
-    size = getattr(context.state(kind).case, load.load)
-    amount = f"{size:,.1f} N m" if load.load == "torque_Nm" else f"{size:,.0f} N"
-    return _case(context, kind, f"{load.label} {amount}")
-
-
-def centrifugal(context: PlanningContext) -> Estimate:
-    """Pull of pistons and rods at overspeed and of the crankpin on the pin, of each web in its mid-plane."""
-    if context.scene.engine is None or context.top_speed_rpm == 0:
-        return Estimate(0.0, "the throw does not turn", "nothing", absent="no speed in the scene")
-    weight = context.scene.web.counterweight
-    fastened = weight is not None and [
-        name for name, there in (("bolted counterweight", weight.bolted), ("plugs", weight.plug)) if there
-    ]
-    left_out = f", the pull of {' and '.join(fastened)} left out" if fastened else ""
-    if context.for_stress and not context.unit_loads:
-        return _own_stress(context, left_out)
-    speed, (pin, webs) = context.top_speed_rpm, context.centrifugal_N
-    forces = (
-        f"outward {pin:,.0f} N on the pin, rods and pistons at dead centre among them, and {webs:,.0f} N in "
-        f"the mid-planes of the webs at {speed:g} rpm{left_out}"
-    )
-    return _case(context, "centrifugal", forces)
-
-
-def _own_stress(context: PlanningContext, left_out: str) -> Estimate:
-    """Stress by the throw's own centrifugal load over that of the largest load: the root of their energies.
-
-    Rods and pistons are left out: their pull is part of the radial force.
-    """
-    pin, webs = context.own_centrifugal_N
-    energy = context.centrifugal_Nmm(pin, webs)
-    dominant = max(MAIN_KINDS, key=lambda name: context.energy_Nmm[name])
-    percent = 100 * math.sqrt(energy / context.energy_Nmm[dominant])
-    because = (
-        f"outward {pin:,.0f} N of the crankpin and {webs:,.0f} N of the webs at {context.top_speed_rpm:g} rpm"
-        f"{left_out}: stress about {percent:.3g} % of {dominant}'s"
-    )
-    return Estimate(percent, because, f"stress about {percent:.3g} %", context.costing.load_case())
-
-
 def reciprocating_inertia(context: PlanningContext) -> Estimate:
     """Inertia of piston group and upper part of the rod, at the angle of the peak force."""
     return _inertia(context, "reciprocating_inertia", "piston and rod's upper end")
@@ -305,29 +229,6 @@ def reciprocating_inertia(context: PlanningContext) -> Estimate:
 def rotating_rod_mass(context: PlanningContext) -> Estimate:
     """Centrifugal force of the rod's big end on the pin."""
     return _inertia(context, "rotating_rod_mass", "rod's big end")
-
-
-def _case(context: PlanningContext, kind: LoadKind, load: str) -> Estimate:
-    found = _by_size(context, kind, load)
-    return found if context.goal is None else _as_wanted(found, context.goal, kind)
-
-
-def _by_size(context: PlanningContext, kind: LoadKind, load: str) -> Estimate:
-    cost, changes = context.costing.load_case(), f"no {kind} in the objective"
-    if context.unit_loads:
-        why = "unit loads cannot be compared"
-        needed, absent = (why, "") if kind in MAIN_KINDS else ("", why)
-        return Estimate(None, load, changes, cost, absent=absent, needed=needed)
-    energy = context.energy_Nmm
-    dominant = max(MAIN_KINDS, key=lambda name: energy[name])
-    percent = 100 * energy[kind] / energy[dominant] if energy[dominant] else 0.0
-    because = f"{load}: strain energy {percent:.3g} % of {dominant}'s"
-    if kind == dominant:
-        because = f"{load}: the largest strain energy ({energy[kind] / 1000:.3g} J)"
-    weightless = getattr(context.scene.optimise.weights, kind) == 0
-    absent = f"optimise.weights.{kind} is 0" if weightless else ""
-    changes += f" ({percent:.3g} % of the largest energy)"
-    return Estimate(percent, because, changes, cost, absent=absent)
 
 
 def _inertia(context: PlanningContext, name: str, what: str) -> Estimate:

@@ -233,7 +233,7 @@ def _damper(damper: Damper) -> tuple[complex, float]:
 
 
 def _add_output_end(row: _Row, shaft: ShaftTable, half: complex, end: EndChain | None) -> None:
-    """What follows the last throw; a part without stiffness of its own turns with its neighbour.
+    """Add the parts that follow the last throw; a part without stiffness of its own turns with its neighbour.
 
     The end of the crank is the spring of the first part where it gives none itself.
     """

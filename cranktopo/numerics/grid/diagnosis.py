@@ -9,14 +9,13 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Mask
 from cranktopo.numerics.grid.boundary_conditions import BoundaryConditions
 from cranktopo.numerics.grid.conjugate_gradients import System
 from cranktopo.numerics.grid.lattice import WHOLE
 from cranktopo.numerics.grid.multigrid import project
 from cranktopo.numerics.grid.operator import strain_energy_densities
 
-Mask = NDArray[np.bool_]
 _Across = Literal["corners", "faces"]
 
 # Cells softer than this share of the stiffest are void, there to keep equations regular: half a percent of

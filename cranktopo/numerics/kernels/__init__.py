@@ -1,4 +1,4 @@
-"""What solves spend their time in, as machine code for the processor at hand.
+"""Products in which solves spend their time, as machine code for the processor at hand.
 
 XLA keeps the sums of a product in memory between its stages; here they stay in registers, and what is done
 with the product, such as a step of smoothing, is done while it is in the cache. The code is written for LLVM

@@ -57,7 +57,7 @@ class Layer:
 
 
 class Operator(Protocol):
-    """What a layer of cells, or the stencils of a plane, give to the forces of two planes.
+    """Forces on two planes by a layer of cells, or by the stencils of a plane.
 
     It is made of so many arrays; `together` all load cases go through the planes side by side.
     """
@@ -70,7 +70,7 @@ class Operator(Protocol):
 
 
 class Finish(Protocol):
-    """What is done with a plane whose forces are complete.
+    """Work on a plane whose forces are complete.
 
     It reads so many arrays, the field first; the first `replaced` of them are the memory of its results.
     """

@@ -128,7 +128,7 @@ class _StiffnessColumn:
         self._add(row.values[len(_ROWS) :], grid.ny)
 
     def _ask_for_next(self, moduli: Value, row: Value) -> None:
-        """What the next plane of cells reads: rows are too far apart for the processor to foresee it."""
+        """Ask for what the next plane of cells reads: rows are too far apart for the processor to foresee."""
         code, grid = self._code, self._grid
         code.prefetch(code.at(moduli, code.times(row, grid.nz), self._k, code.times(grid.ny, grid.nz)))
         for field in self._pair.field[1]:

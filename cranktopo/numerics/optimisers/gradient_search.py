@@ -7,7 +7,7 @@ that of D. Kraft, 1988, as NLopt has it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
@@ -25,11 +25,25 @@ def central_difference(
     function: Callable[[Array], Array], at: Array, step: float, places: Iterable[int] | None = None
 ) -> Array:
     """Return derivatives by the argument's first axis, as last axis; 0 by places that are left out."""
+    chosen = list(range(len(at)) if places is None else places)
+    values = [function(point) for point in difference_points(at, step, chosen)] or [function(at)]
+    return from_differences(values, step, chosen, np.zeros((*np.shape(values[0]), len(at))))
+
+
+def difference_points(at: Array, step: float, places: Sequence[int]) -> list[Array]:
+    """Return the points a step after and a step before, by each of some places of the first axis.
+
+    For a function that is quicker for many points at once than for one after the other.
+    """
     steps = step * np.eye(len(at)).reshape(len(at), len(at), *(1,) * (at.ndim - 1))
-    chosen = range(len(at)) if places is None else places
-    found = {i: (function(at + steps[i]) - function(at - steps[i])) / (2 * step) for i in chosen}
-    shape = np.shape(next(iter(found.values())) if found else function(at))
-    return np.stack([found.get(i, np.zeros(shape)) for i in range(len(at))], axis=-1)
+    return [at + sign * steps[i] for i in places for sign in (1, -1)]
+
+
+def from_differences(values: Sequence[Array], step: float, places: Sequence[int], zeros: Array) -> Array:
+    """Return the derivatives that a function's values at `difference_points` give, 0 by other places."""
+    for i, more, less in zip(places, values[::2], values[1::2], strict=False):
+        zeros[..., i] = (more - less) / (2 * step)
+    return zeros
 
 
 def remembered(function: Callable[[Array], Array]) -> Callable[[Array], Array]:

@@ -14,10 +14,9 @@ import numpy as np
 from manifold3d import Manifold, Mesh64
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Int32, Int64
 from cranktopo.base.errors import CranktopoError, ExitCode
 
-Faces = NDArray[np.int64]
 _DEGENERATE_MM2 = 1e-12
 _NOTHING_MM = 1e-9
 _REPAIRS = 3
@@ -31,7 +30,7 @@ class SurfaceMesh:
     """
 
     vertices_mm: Array
-    faces: Faces
+    faces: Int64
 
     @property
     def corners_mm(self) -> Array:
@@ -107,9 +106,6 @@ def sound_mesh_of(solid: Manifold, tolerance_mm: float) -> SurfaceMesh:
     return mesh
 
 
-_Labels = NDArray[np.int32]
-
-
 def shell_volumes_mm3(mesh: SurfaceMesh) -> NDArray[np.float64]:
     """Return the signed volume enclosed by each connected shell, mm3; negative for a hollow."""
     a, b, c = np.moveaxis(mesh.corners_mm, 1, 0)
@@ -123,13 +119,13 @@ def shells(mesh: SurfaceMesh) -> list[SurfaceMesh]:
     return sorted(parts, key=lambda part: -part.volume_mm3)
 
 
-def connected(nodes: int, links: NDArray[np.int64]) -> _Labels:
+def connected(nodes: int, links: NDArray[np.int64]) -> Int32:
     """Return the number of the connected component of each node, (nodes,), for links (n, 2) between them."""
     from scipy import sparse
     from scipy.sparse.csgraph import connected_components
 
     graph = sparse.coo_matrix((np.ones(len(links), bool), links.T), shape=(nodes, nodes))
-    labels: _Labels = connected_components(graph, directed=False)[1]
+    labels: Int32 = connected_components(graph, directed=False)[1]
     return labels
 
 
@@ -172,7 +168,7 @@ def without_doubles(mesh: SurfaceMesh) -> SurfaceMesh:
     return mesh if whole.all() else SurfaceMesh(mesh.vertices_mm, mesh.faces[whole])
 
 
-def _shell_of_face(mesh: SurfaceMesh) -> _Labels:
+def _shell_of_face(mesh: SurfaceMesh) -> Int32:
     return connected(len(mesh.faces), mesh.as_trimesh().face_adjacency)
 
 

@@ -11,8 +11,8 @@ from collections import defaultdict
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
-from cranktopo.numerics.surfaces.mesh import Faces, SurfaceMesh
+from cranktopo.base.arrays import Array, Int64
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
 _SHARP_COS = np.cos(np.radians(22.0))
 """Faces that meet at less are one smooth face: facets of a fillet are 6 deg apart."""
@@ -41,7 +41,7 @@ def _normals(mesh: SurfaceMesh) -> Array:
     return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None])
 
 
-def _candidates(faces: Faces, normals: Array) -> Faces:
+def _candidates(faces: Int64, normals: Array) -> Int64:
     """Vertices of edges between two faces that are sharp or an outline, and not turned away."""
     sides = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
     order = np.lexsort((sides[:, 1], sides[:, 0]))
@@ -93,14 +93,14 @@ class _Depth:
         return np.asarray(np.min(around, axis=0))
 
 
-def _expanded(first: Faces, counts: Faces) -> tuple[Faces, Faces]:
+def _expanded(first: Int64, counts: Int64) -> tuple[Int64, Int64]:
     """Return owner and value of every number that runs from `first`, so many for each owner."""
     owner = np.repeat(np.arange(len(counts)), counts)
     begin = np.repeat(np.cumsum(counts) - counts, counts)
     return owner, np.repeat(first, counts) + np.arange(len(owner)) - begin
 
 
-def _crossings(corners: Array, row: Faces) -> tuple[Array, Array]:
+def _crossings(corners: Array, row: Int64) -> tuple[Array, Array]:
     """Least and greatest place at which the sides of triangles cross a row."""
     left, right = np.full(len(row), np.inf), np.full(len(row), -np.inf)
     for i, j in ((0, 1), (1, 2), (2, 0)):

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Int64
 from cranktopo.base.errors import CranktopoError, solver_error
 from cranktopo.base.notes import at_work, note
 from cranktopo.numerics.gmsh_session import cad_session, tetrahedra
@@ -138,7 +138,6 @@ class TetMesh:
     off_surface_mm: NDArray[np.float64] | None = None
 
 
-Tetrahedra = NDArray[np.int64]
 _SizeField = Callable[[Array], Array]
 
 _TET4 = 4
@@ -146,9 +145,9 @@ _DISTANCES = (1 / 40, 1 / 20, 1 / 80)
 """Largest distance between the new surface and the old one over the element size; the second and third
 where the first gives a surface that meets itself."""
 _JOINED, _CUT, _AGAIN = (0.0, 1 / 2000, 1 / 200), (1 / 2, 1 / 8), (1 / 40, 1 / 20)
-"""Where all of them do: distance over the element size within which small triangles are joined first, longest
-edge over it that all are cut to then, and distances of the new surface from that. MMG turns triangles over
-beside slivers, and beside long narrow ones such as the chords of a bore."""
+"""Settings where all of them do: distance over the element size within which small triangles are joined
+first, longest edge over it that all are cut to then, and distances of the new surface from that. MMG turns
+triangles over beside slivers, and beside long narrow ones such as the chords of a bore."""
 _GRADATION = 1.7
 _SHARP_DEG = 40.0
 _VOLUME_TOLERANCE = 5e-3
@@ -164,7 +163,7 @@ _REGULAR = 6 * np.sqrt(2.0)
 
 def tetrahedralise(
     surface: SurfaceMesh, element_size_mm: float, size_at: _SizeField, name: str
-) -> tuple[Array, Tetrahedra]:
+) -> tuple[Array, Int64]:
     """Return nodes (3, nodes), mm, and straight ten-node cells of a closed surface, with hollows or not.
 
     The surface is oriented outwards, hollows inwards; `size_at` gives the element size at points (n, 3).
@@ -174,7 +173,7 @@ def tetrahedralise(
         return quadratic(*_fill(surface, element_size_mm, size_at, name))
 
 
-def _fill(surface: SurfaceMesh, size: float, size_at: _SizeField, name: str) -> tuple[Array, Tetrahedra]:
+def _fill(surface: SurfaceMesh, size: float, size_at: _SizeField, name: str) -> tuple[Array, Int64]:
     failures = list[str]()
     tries = [(0.0, 0.0, distance) for distance in _DISTANCES] + list(product(_JOINED, _CUT, _AGAIN))
     for joined, cut, distance in tries:
@@ -220,7 +219,7 @@ def _where_it_meets_itself(mesh: SurfaceMesh) -> str:
     return ""
 
 
-def _check(surface: SurfaceMesh, points: Array, tets: Tetrahedra) -> None:
+def _check(surface: SurfaceMesh, points: Array, tets: Int64) -> None:
     corners = points[tets.T]
     a, b, c, d = corners
     volume = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
@@ -253,7 +252,7 @@ def _resurfaced(surface: SurfaceMesh, size: float, distance: float) -> SurfaceMe
     return SurfaceMesh(np.asarray(mesh.get_vertices()), np.asarray(mesh.get_triangles(), np.int64))
 
 
-def _inside(surface: SurfaceMesh, size: float, name: str) -> tuple[Array, Tetrahedra]:
+def _inside(surface: SurfaceMesh, size: float, name: str) -> tuple[Array, Int64]:
     with cad_session(f"surface of {name}") as gmsh:
         loops = [gmsh.model.geo.addSurfaceLoop([_add_shell(gmsh, shell)]) for shell in shells(surface)]
         gmsh.model.geo.addVolume(loops)
@@ -277,8 +276,8 @@ def _add_shell(gmsh: Any, shell: SurfaceMesh) -> int:
 
 
 def _improved(
-    points: Array, tets: Tetrahedra, size: float, distance: float, size_at: _SizeField
-) -> tuple[Array, Tetrahedra]:
+    points: Array, tets: Int64, size: float, distance: float, size_at: _SizeField
+) -> tuple[Array, Int64]:
     from mmgpy import MmgMesh3D
 
     mesh = MmgMesh3D(points, tets.astype(np.int32))
@@ -298,7 +297,7 @@ def _options(size: float, distance: float) -> dict[str, float | int]:
     }
 
 
-def quadratic(points: Array, tets: Tetrahedra) -> tuple[Array, Tetrahedra]:
+def quadratic(points: Array, tets: Int64) -> tuple[Array, Int64]:
     """Return nodes (3, nodes), corners first, and cells (10, elements) with nodes midway on edges."""
     ends = np.sort(np.concatenate([tets[:, list(edge)] for edge in EDGES]), axis=1)
     edges, inverse = np.unique(ends, axis=0, return_inverse=True)

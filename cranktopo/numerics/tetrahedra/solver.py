@@ -18,7 +18,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as sla
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Single
 from cranktopo.base.errors import solver_error
 from cranktopo.base.machine import addresses_of_threads_MiB, check_addresses
 from cranktopo.base.notes import at_work
@@ -27,7 +27,6 @@ from cranktopo.base.side_by_side import LazyFuture
 from cranktopo.numerics.tetrahedra.block_code import assembly, product
 from cranktopo.numerics.tetrahedra.symmetric_blocks import SymmetricBlocks
 
-Single = NDArray[np.float32]
 DIRECT_LIMIT = 12_000
 """Most unknowns for the direct solver."""
 _BLAS_ADDRESSES_MIB = 300.0

@@ -11,10 +11,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Int32
 from cranktopo.numerics.tetrahedra.block_code import assembly, product
-
-Index = NDArray[np.int32]
 
 
 @dataclass(frozen=True)
@@ -30,8 +28,8 @@ class SymmetricBlocks:
     """
 
     order: NDArray[np.intp]
-    start: Index
-    column: Index
+    start: Int32
+    column: Int32
     value: NDArray[Any]
     root: NDArray[Any]
 

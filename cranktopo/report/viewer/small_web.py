@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.numerics.surfaces.mesh import Faces
+from cranktopo.base.arrays import Int64
 from cranktopo.report.shading import web_sides_mm
 from cranktopo.report.viewer.scene3d import Arrays, ShownBody, scaled, simplified
 
@@ -43,14 +43,14 @@ def _small(arrays: Arrays, body: ShownBody) -> dict[str, Any]:
     }
 
 
-def _in_order(points: NDArray[Any], faces: Faces) -> tuple[NDArray[Any], Faces]:
+def _in_order(points: NDArray[Any], faces: Int64) -> tuple[NDArray[Any], Int64]:
     """Vertices in the order in which faces use them first."""
     used, first, name = np.unique(faces, return_index=True, return_inverse=True)
     order = np.argsort(first)
     return points[used[order]], np.argsort(order)[name].reshape(faces.shape)
 
 
-def _newer(faces: Faces) -> NDArray[np.uint16]:
+def _newer(faces: Int64) -> NDArray[np.uint16]:
     """For each corner how many vertices were named before it and after its own."""
     corners = faces.reshape(-1)
     named = np.maximum.accumulate(np.concatenate([[0], corners[:-1] + 1]))

@@ -1,1 +1,1 @@
-"""What accuracy costs in time: studies over finer and finer models, and choices from them."""
+"""Accuracy and its cost in time: studies over finer and finer models, and choices from them."""

@@ -154,7 +154,7 @@ BUDGET_S = 120.0
 
 @dataclass(frozen=True)
 class AccuracyStudy:
-    """What `accuracy --json` prints, its files by kind, and where it is kept for later commands."""
+    """Result of `accuracy`, its files by kind, and where it is kept for later commands."""
 
     result: StudyResult
     files: dict[str, str]

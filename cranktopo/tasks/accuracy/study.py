@@ -28,10 +28,11 @@ from cranktopo.tasks.fea.studies import (
     StudyName,
 )
 from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.fea.unit_fields import UNIT_LOADS
+from cranktopo.tasks.fea.unit_fields import UNIT_LOADS, FieldKind
 
 _FRACTIONS = (0.5, 0.35, 0.25, 0.17, 0.12)
 """Element sizes in the fillets over their radius; the rule IACS UR M53 asks for 0.25 at most."""
+_JUDGED: tuple[FieldKind, ...] = ("bending", "torsion")
 _COST_POWER = 1.8
 """Growth of a mesh's cost with the fineness of its fillets (`python -m tests.benchmarks.fatigue_mesh`)."""
 
@@ -55,9 +56,9 @@ def _calls_for_stress(target: Target) -> bool:
     return target.file is None and rounded and "fatigue" in plan(scene).enabled and bool(_factors(scene))
 
 
-def _factors(scene: Scene) -> Mapping[str, float]:
-    cases = load_cases(scene, plan(scene).enabled)
-    return {case.kind: UNIT_LOADS[case.kind](case) for case in cases if case.kind in ("bending", "torsion")}
+def _factors(scene: Scene) -> Mapping[FieldKind, float]:
+    cases = {case.kind: case for case in load_cases(scene, plan(scene).enabled)}
+    return {kind: UNIT_LOADS[kind](cases[kind]) for kind in _JUDGED if kind in cases}
 
 
 def _solve(target: Target, fraction: float) -> Level:
@@ -65,7 +66,7 @@ def _solve(target: Target, fraction: float) -> Level:
     forget_peak_memory()
     began = time.perf_counter()
     factors = _factors(target.scene)
-    found = solve_stresses(target, [kind for kind in ("bending", "torsion") if kind in factors], fraction)
+    found = solve_stresses(target, [kind for kind in _JUDGED if kind in factors], fraction)
     on_fillet = von_mises(found.stress.stress_MPa)[:, found.on_fillet].max(axis=1)
     worst = max(factors[kind] * float(peak) for kind, peak in zip(found.kinds, on_fillet, strict=True))
     return Level(

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, get_args
 
 from cranktopo.base.errors import invalid
 from cranktopo.base.files import read_text_file
+from cranktopo.base.units import UNITS
 from cranktopo.design.loading import parse_scene
 from cranktopo.design.reference import scene_reference
 from cranktopo.design.starting_point import LayoutName
@@ -24,9 +25,9 @@ BODIES = (".step", ".stp", ".brep", ".stl", ".3mf", ".obj")
 """Files that may hold a crank from CAD."""
 
 
-def form_reference() -> list[dict[str, Any]]:
-    """Return every table of a design with its keys, as `docs/pages/scene.md` has them."""
-    return [asdict(table) for table in scene_reference()]
+def form_reference() -> dict[str, Any]:
+    """Return every table of a design with its keys, as `docs/pages/scene.md` has them, and all units."""
+    return {"tables": [asdict(table) for table in scene_reference()], "units": UNITS}
 
 
 class Begun(NamedTuple):

@@ -49,7 +49,7 @@ KINDS: Mapping[str, tuple[str, ...]] = {
 OF_RUN = ("remodel", "extract")
 """Those that take the run of another job in place of the design."""
 _OUTPUT = dict.fromkeys(("optimise", "shape", "sweep", "remodel"), _OUT) | {"extract": "surface.stl"}
-"""What they write, in their own folder; the others print it."""
+"""Results that they write, in their own folder; the others print them."""
 RESUMABLE = ("optimise", "shape", "sweep")
 PARTLY = (0, 5, 6)
 """Exit codes with a result."""

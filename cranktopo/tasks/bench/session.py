@@ -193,7 +193,7 @@ class Bench:
     # What pages ask.
 
     def _hello(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        tell({"type": "reference", "tables": form_reference(), "materials": sorted(material_library())})
+        tell({"type": "reference", **form_reference(), "materials": sorted(material_library())})
         tell(self._state())
         if self.project is not None:
             self._show(tell)

@@ -23,8 +23,8 @@ from cranktopo.bodies.cells.domain import Domain, build_domain, on_cells
 from cranktopo.bodies.cells.outside import OutsideEnvelope, outside_envelope, without_counterweight
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal
+from cranktopo.design.load_kinds import LOAD_KINDS, MAIN_KINDS
 from cranktopo.design.schema import Scene
-from cranktopo.engine.load_case import LOAD_TYPES, MAIN_KINDS
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import apply_physics_plan
 from cranktopo.engine.states import load_cases
@@ -152,7 +152,7 @@ def bound_model(scene: Scene, resolution_mm: float, goal: Goal | None = None) ->
     """
     effects = plan(scene, goal=goal)
     scene = apply_physics_plan(scene, effects).with_optimise(resolution_mm=resolution_mm)
-    cases = load_cases(scene, effects.enabled - set(LOAD_TYPES) | set(MAIN_KINDS))
+    cases = load_cases(scene, effects.enabled - set(LOAD_KINDS) | set(MAIN_KINDS))
     domain = build_domain(without_counterweight(scene), resolution_mm)
     model = build_model(scene, domain, cases)
     webs, outside = webs_of(scene, domain, model), outside_envelope(scene)

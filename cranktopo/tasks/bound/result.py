@@ -105,7 +105,7 @@ class BoundStatements(Result):
     stiffest: dict[str, tuple[float | None, ...]]
     """Curves over the mass by their quantity and unit."""
     outside_envelope: OutsideEnvelope | None = UNLESS_NONE
-    """What of the original web lies outside of the envelope that the bound is about."""
+    """Part of the original web that lies outside of the envelope that the bound is about."""
 
     def with_reached(self, percent: float | None) -> BoundStatements:
         """Return the same with what the first statement's quantity reached, where that is known."""

@@ -25,7 +25,7 @@ from cranktopo.tasks.compare.text import (
 
 @dataclass(frozen=True)
 class _Form:
-    """How tables and lines are written, what stands first, what is between two lines of one block."""
+    """Form of tables and lines, what stands first, what is between two lines of one block."""
 
     table: Callable[[ResultTable], str]
     line: Callable[[str], str]

@@ -38,7 +38,7 @@ class ComparisonResult(Result):
     schema_version: int = 1
     baseline: str
     fillets: dict[str, Fillets]
-    """Whether mass and stiffness are with fillets, by target; beside the surface of a run all are without."""
+    """Mass and stiffness with or without fillets, by target; beside the surface of a run all are without."""
     pitch_mm: dict[str, float] | None = UNLESS_NONE
     """Distance of the throws by target, where one has another than the baseline."""
     evaluations: list[EvaluationResult]

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Int64, Mask
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.tasks.crank_import.faces import CylinderFace, Faces, PlaneFace, TorusFace, from_line_mm
 from cranktopo.tasks.crank_import.fits import (
@@ -23,7 +23,7 @@ from cranktopo.tasks.crank_import.fits import (
     trimmed_circle,
     weighted_median,
 )
-from cranktopo.tasks.crank_import.mesh_skin import Chosen, Numbers, Skin
+from cranktopo.tasks.crank_import.mesh_skin import Skin
 from cranktopo.tasks.crank_import.mesh_walls import FULL_RAD, Wall, walls
 
 _BENT_RAD = (3e-3, 0.75)
@@ -179,7 +179,7 @@ def on_axes(found: Sequence[Wall], near_mm: float) -> list[Wall]:
     return moved
 
 
-def _drillings(skin: Skin, left: Chosen) -> Iterator[CylinderFace]:
+def _drillings(skin: Skin, left: Mask) -> Iterator[CylinderFace]:
     """Yield oblique bores that sharp edges bound, and take their triangles out of `left`."""
     inner = np.abs(skin.normals[:, 2]) < _ACROSS
     for region in list(skin.regions(inner, _BENT_RAD[1])):
@@ -190,7 +190,7 @@ def _drillings(skin: Skin, left: Chosen) -> Iterator[CylinderFace]:
                 yield bore
 
 
-def _cylinder(skin: Skin, region: Numbers) -> CylinderFace | None:
+def _cylinder(skin: Skin, region: Int64) -> CylinderFace | None:
     """Return the cylinder that all of a region lies on; None where it lies on none."""
     normals, areas = skin.normals[region], skin.areas[region]
     values, vectors = np.linalg.eigh((normals.T * areas) @ normals / areas.sum())
@@ -225,7 +225,7 @@ def _along(points: Array, axis: Array) -> Array:
     return axis
 
 
-def _plane(skin: Skin, region: Numbers) -> PlaneFace:
+def _plane(skin: Skin, region: Int64) -> PlaneFace:
     """Return a face across the crank: its height is that of most of its corners."""
     areas = skin.areas[region]
     heights = np.median(skin.mesh.corners_mm[region][:, :, 2], axis=1)
@@ -238,7 +238,7 @@ def _plane(skin: Skin, region: Numbers) -> PlaneFace:
     return PlaneFace(normal, np.array([x, y, middle]), float(areas.sum()))
 
 
-def _flats(skin: Skin, region: Numbers) -> Iterator[PlaneFace]:
+def _flats(skin: Skin, region: Int64) -> Iterator[PlaneFace]:
     """Yield slanted planes of a region."""
     chosen = np.zeros(len(skin.areas), bool)
     chosen[region] = True
@@ -252,7 +252,7 @@ def _flats(skin: Skin, region: Numbers) -> Iterator[PlaneFace]:
             yield PlaneFace(sign * normal, middle, area)
 
 
-def _torus(skin: Skin, region: Numbers, rounds: Sequence[Wall]) -> TorusFace | None:
+def _torus(skin: Skin, region: Int64, rounds: Sequence[Wall]) -> TorusFace | None:
     """Return the fillet of a whole cylinder that all of a region lies on; None where it is none."""
     points = skin.corners(region)
     for wall in rounds:
@@ -267,7 +267,7 @@ def _torus(skin: Skin, region: Numbers, rounds: Sequence[Wall]) -> TorusFace | N
     return None
 
 
-def _kind(skin: Skin, region: Numbers, rounds: Sequence[Wall]) -> str:
+def _kind(skin: Skin, region: Int64, rounds: Sequence[Wall]) -> str:
     """Return what a region is that no design says: a cone about a journal, or another face."""
     points = skin.corners(region)
     for centre in (wall.centre for wall in rounds):

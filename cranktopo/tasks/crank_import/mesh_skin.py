@@ -7,16 +7,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Int64, Mask
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, connected
 
 _SMALLEST = 2e-6
 """Area of a region that is looked at, over the body's."""
-
-Chosen = NDArray[np.bool_]
-Numbers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +35,7 @@ class Skin:
         return self.mesh.areas_mm2
 
     @cached_property
-    def pairs(self) -> Numbers:
+    def pairs(self) -> Int64:
         """Numbers (k, 2) of neighbours."""
         return np.asarray(self.mesh.as_trimesh().face_adjacency, np.int64)
 
@@ -49,13 +45,13 @@ class Skin:
         one, other = (self.normals[side] for side in self.pairs.T)
         return np.arctan2(np.linalg.norm(np.cross(one, other), axis=1), (one * other).sum(axis=1))
 
-    def regions(self, chosen: Chosen, fold_rad: float) -> Iterator[Numbers]:
+    def regions(self, chosen: Mask, fold_rad: float) -> Iterator[Int64]:
         """Yield numbers of chosen triangles, those together between which no sharper fold lies."""
         one, other = self.pairs.T
         within = chosen[one] & chosen[other] & (self.folds < fold_rad)
         yield from self._large(chosen, self.pairs[within])
 
-    def _large(self, chosen: Chosen, links: Numbers) -> Iterator[Numbers]:
+    def _large(self, chosen: Mask, links: Int64) -> Iterator[Int64]:
         numbers = np.flatnonzero(chosen)
         labels = connected(len(chosen), links)[numbers]
         order = np.argsort(labels, kind="stable")
@@ -63,7 +59,7 @@ class Skin:
             if self.areas[region].sum() > _SMALLEST * self.areas.sum():
                 yield region
 
-    def corners(self, region: Numbers) -> Array:
+    def corners(self, region: Int64) -> Array:
         """Return the corners (n, 3) of triangles, each once."""
         return self.mesh.vertices_mm[np.unique(self.mesh.faces[region])]
 

@@ -8,10 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Int64, Mask
 from cranktopo.tasks.crank_import.faces import CylinderFace, PlaneFace
 from cranktopo.tasks.crank_import.fits import circle, covered_rad, trimmed_circle
-from cranktopo.tasks.crank_import.mesh_skin import Chosen, Numbers, Skin
+from cranktopo.tasks.crank_import.mesh_skin import Skin
 
 FULL_RAD = 2 * np.pi - 0.65
 """Angle that the corners of a whole cylinder cover at least: a few facets may lie between."""
@@ -103,7 +103,7 @@ class Wall:
         )
 
 
-def walls(skin: Skin, region: Numbers) -> Iterator[Wall]:
+def walls(skin: Skin, region: Int64) -> Iterator[Wall]:
     """Yield the walls of a region of upright triangles, the largest first."""
     whole = _trimmed(skin, region)
     on = (np.abs(whole.off(skin.mesh.corners_mm[region])) < skin.near_mm).all(axis=1)
@@ -123,7 +123,7 @@ def walls(skin: Skin, region: Numbers) -> Iterator[Wall]:
         left = left[~on_it]
 
 
-def _trimmed(skin: Skin, region: Numbers) -> Wall:
+def _trimmed(skin: Skin, region: Int64) -> Wall:
     """Return the cylinder of most area in a region, of the corners that lie on it closely."""
     corners, areas = skin.mesh.corners_mm[region], skin.areas[region]
     found, on = trimmed_circle(corners[:, :, :2].reshape(-1, 2), areas.repeat(3), _CLOSE * skin.near_mm)
@@ -134,7 +134,7 @@ def _trimmed(skin: Skin, region: Numbers) -> Wall:
     return Wall(points, float(areas.sum()), found.centre, found.radius, np.array([sign, 0.0]))
 
 
-def _largest(skin: Skin, left: Numbers, draw: np.random.Generator) -> tuple[Wall | None, Chosen]:
+def _largest(skin: Skin, left: Int64, draw: np.random.Generator) -> tuple[Wall | None, Mask]:
     """Return the wall with most area among circles and lines through corners drawn, and its triangles."""
     corners = skin.mesh.corners_mm[left][:, :, :2]
     normals, areas = skin.normals[left, :2], skin.areas[left]
@@ -159,8 +159,8 @@ def _largest(skin: Skin, left: Numbers, draw: np.random.Generator) -> tuple[Wall
 
 
 def _tried(
-    skin: Skin, left: Numbers, corners: Array, normals: Array, areas: Array, draw: np.random.Generator
-) -> Iterator[tuple[bool, Chosen]]:
+    skin: Skin, left: Int64, corners: Array, normals: Array, areas: Array, draw: np.random.Generator
+) -> Iterator[tuple[bool, Mask]]:
     """Yield triangles (m,) on lines through two and on circles through three neighbouring triangles."""
     from scipy.spatial import cKDTree
 
@@ -191,13 +191,13 @@ def _tried(
         seen |= line if line.sum() > on.sum() else on
 
 
-def _on_line(corners: Array, normals: Array, start: int, near: float) -> Chosen:
+def _on_line(corners: Array, normals: Array, start: int, near: float) -> Mask:
     normal = normals[start] / max(float(np.linalg.norm(normals[start])), 1e-12)
     off = np.abs((corners - corners[start, 0]) @ normal).max(axis=1)
     return np.asarray((off < near) & (normals @ normal > _FACING))
 
 
-def _on_circle(corners: Array, normals: Array, centre: Array, radius: float, near: float) -> Chosen:
+def _on_circle(corners: Array, normals: Array, centre: Array, radius: float, near: float) -> Mask:
     out = corners - centre
     away = np.linalg.norm(out, axis=2)
     off = np.abs(away - radius).max(axis=1)

@@ -1,4 +1,4 @@
-"""What an import found, as its result: journals, throws, distinct half throws, what no design says."""
+"""Result of an import: journals, throws, distinct half throws, what no design says."""
 
 from __future__ import annotations
 

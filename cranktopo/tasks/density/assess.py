@@ -54,7 +54,7 @@ def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, soli
             name=case.name,
             kind=case.kind,
             compliance_N_mm=value,
-            stiffness=None if case.kind == "centrifugal" else stiffness(model, value, case.name),
+            stiffness=None if case.has_body_force else stiffness(model, value, case.name),
             cg_iterations=int(solution.iterations),
             relative_residual=float(residual),
         )
@@ -114,7 +114,7 @@ def check_reach(
             for limit in limits
             if _monotone(limit) and limit.response.name in full
         ]
-    broken = [item for item in found if item[0].broken(item[1]) > allowed]
+    broken = [item for item in found if item[0].constraint.violation(item[1]) > allowed]
     if broken:
         raise CranktopoError(
             "; ".join(f"{limit}: {what} {limit.shown(value)}" for limit, value, what in broken) + ".",
@@ -125,23 +125,24 @@ def check_reach(
 
 def _check_together(limits: Sequence[ResponseConstraint]) -> None:
     """Refuse a range whose ends, in different units, have changed places."""
-    upper = {limit.response.name: limit for limit in limits if limit.sense == "<="}
-    for low in (limit for limit in limits if limit.sense == ">="):
+    upper = {limit.response.name: limit for limit in limits if limit.constraint.sense == "<="}
+    for low in (limit for limit in limits if limit.constraint.sense == ">="):
         high = upper.get(low.response.name)
-        if high is not None and low.bound > high.bound:
-            percent = low if low.percent else high
-            raise invalid(
-                f"goal.limits.{low.response.name}",
-                f"{low.sense} {low.shown(low.bound)}, {high.sense} {high.shown(high.bound)}",
-                f"contradictory: the original web has {percent.in_unit(percent.original)}, so nothing is "
-                f">= {low.in_unit(low.bound)} and <= {high.in_unit(high.bound)}",
-                "Give both in the same unit, the lower one first.",
-            )
+        if high is None or low.constraint.bound <= high.constraint.bound:
+            continue
+        percent, bounds = low if low.percent else high, (low.constraint.bound, high.constraint.bound)
+        raise invalid(
+            f"goal.limits.{low.response.name}",
+            f">= {low.shown(bounds[0])}, <= {high.shown(bounds[1])}",
+            f"contradictory: the original web has {percent.in_unit(percent.constraint.original)}, so nothing "
+            f"is >= {low.in_unit(bounds[0])} and <= {high.in_unit(bounds[1])}",
+            "Give both in the same unit, the lower one first.",
+        )
 
 
 def _monotone(limit: ResponseConstraint) -> bool:
     """Tell whether the limit is met best by the stiffest design."""
-    return limit.response.stiffest == {"<=": "least", ">=": "most"}[limit.sense]
+    return limit.response.stiffest == {"<=": "least", ">=": "most"}[limit.constraint.sense]
 
 
 def _of_cells(
@@ -156,7 +157,7 @@ def _of_cells(
 
     value_and_gradient = jax.jit(jax.value_and_grad(reached))
     _, gradient = value_and_gradient(np.zeros(density_chain.design_fraction.shape), density_chain)
-    density = np.where((np.asarray(gradient) > 0) == (limit.sense == ">="), 1.0, 0.0)
+    density = np.where((np.asarray(gradient) > 0) == (limit.constraint.sense == ">="), 1.0, 0.0)
     share = float(density[np.asarray(density_chain.design_fraction) > 0].mean())
     what = {0.0: "the journals alone have", 1.0: "the whole envelope has"}.get(
         share, "the best share of the envelope has"

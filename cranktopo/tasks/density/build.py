@@ -12,7 +12,7 @@ from cranktopo.base.errors import invalid
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.balance_factor import rods_kg_mm
-from cranktopo.design.goal.constraint import minimum_scale, scale_of
+from cranktopo.design.goal.constraint import Constraint, minimum_scale, scale_of
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.goal.wanted import wanted
@@ -95,7 +95,7 @@ def with_limits(problem: DensityProblem, *limits: ResponseConstraint) -> Density
 def _of_volume(
     density_chain: MaterialInterpolation, model: ThrowModel, weights: tuple[float, ...], settings: Optimise
 ) -> OptimisationProblem:
-    limit = ResponseConstraint(volume(density_chain), "<=", settings.volume_fraction)
+    limit = ResponseConstraint(volume(density_chain), Constraint("volume", "<=", settings.volume_fraction))
     if settings.combine == "sum":
         return OptimisationProblem((Objective(weighted_compliance(weights)),), (limit,))
     names = model.case_names
@@ -136,7 +136,8 @@ def requirement(limit: Limit, response: Response, original: Mapping[str, float])
     own = original[limit.quantity]
     bound = limit.value / 100 * own if limit.percent else limit.value
     least = minimum_scale(limit.quantity, original)
-    return ResponseConstraint(response, limit.sense, bound, own, limit.percent, least)
+    constraint = Constraint(limit.quantity, limit.sense, bound, own, least)
+    return ResponseConstraint(response, constraint, limit.percent)
 
 
 def build_chain(scene: Scene, domain: Domain) -> MaterialInterpolation:

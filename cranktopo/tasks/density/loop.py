@@ -91,7 +91,7 @@ def _broken(problem: DensityProblem, last: Record) -> str:
     texts = [
         f"{limit}: reached {limit.shown(value)}"
         for limit, value in pairs
-        if limit.broken(value) > LIMIT_FEASIBILITY
+        if limit.constraint.violation(value) > LIMIT_FEASIBILITY
     ]
     return ", ".join(texts)
 

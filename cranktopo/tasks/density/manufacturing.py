@@ -16,9 +16,8 @@ import math
 
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Mask
 from cranktopo.base.errors import invalid
 from cranktopo.base.frames import X, Z
 from cranktopo.base.spans import holds, polygon_section
@@ -137,7 +136,6 @@ def _share(distance: float) -> float:
     return (s - s**3 + s**4 / 2) * (1 if distance > 0 else -1)
 
 
-Cells = NDArray[np.bool_]
 _SOLID = 0.5
 _RAMP_CELLS, _RIM_CELLS = 3.0, 0.25
 
@@ -192,7 +190,7 @@ def parting_of(domain: Domain, axis: int = X) -> Parting:
     return plane, plane
 
 
-def open_cells(scene: Scene, domain: Domain) -> Cells:
+def open_cells(scene: Scene, domain: Domain) -> Mask:
     """Return the web's cells (nx, ny, nw) that are no obstacle: designable, in a bore or in a journal.
 
     Bores, holes of features, and holes through the envelope along the crank axis are drilled after forging
@@ -263,7 +261,7 @@ def _tool_disc(radius_mm: float, step_a_mm: float, step_b_mm: float) -> Offsets:
     )
 
 
-def _air(scene: Scene, domain: Domain, free: Cells, margin: tuple[int, ...]) -> Array:
+def _air(scene: Scene, domain: Domain, free: Mask, margin: tuple[int, ...]) -> Array:
     """Return 1 where nothing stands, `margin` cells around the web; journals go on beyond its faces."""
     first, last = domain.web_layers
     standing = free | (domain.passive_fraction[:, :, first:last] >= _SOLID)

@@ -15,7 +15,8 @@ from cranktopo.base.units import MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s, d
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
-from cranktopo.engine.load_case import LOAD_TYPES, LoadCase
+from cranktopo.engine.load_case import LoadCase
+from cranktopo.engine.load_type import load_type
 from cranktopo.numerics.grid.boundary_conditions import (
     BoundaryConditions,
     CaseSupports,
@@ -96,12 +97,8 @@ def build_model(
 
 
 def case_supports(scene: Scene, domain: Domain, case: LoadCase) -> CaseSupports:
-    """Return the mirror conditions and free section motions of one load case.
-
-    Bending and centrifugal loads are symmetric about the mid-pin plane and in x; the tangential force is
-    symmetric about the mid-pin plane and antisymmetric in x; torsion is antisymmetric about both.
-    """
-    load = LOAD_TYPES[case.kind]
+    """Return the mirror conditions and free section motions of one load case, by the symmetry of its kind."""
+    load = load_type(case.kind)
     torsion, odd_in_x = load.odd_in_z, load.odd_in_x
     fixed_x = ((1, 2) if odd_in_x else (0,)) if domain.mirrored_x else ()
     fixed_z = ((0, 1) if torsion else (2,)) if domain.mirrored_z else ()
@@ -145,7 +142,7 @@ def cell_volumes_mm3(lattice: Lattice) -> Array:
 
 
 def _spin(scene: Scene, case: LoadCase) -> float:
-    if case.kind != "centrifugal":
+    if not case.has_body_force:
         return 0.0
     density = density_tonne_per_mm3(scene.material.density_kg_m3)
     return density * angular_speed_rad_s(case.speed_rpm) ** 2 / (scene.material.E_GPa * MPA_PER_GPA)

@@ -15,7 +15,7 @@ import jax
 import jax.numpy as jnp
 
 from cranktopo.base.units import plain_number
-from cranktopo.design.goal.constraint import scale_of
+from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import Precision
 from cranktopo.tasks.density.material import MaterialInterpolation
@@ -42,56 +42,39 @@ class Objective:
 
 @dataclass(frozen=True)
 class ResponseConstraint:
-    """A response that must be at most (<=) or at least (>=) a bound.
-
-    Attributes:
-        original: value of the original web, by which a bound of zero is measured; 0 where there is none.
-        percent: whether messages give values in percent of the original's.
-        least_size: of a limit on what may be 0.
-    """
+    """A constraint on a response; `percent` where messages give values in percent of the original's."""
 
     response: Response
-    sense: Literal["<=", ">="]
-    bound: float
-    original: float = 0.0
+    constraint: Constraint
     percent: bool = False
-    least_size: float = 0.0
 
     def __str__(self) -> str:
-        return f"{self.response.name} {self.sense} {self.shown(self.bound)}"
+        return f"{self.response.name} {self.constraint.sense} {self.shown(self.constraint.bound)}"
 
     def shown(self, value: float) -> str:
         """Return a value of the response with its unit, as in messages."""
         if self.percent:
-            return f"{100 * value / self.original:.4g} %"
+            return f"{100 * value / self.constraint.original:.4g} %"
         return self.in_unit(value)
 
     def in_unit(self, value: float) -> str:
         """Return a value of the response in its own unit."""
         return f"{plain_number(value, 6)} {self.response.unit}".rstrip()
 
+    def at(self, bound: float) -> ResponseConstraint:
+        """Return the same with another bound."""
+        return replace(self, constraint=replace(self.constraint, bound=bound))
+
     def scaled(self, design: Design) -> jax.Array:
         """Share by which the limit is broken: at most 0 where it holds.
 
         A lower bound of something positive is taken as bound / value - 1, unless that may be 0.
         """
-        value = self.response.value(design)
-        linear = self._sign * (value - self.bound) / self._size
-        if self.sense == "<=" or self.bound <= 0 or self.least_size:
+        value, own = self.response.value(design), self.constraint
+        linear = own.sign * (value - own.bound) / own.scale
+        if own.sense == "<=" or own.bound <= 0 or own.minimum_scale:
             return linear
-        return jnp.where(value > 0, self.bound / jnp.where(value > 0, value, 1.0) - 1.0, linear)
-
-    def broken(self, value: float) -> float:
-        """Share of the bound by which a value of the response breaks the limit; negative where it holds."""
-        return self._sign * (value - self.bound) / self._size
-
-    @property
-    def _sign(self) -> float:
-        return 1.0 if self.sense == "<=" else -1.0
-
-    @property
-    def _size(self) -> float:
-        return scale_of(self.bound, self.original, self.least_size)
+        return jnp.where(value > 0, own.bound / jnp.where(value > 0, value, 1.0) - 1.0, linear)
 
 
 @dataclass(frozen=True)
@@ -247,7 +230,7 @@ class DensityProblem:
         if not bounds:
             return self
         pairs = zip(self.optimisation.limits, bounds, strict=True)
-        limits = tuple(replace(limit, bound=bound) for limit, bound in pairs)
+        limits = tuple(limit.at(bound) for limit, bound in pairs)
         return replace(self, optimisation=replace(self.optimisation, limits=limits))
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import KG_PER_TONNE, NMM_PER_NM, density_tonne_per_mm3
 from cranktopo.engine.load_case import LoadCase
+from cranktopo.engine.load_type import load_type
 from cranktopo.numerics.grid.conjugate_gradients import System
 from cranktopo.numerics.grid.equilibrium import Advice, Solution, solve_system
 from cranktopo.numerics.grid.lattice import WHOLE, layer_blocks
@@ -107,16 +108,16 @@ def compliance_gradients_by_solid(model: ThrowModel, u: jax.Array, solid: jax.Ar
 
 
 def case_load(case: LoadCase) -> float:
-    """Return the load whose work is the compliance: torque in N mm of a torsion case, pin force in N else."""
-    if case.kind == "torsion":
+    """Return the load whose work is the compliance: torque in N mm, or pin force in N."""
+    if load_type(case.kind).turns:
         return case.torque_Nm * NMM_PER_NM
     return math.hypot(case.radial_N, case.tangential_N)
 
 
 def stiffness(model: ThrowModel, compliance_N_mm: float, case: str) -> float:
-    """Return the stiffness of the full throw: N m/rad of a torsion case, N/mm of any other."""
+    """Return the stiffness of the full throw: N m/rad under a torque, N/mm under a force."""
     load = model.cases[model.case_names.index(case)]
-    return case_load(load) ** 2 / compliance_N_mm / (NMM_PER_NM if load.kind == "torsion" else 1.0)
+    return case_load(load) ** 2 / compliance_N_mm / (NMM_PER_NM if load_type(load.kind).turns else 1.0)
 
 
 def throw_mass_kg(model: ThrowModel, solid: jax.Array, density_kg_m3: float) -> jax.Array:

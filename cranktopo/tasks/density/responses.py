@@ -20,6 +20,7 @@ import jax.numpy as jnp
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.goal.quantities import MOTIONS
 from cranktopo.engine.load_case import LoadCase
+from cranktopo.engine.load_type import load_type
 from cranktopo.tasks.density.material import MaterialInterpolation
 from cranktopo.tasks.density.model import ThrowModel
 from cranktopo.tasks.density.response import (
@@ -152,8 +153,8 @@ def _balance_factor(unbalance: Response, rotating_kg_mm: float, oscillating_kg_m
 
 def _of_case(index: int, case: LoadCase, mass: Response) -> list[Response]:
     """Return stiffness, stiffness per mass and motion of the load under one case; a body force has none."""
-    load, torsion = abs(case_load(case)), case.kind == "torsion"
-    if case.kind == "centrifugal" or load == 0:
+    load, torsion = abs(case_load(case)), load_type(case.kind).turns
+    if case.has_body_force or load == 0:
         return []
     unit, turn = (NMM_PER_NM, math.degrees(1)) if torsion else (1.0, 1.0)
     stiffness = Response(

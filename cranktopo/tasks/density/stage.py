@@ -23,6 +23,7 @@ from cranktopo.design.goal.wanted import check_known, wanted
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LoadCase
+from cranktopo.engine.load_type import load_type
 from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import apply_physics_plan
@@ -185,7 +186,7 @@ def describe(prepared: Prepared) -> str:
 
 
 def _load_text(case: LoadCase) -> str:
-    if case.kind == "torsion":
+    if load_type(case.kind).turns:
         return f"{case.name} {case.torque_Nm:,.1f} N m"
     return f"{case.name} {(case.radial_N or case.tangential_N) / 1000:,.2f} kN"
 

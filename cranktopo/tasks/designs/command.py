@@ -47,8 +47,10 @@ def list_command(as_json: bool) -> None:
 
     found = {name: load_scene(name).description for name in builtin_designs()}
     if as_json:
-        entries = [{"name": name, "description": text} for name, text in found.items()]
-        click.echo(json.dumps({"schema_version": 1, "designs": entries}, indent=2))
+        from cranktopo.tasks.designs.result import DesignList, ListedDesign
+
+        designs = tuple(ListedDesign(name=name, description=text) for name, text in found.items())
+        click.echo(json.dumps(DesignList(designs=designs).as_json(), indent=2))
         return
     from cranktopo.report.result_table import labelled
 

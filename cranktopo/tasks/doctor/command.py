@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 import click
@@ -51,9 +50,10 @@ def _told(as_json: bool) -> int:
         [check.name for check in checks if check.state == state] for state in ("missing", "short")
     )
     if as_json:
-        entries = [asdict(check) for check in checks]
-        ready = not missing and not short
-        click.echo(json.dumps({"schema_version": 1, "ready": ready, "checks": entries}, indent=2))
+        from cranktopo.tasks.doctor.result import MachineChecks
+
+        found = MachineChecks(ready=not missing and not short, checks=tuple(checks))
+        click.echo(json.dumps(found.as_json(), indent=2))
     else:
         click.echo(_text(checks))
         click.echo(_verdict(missing, short))

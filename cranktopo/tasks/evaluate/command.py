@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 import click
@@ -77,12 +78,14 @@ def command(
             f"{fine.solve_seconds:.1f} s to solve, error estimate {evaluation.error_percent:.2f} %"
         )
     if as_json:
-        from cranktopo.tasks.fea.evaluation import SCHEMA_VERSION
+        from cranktopo.tasks.evaluate.result import EvaluationList, TargetEvaluation
 
-        entries = [e.result.as_json() for e in found.evaluations]
-        for entry, told in zip(entries, worth, strict=False):
-            entry["sensitivities"] = told.as_json()
-        click.echo(json.dumps({"schema_version": SCHEMA_VERSION, "evaluations": entries}, indent=2))
+        tables = [one.table for one in worth]
+        entries = (
+            TargetEvaluation(**dict(one.result), sensitivities=table)
+            for one, table in zip_longest(found.evaluations, tables)
+        )
+        click.echo(json.dumps(EvaluationList(evaluations=tuple(entries)).as_json(), indent=2))
     else:
         from cranktopo.report.result_table import terminal
         from cranktopo.tasks.fea.quantities import evaluation_table, result_line
@@ -90,10 +93,10 @@ def command(
         click.echo(terminal(evaluation_table(found.evaluations)) + "\n")
         for evaluation in found.evaluations:
             click.echo(result_line(evaluation))
-        for told in worth:
+        for one in worth:
             from cranktopo.tasks.shape.text import sensitivity_text
 
-            click.echo("\n" + "\n".join(sensitivity_text(told.table, told.scene.name)))
+            click.echo("\n" + "\n".join(sensitivity_text(one.table, one.scene.name)))
     warn_missed(found.missed, accuracy)
 
 

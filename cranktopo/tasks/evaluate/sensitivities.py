@@ -1,4 +1,4 @@
-"""What a millimetre of each dimension of a parametric web is worth: exact gradients, and what holds it."""
+"""Worth of a millimetre of each dimension of a parametric web: exact gradients, and what holds it."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
 from cranktopo.runs.kind import LOOP, SHAPE, kind_of, shown_results
 from cranktopo.tasks.designs.run_webs import REMODEL, WebTarget, parametric_scene, web_target
+from cranktopo.tasks.evaluate.result import WebSensitivities
 from cranktopo.tasks.fatigue.needs import check_inputs
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.iterate.result import Settings
@@ -25,7 +26,7 @@ from cranktopo.tasks.refit.family import free_dimensions, with_free
 from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.shape.mesh_model import MeshedWebs
-from cranktopo.tasks.shape.result import DimensionSensitivity, SensitivityTable
+from cranktopo.tasks.shape.result import DimensionSensitivity
 from cranktopo.tasks.shape.rules import rules_at
 from cranktopo.tasks.shape.sensitivities import active_constraints, dimension_sensitivities, sensitivity_table
 from cranktopo.tasks.shape.start import scene_start
@@ -40,7 +41,7 @@ _FILLET_FRACTION = 1.0
 
 @dataclass(frozen=True)
 class Sensitivities:
-    """What a millimetre is worth.
+    """Worth of a millimetre of each dimension.
 
     Attributes:
         file: the design, or the scene file of the run's web.
@@ -53,12 +54,13 @@ class Sensitivities:
 
     def as_json(self) -> dict[str, Any]:
         """Return the entry `sensitivities` of an evaluation."""
-        return {**self.table.as_json(), "broken_rules": list(self.broken)}
+        return self.table.as_json()
 
     @property
-    def table(self) -> SensitivityTable:
-        """The dimensions with the worst case."""
-        return sensitivity_table(self.dimensions, self.scene.shape.tolerance_mm)
+    def table(self) -> WebSensitivities:
+        """The dimensions with the worst case, and the broken rules."""
+        found = sensitivity_table(self.dimensions, self.scene.shape.tolerance_mm)
+        return WebSensitivities(**dict(found), broken_rules=self.broken)
 
 
 def evaluate_sensitivities(

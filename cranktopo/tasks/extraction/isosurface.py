@@ -25,7 +25,7 @@ _PAD_CELLS = 3
 REFINE = 2
 """Points of the lattice per cell and axis."""
 _ROUGH_STEPS = 3.0
-"""How far around a rough place the surface stays as it is, in steps of the lattice."""
+"""Distance around a rough place within which the surface stays as it is, in steps of the lattice."""
 _TAUBIN_LAMBDA, _TAUBIN_MU, _TAUBIN_STEPS = 0.5, 0.52, 10
 
 

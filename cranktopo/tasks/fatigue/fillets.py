@@ -1,4 +1,4 @@
-"""Where a point of the surface lies: on which fillet, at which angles."""
+"""Place of a point of the surface: on which fillet, at which angles."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Mask
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.numerics.tetrahedra.stress import SurfaceStress
 from cranktopo.tasks.fatigue.criterion import LocalStress
@@ -24,7 +24,6 @@ from cranktopo.tasks.fatigue.superposition import signed_von_mises_ranges
 
 Part = Literal["pin_fillet", "journal_fillet", "outlets", "elsewhere"]
 PARTS: tuple[Part, ...] = get_args(Part)
-Nodes = NDArray[np.bool_]
 
 _STRIDE, _SPEEDS = 8, 5
 _NEAR = 1.1
@@ -45,13 +44,13 @@ class WebPart:
     side: int
     part: Part
     images: tuple[int, ...]
-    nodes: Nodes
+    nodes: Mask
 
 
 def web_parts(model: StressModel) -> tuple[WebPart, ...]:
     """Return the parts of both webs whose stress the mesh does not decide; an absent part is left out."""
     rest = model.judged & ~model.on_fillet & ~model.at_outlet
-    masks: dict[Part, Nodes] = {
+    masks: dict[Part, Mask] = {
         "pin_fillet": model.on_pin,
         "journal_fillet": model.on_journal,
         "outlets": model.judged & model.at_outlet,
@@ -101,7 +100,7 @@ def looked_at(loads: Sequence[Array]) -> NDArray[np.intp]:
 
 def _near_the_least(
     model: StressModel, parts: Sequence[WebPart], loads: Sequence[Array], method: str
-) -> list[list[Nodes]]:
+) -> list[list[Mask]]:
     """Return which nodes may be the worst of a part, by throw and image."""
     speeds = looked_at(loads)
     cycles = [
@@ -122,7 +121,7 @@ def _near_the_least(
 
 
 def _by_part(
-    model: StressModel, parts: Sequence[WebPart], image: int, near: Nodes, loads: Array, method: str
+    model: StressModel, parts: Sequence[WebPart], image: int, near: Mask, loads: Array, method: str
 ) -> dict[int, Array]:
     """Return the least safety over the near nodes of an image at every speed, by the number of their part."""
     nodes = np.flatnonzero(near)

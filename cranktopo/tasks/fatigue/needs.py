@@ -6,7 +6,6 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import Loads, WebLoads
 from cranktopo.engine.judged_histories import counts_tangential, histories_of
-from cranktopo.engine.load_case import LoadKind
 from cranktopo.engine.plan.planning import plan_for_stress, stress_left_off
 from cranktopo.tasks.fatigue.criteria import safety_method
 from cranktopo.tasks.fatigue.stress_model import check_fillets
@@ -14,7 +13,7 @@ from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind
 from cranktopo.tasks.shaft.stage import shaft_left_off
 
-_EVERY: tuple[LoadKind, ...] = ("bending", "tangential", "torsion", "centrifugal")
+_EVERY: tuple[FieldKind, ...] = ("bending", "tangential", "torsion", "centrifugal")
 _IN_SHAFT: tuple[FieldKind, ...] = ("moment", "side_moment", *_EVERY)
 
 

@@ -11,13 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Mask
 from cranktopo.base.notes import at_work, detail
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.stress import DEVIATOR
 from cranktopo.tasks.fatigue.plane_criterion import HistoryBounds, PlaneCriterion
-
-Nodes = NDArray[np.bool_]
 
 _AT_A_TIME = 64
 """Points that are judged in full before the bounds of the rest are compared again."""
@@ -38,7 +36,7 @@ def least_safety(
     stress_MPa: Array,
     cycles: Sequence[Array],
     strength_MPa: Array,
-    parts: Sequence[Nodes],
+    parts: Sequence[Mask],
     chosen: PlaneCriterion,
     scene: Scene,
 ) -> Array:
@@ -73,7 +71,7 @@ def histories(stress_MPa: Array, loads: Array) -> Array:
     return np.asarray(np.einsum("sf,fnc->nsc", loads, stress_MPa, optimize=True))
 
 
-def _candidates(safety: Array, exact: Nodes, parts: Sequence[Nodes]) -> Nodes:
+def _candidates(safety: Array, exact: Mask, parts: Sequence[Mask]) -> Mask:
     """Return the points to judge next: the least bounds of each part that are below its least safety."""
     chosen = np.zeros_like(exact)
     for part in parts:

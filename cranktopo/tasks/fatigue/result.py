@@ -93,7 +93,7 @@ class CriticalPoint(Result):
     """The point of least safety of a part of the surface."""
 
     place: str
-    """Where it lies, in words."""
+    """Place in words."""
     fillet: str | None
     """The fillet, "journal" or "pin"; null off the fillets."""
     around_deg: float | None
@@ -133,7 +133,7 @@ class SurfaceTreatment(Result):
     factor: float
     """Factor on the strength; 1 without a treatment."""
     source: str | None
-    """Where the factor comes from."""
+    """Origin of the factor."""
 
 
 class HardenedFillet(Result):
@@ -332,7 +332,7 @@ class OutletAcceptance(Result):
     acceptability: float | None
     """Strength over equivalent stress; null where the rule's factors are not valid."""
     outside_validity: tuple[str, ...]
-    """What lies outside the validity of the factors."""
+    """Ratios outside the validity of the factors."""
     elements: OutletElementsAcceptance | None
     """The same with the factors of finite elements; null where the model has no such bore."""
     governed_by: str | None

@@ -34,7 +34,7 @@ _OUTLET_COLUMNS: tuple[Column[FatigueField], ...] = (
     Column("outlet_safety", SAFETY.digits, lambda f: f.at_outlet.safety if f.at_outlet else None),
     Column("outlet_place", 0, lambda f: f.at_outlet.place if f.at_outlet else None),
 )
-"""Where a throw has outlets of oil bores: the first behind the fillets, the second at the end."""
+"""Columns of a throw with outlets of oil bores: the first behind the fillets, the second at the end."""
 _FILLETS_END = 9
 _RULE_COLUMNS: tuple[Column[RuleCheck], ...] = (
     Column("target", 0, lambda c: c.name),

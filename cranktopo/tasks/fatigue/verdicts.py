@@ -25,7 +25,7 @@ _OTHER_LOADS = 0.002
 FatigueOutcome = FatigueField | RuleCheck
 """Fatigue of a target by a method of local stresses, or by the rule."""
 WORLDS: dict[JudgedAs, str] = {"throw_alone": "of a throw alone", "continuous_shaft": "in its shaft"}
-"""What a throw is judged as, in words."""
+"""Bodies that are judged, in words."""
 _SAFETY_COLUMNS = (SAFETY.column, "governing_Q")
 """Mass and safety in percent stand behind the safety, whichever it is."""
 

@@ -104,7 +104,7 @@ BEARING_PRESSURE = Quantity("bearing_pressure", "largest film pressure", "MPa", 
 STIFFNESS = (TORSION, BENDING)
 PER_MASS = (TORSION_PER_MASS, BENDING_PER_MASS)
 COMPARED = (MASS, *STIFFNESS, *PER_MASS, INERTIA, UNBALANCE)
-"""What every comparison shows; safety is added where fatigue was assessed."""
+"""Quantities that every comparison shows; safety is added where fatigue was assessed."""
 _FEW = 2
 """Decimals of quantities of which four digits are enough."""
 

@@ -14,7 +14,7 @@ class EvaluatedMass(Result):
     web: float
     """Of one web between its faces."""
     second_web: float | None = UNLESS_NONE
-    """Where the halves of the throw differ."""
+    """Present where the halves of the throw differ."""
 
 
 class SupportNames(Result):
@@ -78,7 +78,7 @@ class EvaluationResult(Result):
     error_by_support_percent: ErrorsBySupport
     seconds: EvaluationSeconds
     assumed: tuple[Assumption, ...]
-    """What the design does not say and the stiffnesses depend on."""
+    """Values that the design does not say and the stiffnesses depend on."""
     natural_frequency_Hz: float | None = UNLESS_NONE
     """First of the shaft in torsion, where it was asked for."""
     fatigue_safety: float | None = UNLESS_NONE

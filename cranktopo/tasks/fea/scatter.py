@@ -34,7 +34,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Most:
-    """What no web of the envelope can beat, over the mass; the stiffness in the unit of the axis."""
+    """Bound that no web of the envelope can beat, over the mass; the stiffness in the unit of the axis."""
 
     mass_kg: tuple[float, ...]
     stiffness: tuple[float, ...]

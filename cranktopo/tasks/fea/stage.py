@@ -16,7 +16,7 @@ from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_targets
 
 @dataclass(frozen=True)
 class MeshRequest:
-    """How exactly to evaluate: by the size of the elements, or by accuracy and time; nothing: the default.
+    """Accuracy of an evaluation: by the size of the elements, or by accuracy and time; nothing: the default.
 
     Raises:
         CranktopoError: a size beside accuracy or time.

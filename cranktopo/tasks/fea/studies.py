@@ -196,7 +196,7 @@ class Recommendation(Result):
 
 
 class StudyResult(Result):
-    """What `accuracy --json` prints."""
+    """JSON of `accuracy`."""
 
     schema_version: int = 1
     design: str

@@ -1,4 +1,4 @@
-"""What can be evaluated: a design, a run directory, or an STL or STEP file with a design for its journals."""
+"""Targets of an evaluation: a design, a run, or an STL or STEP file with a design for its journals."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _GEOMETRY = (".stl", ".step", ".stp")
 _TRIANGLES = ".stl"
 _RUN_SURFACE = "web.stl"
 USED = (THROW, LOADS, VIBRATION, SUPPORTS, FATIGUE)
-"""What evaluations may use of a scene; `among` takes what one of them does."""
+"""Tables of a scene that evaluations may use; `among` takes what one of them does."""
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from cranktopo.base.units import MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s, d
 from cranktopo.design.halves import default_element_size_mm, require_equal_halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
-from cranktopo.engine.load_case import LoadCase, LoadKind
+from cranktopo.engine.load_case import LoadCase
 from cranktopo.numerics.tetrahedra.elasticity import (
     Elasticity,
     assemble,
@@ -39,7 +39,7 @@ from cranktopo.tasks.fea.condense import (
 from cranktopo.tasks.fea.evaluation import mesh_target
 from cranktopo.tasks.fea.targets import Target
 
-FieldKind = LoadKind | Literal["moment", "side_moment", "shaft"]
+FieldKind = Literal["moment", "side_moment", "bending", "tangential", "torsion", "centrifugal", "shaft"]
 _KINDS: tuple[FieldKind, ...] = ("moment", "side_moment", "bending", "tangential", "torsion", "centrifugal")
 _ODD = ("side_moment", "tangential", "torsion")
 """Loads that the mirror x -> -x turns around."""

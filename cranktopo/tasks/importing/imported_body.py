@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Int64
 from cranktopo.base.child import in_child, tell_read
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.frames import Z
@@ -32,7 +32,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.surfaces.files import as_stored, read_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, shell_volumes_mm3, solid_of
-from cranktopo.numerics.tetrahedra.mesh import TetMesh, Tetrahedra, tetrahedralise
+from cranktopo.numerics.tetrahedra.mesh import TetMesh, tetrahedralise
 from cranktopo.tasks.importing.cad_body import (
     ALIKE,
     REACH,
@@ -52,7 +52,7 @@ _SNAP_MM = 0.05
 """Largest distance of an end section from its plane; closer vertices are moved onto it."""
 _UNIT_SHARE = 0.01
 _ROUNDING = 1e-6
-"""How far single precision and the mesher may move an end section, over the pitch."""
+"""Distance by which single precision and the mesher may move an end section, over the pitch."""
 
 
 def mesh_file(
@@ -245,7 +245,7 @@ def _mesh_stl(path: Path, scene: Scene, size: float, align: bool, own: bool) -> 
     return MeshedThrow(TetMesh(points, cells, mirrored), half, web_volume, note)
 
 
-def _filled(surface: SurfaceMesh, size: float, scene: Scene, name: str) -> tuple[Array, Tetrahedra]:
+def _filled(surface: SurfaceMesh, size: float, scene: Scene, name: str) -> tuple[Array, Int64]:
     """Return nodes and cells as `tetrahedralise`; native code may not survive triangles from elsewhere."""
     tell_read()
     return tetrahedralise(surface, size, partial(ring_size_mm, scene, size), name)

@@ -23,9 +23,9 @@ from cranktopo.tasks.fea.quantities import (
 from cranktopo.tasks.iterate.result import LoopResult, ShapeOutcome, StepRow
 
 LOOP_FILES = {"csv": "steps.csv", "plot": "steps.png", "json": "iterate.json", "report": "report.html"}
-"""What a loop leaves in its directory beside the folders of its steps."""
+"""Files of a loop in its directory, beside the folders of its steps."""
 _IN_PERCENT = (MASS, TORSION, BENDING, TORSION_PER_MASS, BENDING_PER_MASS)
-"""What every step shows in percent of the original web."""
+"""Quantities of every step in percent of the original web."""
 
 
 def _in_percent(key: str) -> Callable[[StepRow], float]:

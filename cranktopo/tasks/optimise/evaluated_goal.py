@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note
 from cranktopo.base.progress import Json, Work
-from cranktopo.design.goal.constraint import ACTIVE, TOLERANCE, bound_in_model
+from cranktopo.design.goal.constraint import TOLERANCE, bound_in_model
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.outcome import GoalOutcome, LimitOutcome, LimitRound, goal_outcome
 from cranktopo.design.goal.wanted import judged_by_evaluation, wanted
@@ -57,7 +57,7 @@ class CheckedLimit:
         missed = self.outcome.violation
         if missed is None:
             return True
-        decides = self.in_cells.broken(self.value) >= -ACTIVE
+        decides = self.in_cells.constraint.active(self.value)
         return abs(missed) <= TOLERANCE if decides else missed <= TOLERANCE
 
     @property
@@ -65,7 +65,7 @@ class CheckedLimit:
         """Bound in the cells at which the evaluation reaches what is wanted."""
         required, reached = self.outcome.required, self.outcome.reached
         if required is None or reached is None:
-            return self.in_cells.bound
+            return self.in_cells.constraint.bound
         return bound_in_model(self.outcome.quantity, required, self.value, reached)
 
 

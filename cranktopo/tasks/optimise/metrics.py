@@ -14,6 +14,7 @@ from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.design.goal.balance_moved import balance_moved
 from cranktopo.design.schema import Scene
+from cranktopo.engine.load_type import load_type
 from cranktopo.engine.plan.planning import left_off
 from cranktopo.tasks.density.problem import Assessment, DensityProblem, model_error_percent
 from cranktopo.tasks.density.stage import Prepared
@@ -150,8 +151,8 @@ def _load_cases(
     supports = {"torsion": scene.supports.torsion}
     return {
         case.name: CaseMetrics(
-            stiffness_Nm_per_rad=case.stiffness if case.kind == "torsion" else None,
-            stiffness_N_per_mm=None if case.kind == "torsion" else case.stiffness,
+            stiffness_Nm_per_rad=case.stiffness if load_type(case.kind).turns else None,
+            stiffness_N_per_mm=None if load_type(case.kind).turns else case.stiffness,
             error_estimate_percent=errors.get(case.kind),
             compliance_N_mm=case.compliance_N_mm,
             support=supports.get(case.kind, scene.supports.bending),

@@ -63,9 +63,9 @@ _LIBRARIES = (
     "matplotlib.backends.backend_svg",
     "jinja2",
 )
-"""What the end of a run imports, half a second's worth."""
+"""Libraries that the end of a run imports, half a second's worth."""
 RUN_TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, GOAL)
-"""What an optimisation uses of a scene."""
+"""Tables of a scene that an optimisation uses."""
 
 
 @dataclass(frozen=True)

@@ -25,5 +25,5 @@ class DesignPlan(Result):
     effects: tuple[Effect, ...]
     evaluations: PlannedEvaluations
     outside_envelope: OutsideEnvelope | None = UNLESS_NONE
-    """What of the web lies outside of the envelope; none without an envelope, or of unlike halves."""
+    """Part of the web that lies outside of the envelope; none without an envelope, or of unlike halves."""
     assumed: tuple[Assumption, ...]

@@ -18,7 +18,7 @@ from cranktopo.throw.profile import ProfileWeb
 from cranktopo.throw.web import FITTED
 
 _ROUNDED = 0.51 * 10**-DECIMALS
-"""How far rounding may move a station, mm."""
+"""Distance by which rounding may move a station, mm."""
 
 
 @dataclass(frozen=True)

@@ -115,7 +115,7 @@ _KEPT = 5e-3
 """Violation that rounding of the parameters absorbs."""
 _EVALUATIONS = 200
 _REACH = 15.0
-"""How far a parameter may move in one search, mm or degrees."""
+"""Largest move of a parameter in one search, mm or degrees."""
 
 
 @dataclass(frozen=True)

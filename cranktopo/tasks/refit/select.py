@@ -10,9 +10,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Mask
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.near_ties import best_first, first_of_the_best
 from cranktopo.tasks.refit.family import Layout
@@ -21,7 +20,6 @@ from cranktopo.throw.fitted import FittedFeature
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.web import FITTED_TO_REGIONS, FITTED_TO_SECTIONS
 
-Mask = NDArray[np.bool_]
 _LEAST_SHARE = 0.002
 """Least volume of a residual region that is reported, over that of the web."""
 _DEEPER_CELLS = 1

@@ -13,7 +13,7 @@ from itertools import product
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Mask
 from cranktopo.base.spans import Section, common, holds, section_difference
 from cranktopo.bodies.envelope_file import envelope_bounds_mm
 from cranktopo.bodies.zones import frozen_at, own_section, staying_at, zone_heights_mm
@@ -22,7 +22,6 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.model_fill import MovedFillet
 from cranktopo.throw.counterweight.edge import EdgeCut
 from cranktopo.throw.counterweight.holes import RadialHole
-from cranktopo.throw.feature import Mask
 from cranktopo.throw.fitted import CLEAR_MM, FittedFeature, Named, Rule
 from cranktopo.throw.web import kept_holes, web_bodies, web_spans
 

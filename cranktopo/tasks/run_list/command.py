@@ -41,13 +41,11 @@ def list_command(root: Path, as_json: bool) -> None:
 
     Example: cranktopo runs list --json
     """
-    from cranktopo.tasks.run_list.stage import summarise_runs
+    from cranktopo.tasks.run_list.stage import RunList, summarise_runs
 
     entries = summarise_runs(root)
     if as_json:
-        click.echo(
-            json.dumps({"schema_version": 1, "runs": [entry.as_json() for entry in entries]}, indent=2)
-        )
+        click.echo(json.dumps(RunList(runs=tuple(entries)).as_json(), indent=2))
     elif entries:
         click.echo(_table(entries))
     else:

@@ -25,19 +25,26 @@ class RunEntry(Result):
     run: str
     path: str
     status: str
-    """How it ended, or that it goes on; `unreadable` where its manifest cannot be used."""
+    """End of the run, or that it goes on; `unreadable` where its manifest cannot be used."""
     command: RunKind | None = UNLESS_NONE
     design: str | None = UNLESS_NONE
     started: str | None = UNLESS_NONE
     result: str | None = UNLESS_NONE
-    """How the search ended; `unreadable` where its results are damaged."""
+    """End of the search; `unreadable` where its results are damaged."""
     mass_of_throw_kg: float | None = UNLESS_NONE
     gain_of_stiffness_per_mass_percent: dict[str, float] | None = UNLESS_NONE
     """Against the original web."""
 
 
+class RunList(Result):
+    """The runs of a folder, oldest first."""
+
+    schema_version: int = 1
+    runs: tuple[RunEntry, ...]
+
+
 def summarise_runs(root: Path | str = RUNS) -> list[RunEntry]:
-    """Return the entries of `runs list --json`, oldest first."""
+    """Return the entries of the runs of a folder, oldest first."""
     root = as_path(root)
     return [_entry(run) for run in list_runs(root)]
 

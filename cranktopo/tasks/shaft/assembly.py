@@ -27,7 +27,7 @@ SPLITS: dict[Span, Array] = {
     "antisymmetric": np.hstack([np.eye(6), -MIRROR]) / 2,
     "whole": np.eye(12),
 }
-"""What motions of both sections are motions of a block, (motions of the block, 12)."""
+"""Motions of both sections that the motions of a block are, (motions of the block, 12)."""
 _LENGTH_MM = 50.0
 """Scales rotations to displacements where a rank is decided."""
 

@@ -147,12 +147,12 @@ class ShaftEvaluation(Result):
     """Cylinders that do not fire in them, where there are any."""
     assumed: tuple[Assumption, ...]
     """Keys that the design does not give and the shaft depends on."""
-    throw_inertias_kg_mm2: tuple[float, ...] = Field(exclude=True)
+    throw_inertias_kg_mm2: tuple[float, ...] = Field(default=(), exclude=True)
     """Inertia of each throw alone about the crank axis, kg mm2."""
 
-    throw_by_bearings_Nm_per_rad: dict[str, float] = Field(exclude=True)
+    throw_by_bearings_Nm_per_rad: dict[str, float] = Field(default_factory=dict, exclude=True)
     """Torsional stiffness of a throw (the mean of unlike ones) by its bearings, and that of load cases."""
-    weighed: str = Field(exclude=True)
+    weighed: str = Field(default="", exclude=True)
     """Object of the mass, in words."""
     silent: str = Field(default="", exclude=True)
     """Sentence on the cylinders that do not fire."""

@@ -14,6 +14,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.goal.quantities import QuantityName
 from cranktopo.design.goal.wanted import asks_for
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.optimisers.gradient_search import difference_points, from_differences
 from cranktopo.tasks.film.stage import films_at
 from cranktopo.tasks.refit.family import Layout, scene_at
 
@@ -38,13 +39,9 @@ def film_slopes(scene: Scene, layout: Layout, values: Array) -> tuple[dict[str, 
     All films of the central differences are solved at once, in the time of two.
     """
     free = [place for place, name in enumerate(layout.names) if name in layout.dimensions]
-    steps = _STEP_MM * np.eye(len(values))[free]
-    tried = [values, *(values + steps), *(values - steps)]
+    tried = [values, *difference_points(values, _STEP_MM, free)]
     own, *moved = _films([scene_at(scene, layout, at) for at in tried])
-    slopes = np.zeros((len(_NAMES), len(values)))
-    if free:
-        more, less = np.split(np.array(moved), 2)
-        slopes[:, free] = (more - less).T / (2 * _STEP_MM)
+    slopes = from_differences(moved, _STEP_MM, free, np.zeros((len(_NAMES), len(values))))
     return dict(zip(_NAMES, own.tolist(), strict=True)), dict(zip(_NAMES, slopes, strict=True))
 
 

@@ -16,7 +16,6 @@ from cranktopo.base.units import MPA_PER_GPA, density_tonne_per_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import Loads, WebLoads
 from cranktopo.engine.judged_histories import histories_by_speed
-from cranktopo.engine.load_case import LoadKind
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_force
 from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes, mean_slopes, work_slopes
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface, surface_stress
@@ -48,9 +47,9 @@ class MeshStress:
         self._near_alone = isinstance(loads, WebLoads)
         self.names = tuple(name for name in _SMOOTH if name in names)
 
-    def further(self, lateral: Lateral) -> tuple[LoadKind, ...]:
+    def further(self, lateral: Lateral) -> tuple[FieldKind, ...]:
         """Return the further loads of a symmetric condensation with that symmetry in x, in their order."""
-        held: dict[Lateral, tuple[LoadKind, ...]] = {"even": ("centrifugal",), "odd": ("tangential",)}
+        held: dict[Lateral, tuple[FieldKind, ...]] = {"even": ("centrifugal",), "odd": ("tangential",)}
         return tuple(kind for kind in held.get(lateral, ("tangential", "centrifugal")) if kind in self.kinds)
 
     def responses(

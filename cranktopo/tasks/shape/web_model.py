@@ -25,8 +25,8 @@ from cranktopo.design.free_dimensions import (
     with_dimensions,
 )
 from cranktopo.design.halves import without_zones
+from cranktopo.design.load_kinds import LOAD_KINDS, MAIN_KINDS
 from cranktopo.design.schema import Scene
-from cranktopo.engine.load_case import LOAD_TYPES, MAIN_KINDS
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.states import load_cases
 from cranktopo.tasks.density.material import CONTRAST
@@ -149,7 +149,7 @@ def web_model(scene: Scene, limits: ManufacturingLimits, resolution_mm: float) -
         CranktopoError: no envelope, or a failed solve.
     """
     domain = _domain_without_free_bores(scene, resolution_mm)
-    effects = plan(scene).enabled - set(LOAD_TYPES) | set(MAIN_KINDS)
+    effects = plan(scene).enabled - set(LOAD_KINDS) | set(MAIN_KINDS)
     model = build_model(scene, domain, load_cases(scene, effects))
     known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene), rods_kg_mm(scene))
     own = build_domain(scene, resolution_mm, "web", domain.extent, domain.grid).passive_fraction

@@ -22,12 +22,12 @@ from cranktopo.tasks.sweep.result import FAILED, PointResult
 
 _BATCH = 500
 _RETRIES, _DEATHS = 2, 5
-"""How often a point is tried again after an error of the machine, and after the death of its worker."""
+"""Further tries of a point after an error of the machine, and after the death of its worker."""
 _FIRST_S, _RETURN_S = 10.0, 120.0
-"""How long a scheduler is waited for: at the start, and when it was lost."""
+"""Seconds for which a scheduler is waited for: at the start, and when it was lost."""
 _AFTER_S = 5.0
 GONE_S = 30.0
-"""How long workers of our own may all be gone before new ones are started."""
+"""Seconds for which workers of our own may all be gone before new ones are started."""
 _LOOK_S = 0.5
 _SETTINGS = {
     "distributed.scheduler.allowed-failures": _DEATHS,

@@ -16,7 +16,7 @@ OBJECTIVES: Mapping[str, int] = {
     "bending_N_per_mm": 1,
     "fatigue_safety": 1,
 }
-"""What the front is about, as far as all points tell it: less is better (-1) or more is (+1)."""
+"""Quantities of the front, as far as all points tell them: less is better (-1) or more is (+1)."""
 _DIGITS = 4
 """Values that agree in so many digits are equal: another machine's mesh may differ in the fifth."""
 

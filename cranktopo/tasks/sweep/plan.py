@@ -60,12 +60,12 @@ class SweepPlan(Result):
     tables: tuple[dict[str, Any], ...]
     """The tables of each scene as they are written, file names absolute; the first is the original."""
     vary: tuple[Variation, ...] = ()
-    """What varies in every scene."""
+    """Keys that vary in every scene."""
     sampling: Literal["grid", "latin", "sobol"] = "grid"
     """All combinations, or as many `samples` of a Latin hypercube or a Sobol sequence."""
     samples: int | None = None
     stage: Stage = "evaluate"
-    """How far a point goes where `stage` does not vary."""
+    """Last stage of a point where `stage` does not vary."""
     element_size_mm: int | float | None = None
     """Of evaluations; None leaves the default. An integer stays one, as the hashes of points hold it."""
     accuracy_percent: int | float | None = None
@@ -75,7 +75,7 @@ class SweepPlan(Result):
     budget_s: int | float | None = None
     """Time for points at full accuracy after the first look."""
     keep: Literal["journals", "pitch"] = "journals"
-    """What stays where webs or pins get longer: main journals, or the pitch of the throws."""
+    """Dimension that stays when webs or pins get longer: main journals, or the pitch of the throws."""
     seed: int = SEED
 
     @property

@@ -12,7 +12,7 @@ from cranktopo.tasks.sweep.plan import Stage
 from cranktopo.tasks.sweep.variation import Value
 
 DONE, IMPOSSIBLE, FAILED = "done", "impossible", "failed"
-"""How a point ended: with numbers, with a reason why there is no such web, by a failed solve or worker."""
+"""End of a point: with numbers, with a reason why there is no such web, by a failed solve or worker."""
 COARSE, FULL = "coarse", "full"
 """The accuracy at which a point stands, where points are computed coarse first."""
 ERRORS = {
@@ -34,7 +34,7 @@ class PointResult(Result):
     id: str
     """Beginning of the SHA-256 over scene and settings: the name of its directory."""
     stage: Stage
-    """How far it goes."""
+    """Last stage of the point."""
     design: str
     """The design that it is a variant of."""
     varied: dict[str, Value]
@@ -44,7 +44,7 @@ class PointResult(Result):
     run: str
     """Its directory below that of the sweep; empty for a point that cannot be."""
     status: str
-    """How it ended: done, impossible or failed."""
+    """End of the point: done, impossible or failed."""
     reason: str
     """Why it has no numbers; empty for a point that has."""
     version: str
@@ -96,10 +96,10 @@ class SweepResult(Result):
     varied: tuple[str, ...]
     """Keys that vary."""
     sampling: str
-    """How the points were chosen: grid, latin or sobol."""
+    """Choice of the points: grid, latin or sobol."""
     points: tuple[PointResult, ...]
     ends: dict[str, int]
-    """How many points ended in each way."""
+    """Number of points that ended in each way."""
     original: PointResult
     """The first design as it is."""
     objectives: dict[str, str]

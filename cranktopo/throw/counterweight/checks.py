@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Mask
 from cranktopo.base.errors import CranktopoError
 from cranktopo.throw.counterweight.edge import EdgeCut
 from cranktopo.throw.counterweight.holes import AxialHole, RadialHole
-from cranktopo.throw.feature import Body, Mask, ThrowView, least_shoulder_mm
+from cranktopo.throw.feature import Body, ThrowView, least_shoulder_mm
 from cranktopo.throw.hole import bore_holes
 from cranktopo.throw.recess import recesses
 

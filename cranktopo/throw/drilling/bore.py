@@ -23,7 +23,7 @@ _PARALLEL = 1e-9
 _CIRCLE = 180
 _ALL = -math.inf, math.inf
 _BEYOND = 0.25
-"""What the tool reaches beyond the surface over the drilling's radius."""
+"""Reach of the tool beyond the surface over the drilling's radius."""
 
 
 @dataclass(frozen=True)

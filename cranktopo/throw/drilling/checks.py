@@ -25,7 +25,7 @@ _LARGEST_OBLIQUITY_DEG = 50.0
 _BORE_SHARE = 0.9
 _ENDS = ("from", "to")
 _BORES = "throw."
-"""How the keys of the bodies begin that are bores."""
+"""Start of the keys of the bodies that are bores."""
 
 
 def check_ends(scene: ThrowView, key: str, ends: Ends, diameter_mm: float, outlet_radius_mm: float) -> None:

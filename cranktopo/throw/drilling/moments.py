@@ -1,4 +1,4 @@
-"""What drillings take out of a half throw, without a CAD kernel: the oracle of its exact solid.
+"""Mass that drillings take out of a half throw, without a CAD kernel: the oracle of its exact solid.
 
 In a plane that holds the drilling's direction and the crank axis' direction, a drilling is a strip and each
 journal a rectangle: their common polygons are integrated exactly, and Gauss quadrature across the drilling

@@ -37,11 +37,11 @@ class Drilling(Feature):
     start: DrillingEnd = Field(
         default=DrillingEnd(on="main_journal", angle_deg=180.0, place_mm=0.0), alias="from"
     )
-    """Where it begins; by default in the middle of the main journal, away from the crankpin."""
+    """Start of the drilling; by default in the middle of the main journal, away from the crankpin."""
     end: DrillingSecondEnd = Field(
         default=DrillingSecondEnd(on="crankpin", angle_deg=0.0, place_mm=0.0), alias="to"
     )
-    """Where it ends; by default in the middle of the crankpin, away from the crank axis."""
+    """End of the drilling; by default in the middle of the crankpin, away from the crank axis."""
     diameter_mm: Length = Field(examples=[5.0])
     """Its diameter."""
     outlet_radius_mm: LengthOrZero = 0.0

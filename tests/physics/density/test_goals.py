@@ -13,6 +13,7 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.bodies.cells.domain import Domain, build_domain
+from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LoadCase
@@ -120,9 +121,10 @@ def test_other_goals_and_limits(mikron: Scene, domain: Domain, goal: dict[str, A
     assert state.status == "converged", state.reason
     share = shares(problem, scene, domain, state)
     for limit in problem.optimisation.limits:
-        assert limit.broken(share[limit.response.name] * limit.original) < 5e-3, limit
+        reached = share[limit.response.name] * limit.constraint.original
+        assert limit.constraint.violation(reached) < 5e-3, limit
     (bound,) = (limit for limit in problem.optimisation.limits if limit.response.name == active)
-    assert share[active] == pytest.approx(bound.bound / bound.original, abs=5e-3)
+    assert share[active] == pytest.approx(bound.constraint.bound / bound.constraint.original, abs=5e-3)
 
 
 @pytest.mark.slow
@@ -174,8 +176,8 @@ def test_limits_beyond_the_envelope_are_named_before_the_first_iteration(
 def test_a_range_in_two_units_is_checked_once_the_original_is_known(mikron: Scene, domain: Domain) -> None:
     torsion = Response("torsion", "N m/rad", lambda design: design.compliances[0])
     limits = (
-        ResponseConstraint(torsion, ">=", 120e3, original=100e3, percent=True),
-        ResponseConstraint(torsion, "<=", 110e3),
+        ResponseConstraint(torsion, Constraint("torsion", ">=", 120e3, 100e3), percent=True),
+        ResponseConstraint(torsion, Constraint("torsion", "<=", 110e3)),
     )
     problem: Any = SimpleNamespace(optimisation=OptimisationProblem((), limits))
     text = refusal(problem, mikron, domain, ExitCode.INVALID_INPUT)
@@ -205,7 +207,7 @@ def test_a_run_goes_on_bit_for_bit(mikron: Scene, domain: Domain) -> None:
     scene = asked(mikron, {"minimise": "mass"}, max_iterations=9, **LENGTHS)
     problem = stated(scene, domain)
     spot = Response("spot", "mm", lambda design: -design.displacements[0, 1, 2, 3, 4], True)
-    problem = with_limits(problem, ResponseConstraint(spot, "<=", 0.01))
+    problem = with_limits(problem, ResponseConstraint(spot, Constraint("spot", "<=", 0.01)))
     state = loop.init(problem)
     for _ in range(4):
         state = loop.step(problem, state)
@@ -232,7 +234,9 @@ def test_a_load_case_a_response_and_a_limit_of_ones_own(mikron: Scene, domain: D
     own = Response("shift", "mm", shift, reads_displacements=True)
     original = assess_original(problem.model, scene, domain).quantities["side_displacement"]
     limited = with_limits(
-        problem, ResponseConstraint(sway, "<=", 1.1 * original), ResponseConstraint(own, "<=", 0.5)
+        problem,
+        ResponseConstraint(sway, Constraint("side_displacement", "<=", 1.1 * original)),
+        ResponseConstraint(own, Constraint("shift", "<=", 0.5)),
     )
     state = iterate(limited, loop.init(limited))
     # End of those lines.

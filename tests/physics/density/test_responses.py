@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.tasks.density.material import (
@@ -111,9 +112,9 @@ def test_derivatives_against_central_differences(setting: tuple[ThrowModel, Mate
     known, x = responses(model, density_chain), lopsided(density_chain)
     functions = {name: response.value for name, response in known.items()} | {
         "maximise": Objective(known["torsion"], "maximise", 1e4).scaled,
-        "at least": ResponseConstraint(known["bending"], ">=", 1e5).scaled,
-        "at most": ResponseConstraint(known["pin_displacement"], "<=", 0.01).scaled,
-        "about zero": ResponseConstraint(known["unbalance"], "<=", 0.0, original=40.0).scaled,
+        "at least": ResponseConstraint(known["bending"], Constraint("bending", ">=", 1e5)).scaled,
+        "at most": ResponseConstraint(known["pin_displacement"], Constraint("motion", "<=", 0.01)).scaled,
+        "about zero": ResponseConstraint(known["unbalance"], Constraint("unbalance", "<=", 0.0, 40.0)).scaled,
     }
     direction = jnp.asarray(np.random.default_rng(2).standard_normal(x.shape)) * (
         density_chain.design_fraction > 0

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.units import UNITS
 from cranktopo.design.loading import parse_scene
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.performance import implausible, power_kW
@@ -121,12 +122,21 @@ def test_bad_answers_are_one_line(change: dict[str, Any], said: str) -> None:
 
 
 def test_forms_have_every_table_of_the_schema() -> None:
-    tables = form_reference()
+    tables = form_reference()["tables"]
     assert {"throw.main_journal", "web.pocket", "engine.gas", "goal.limits"} <= {
         table["path"] for table in tables
     }
     width = next(key for table in tables for key in table["keys"] if key["name"] == "width_mm")
     assert (width["unit"], width["required"]) == ("mm", True)
+
+
+def test_the_page_has_no_units_of_its_own() -> None:
+    """It takes those that names of keys end with from the server."""
+    assert form_reference()["units"] == UNITS
+    page = Path(__file__).parents[3] / "cranktopo" / "tasks" / "bench" / "page"
+    text = "".join(script.read_text(encoding="utf-8") for script in page.glob("*.js"))
+    assert "takeUnits(message.units)" in text
+    assert not [unit for unit in ("kg_m3", "N_per_mm", "Nm_per_rad", "|mm|", "(mm|") if unit in text]
 
 
 def test_a_dropped_trace_may_be_as_german_systems_write_it(tmp_path: Path) -> None:

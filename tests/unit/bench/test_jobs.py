@@ -13,6 +13,11 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import design_text
 from cranktopo.tasks.bench.jobs import BenchJob, Jobs, reap
 from cranktopo.tasks.bench.results import job_numbers, job_words, variant_of
+from cranktopo.tasks.evaluate.result import EvaluationList
+from cranktopo.tasks.fatigue.result import FatigueResult
+from cranktopo.tasks.shaft_safety.result import ShaftAssessment
+from cranktopo.tasks.shape.result import ShapeResult
+from tests.filled import filled
 
 TEXT = design_text("mikron-iiic-plain")
 
@@ -69,7 +74,8 @@ def test_the_words_of_a_job_name_what_governs_and_what_limits_cost(tmp_path: Pat
     both = {"closed_form": values, "finite_elements": {**values, "pin": {"acceptability": 0.8}}}
     found = {"safety": 0.8, "verdict": "not accepted", "least_acceptability": 1.15, "fillets": both}
     found |= {"governing_factors": {"pin": "elements", "journal": "polynomials"}}
-    (ran.place / "stdout.txt").write_text(json.dumps({"method": "m53", "fatigue": [found]}), encoding="utf-8")
+    told = filled(FatigueResult, {"method": "m53", "fatigue": [found]})
+    (ran.place / "stdout.txt").write_text(json.dumps(told), encoding="utf-8")
     lines = job_words(ran)
     assert lines[1] == "pin fillet: 0.9 by polynomials, 0.8 by elements; elements govern"
     assert job_numbers(ran)["m53_pin_elements"] == 0.8
@@ -77,8 +83,8 @@ def test_the_words_of_a_job_name_what_governs_and_what_limits_cost(tmp_path: Pat
     (ran.place / "stdout.txt").write_text("met: mass -5.0 %\nmore\n", encoding="utf-8")
     shape.out.mkdir()
     price = {"quantity": "bending", "sense": ">=", "goal_percent_per_percent": 1.59}
-    told = {"goal": {"minimise": "mass"}, "prices": [price]}
-    told["prices"] += [{**price, "goal_percent_per_percent": nothing} for nothing in (0.0, None)]
+    prices = [price, *({**price, "goal_percent_per_percent": nothing} for nothing in (0.0, None))]
+    told = filled(ShapeResult, {"goal": {"minimise": "mass"}, "prices": prices})
     (shape.out / "shape.json").write_text(json.dumps(told), encoding="utf-8")
     assert job_words(shape) == ["met: mass -5.0 %", "1 % of bending >= costs 1.59 % mass"]
 
@@ -106,7 +112,7 @@ def test_the_words_of_an_evaluation_and_of_a_shaft(tmp_path: Path) -> None:
         "stiffness_per_mass": {"torsion_Nm_per_rad_kg": 9.1e4, "bending_N_per_mm_kg": 1.5e5},
         "error_estimate_percent": {"torsion": 0.42, "bending": 0.61},
     }  # fmt: skip
-    job = finished(tmp_path, "evaluate", {"evaluations": [evaluation]})
+    job = finished(tmp_path, "evaluate", filled(EvaluationList, {"evaluations": [evaluation]}))
     assert job_words(job) == ["torsion 136.9 kN m/rad, within 0.42 %", "bending 227.2 kN/mm, within 0.61 %"]
     assert job_numbers(job)["torsion"] == 136_900.0
     assert variant_of(job) == TEXT
@@ -115,7 +121,7 @@ def test_the_words_of_an_evaluation_and_of_a_shaft(tmp_path: Path) -> None:
         "mass_kg": 12.3, "torsion": {"end_to_end_Nm_per_rad": 42_000.0},
         "natural_frequencies_Hz": [250.0, 600.0], "on_bearings": [{"main_bearings": bearings}],
     }  # fmt: skip
-    job = finished(tmp_path, "shaft", shaft)
+    job = finished(tmp_path, "shaft", filled(ShaftAssessment, shaft))
     assert job_words(job) == [
         "whole shaft: 12.3 kg, 42 kN m/rad from end to end",
         "first natural frequency 250 Hz",

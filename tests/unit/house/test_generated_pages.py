@@ -142,6 +142,17 @@ def check_schema(hooks: Any, name: str, text: str) -> None:
     assert broken(data, schema, schema["$defs"]) == [".design"]
 
 
+@pytest.mark.parametrize(
+    ("name", "command"),
+    [("designs", ["designs", "list"]), ("runs", ["runs", "list", "--root", "empty"]), ("doctor", ["doctor"])],
+)
+def test_a_list_keeps_its_schema(hooks: Any, capsys: Any, name: str, command: list[str]) -> None:
+    main([*command, "--json"])
+    data, schema = json.loads(capsys.readouterr().out), sys.modules["results"].result_schema(name)
+    assert broken(data, schema, schema["$defs"]) == []
+    assert list(data) == list(schema["properties"])
+
+
 @pytest.mark.slow
 def test_a_sweep_keeps_its_schema(hooks: Any, tmp_path: Path) -> None:
     sweep(vary={"web.width_mm": [50, 3]}, out=tmp_path / "out", function=sweep_cases.empty, workers=1)

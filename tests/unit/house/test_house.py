@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 from pathlib import Path
 
-from tests.studies.house import counts
+from tests.studies import walk
+from tests.studies.house import counts, names
+from tests.studies.house_arrows import read
 
 FILES = {
     "__init__.py": "",
@@ -70,3 +73,33 @@ def test_a_circle_of_rooms(tmp_path: Path) -> None:
     found = counted(tmp_path, base__late="def f():\n    import cranktopo.app\n")
     assert (found["floors"], found["arrows between rooms"]) == ("1", "3")
     assert (found["circles between rooms"], found["arrows between rooms that point up"]) == ("1", "1")
+
+
+def test_no_class_name_has_two_meanings() -> None:
+    root = Path(__file__).parents[3]
+    trees = {name: ast.parse(source) for name, source in read(root).items()}
+    assert names(trees)["class names in several modules"] == "0"
+
+
+WALKED = {
+    "tasks/stage.py": """
+from cranktopo.tasks.parts import part, Made
+def optimise_design():
+    own()
+    part(own(), late(1))
+def own():
+    from cranktopo.base.tool import tool
+    tool()
+def late(x): ...
+""",
+    "tasks/parts.py": "class Made: ...\ndef part(*x): Made(), deep()\ndef deep(): far()\ndef far(): ...\n",
+    "base/tool.py": "def tool(): ...\n",
+}
+
+
+def test_a_walk_opens_files_in_reading_order(tmp_path: Path) -> None:
+    """`own`, `tool`, back into another room, `part`, `Made`, `deep`, and back; `late` is in the file."""
+    for name, text in WALKED.items():
+        (tmp_path / "cranktopo" / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "cranktopo" / name).write_text(text, encoding="utf-8")
+    assert list(walk.counts(tmp_path).values()) == [3, 7, 2, 1]

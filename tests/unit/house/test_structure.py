@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.studies.house import array_aliases, of_kind, question
+
 PACKAGE = Path(__file__).resolve().parents[3] / "cranktopo"
 FLOORS = (
     {"base"},
@@ -177,6 +179,24 @@ def test_numerics_names_no_part_of_an_engine(file: Path) -> None:
     text = file.read_text(encoding="utf-8")
     assert not PARTS_OF_AN_ENGINE.findall(text)
     assert file.parent.name == "bearing_film" or not re.search(r"(?<![a-z])journal", text, re.I)
+
+
+def test_docstrings_are_statements() -> None:
+    """Of modules, classes, functions and attributes; Args and messages may ask."""
+    trees = {file: ast.parse(file.read_text(encoding="utf-8")) for file in PACKAGE.rglob("*.py")}
+    asked = [
+        f"{file.relative_to(PACKAGE)}:{node.lineno}"
+        for file, tree in trees.items()
+        for node in of_kind([tree], ast.Expr)
+        if question(node)
+    ]
+    assert asked == []
+
+
+def test_names_of_array_types_stand_in_one_file() -> None:
+    trees = {file: ast.parse(file.read_text(encoding="utf-8")) for file in PACKAGE.rglob("*.py")}
+    found = [file.relative_to(PACKAGE).as_posix() for file, tree in trees.items() if array_aliases(tree)]
+    assert found == ["base/arrays.py"]
 
 
 def test_help_loads_nothing_heavy() -> None:

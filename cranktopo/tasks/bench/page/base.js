@@ -20,13 +20,20 @@ export function numberOf(text) {
   return /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : null;
 }
 
-export const words = (name) => name.replace(/_(mm|deg|kg|kg_m3|MPa|GPa|rpm|N|Nm|N_per_mm|Nm_per_rad|percent|um|kg_m2|Hz|kW)$/, "").replaceAll("_", " ");
+// Units by the last words of a name, as the server has them.
+let units = {}, unit = /$^/;
+export function takeUnits(found) {
+  units = found;
+  unit = new RegExp(`_(${Object.keys(found).join("|")})$`);
+}
+
+export const words = (name) => name.replace(unit, "").replaceAll("_", " ");
 
 export const shown = (value) => (typeof value === "number" ? String(Number(value.toPrecision(6))) : typeof value === "string" ? value : JSON.stringify(value));
 
 export const lower = (label) => (/^[A-Z][A-Z]/.test(label) ? label : label[0].toLowerCase() + label.slice(1));
 
-export const unitOf = (key) => (key.endsWith("_deg") ? "deg" : "mm");
+export const unitOf = (key) => units[unit.exec(key)?.[1]] ?? "";
 
 export const plain = (value, digits) => (value === undefined || value === null ? "" : Math.abs(value) >= 1e5 ? Math.round(value).toLocaleString("en") : String(Number(value.toPrecision(digits))));
 

@@ -1,5 +1,5 @@
 // The page of the bench: what the server tells, and what each part shows of it.
-import { $, make } from "./base.js";
+import { $, make, takeUnits } from "./base.js";
 import { beginForm, showBegin, showMaterials } from "./begin.js";
 import { filterForms, showBroken, showForms } from "./forms.js";
 import { showFront } from "./front.js";
@@ -15,6 +15,7 @@ function hear(message) {
   const act = {
     reference: () => {
       state.reference = message.tables;
+      takeUnits(message.units);
       showMaterials(message.materials);
     },
     state: () => hearState(message),

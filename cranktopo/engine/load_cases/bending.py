@@ -1,0 +1,32 @@
+"""The largest radial force on the web."""
+
+from __future__ import annotations
+
+from cranktopo.engine.extreme_state import ExtremeState, ThrowLoads, place_of
+from cranktopo.engine.forces import near_share
+from cranktopo.engine.load_case import LoadCase
+from cranktopo.engine.load_type import LoadFacts, LoadType
+
+
+def _states(throw: ThrowLoads) -> tuple[ExtremeState]:
+    analysis = throw.analysis
+    given, cycle = analysis.engine.max_gas_force_N, analysis.cycle
+    if given is not None:
+        share, source = near_share(throw.scene), "engine.max_gas_force_N"
+        source += f", times {share:.3g} for the web nearer to its rod" if share != 1 else ""
+        case = LoadCase(name="bending", kind="bending", radial_N=given * share, source=source)
+        return (ExtremeState("max_radial", case),)
+    if cycle is None:
+        why = "unit load: neither engine.gas nor engine.max_gas_force_N is given"
+        return (LOAD_TYPE.unit_state(why),)
+    worst = cycle.largest("web_force_N")
+    source = f"largest radial force on the web, at {place_of(analysis, worst)}"
+    case = LoadCase(name="bending", kind="bending", radial_N=worst.value, source=source)
+    return (ExtremeState("max_radial", case, worst.deg),)
+
+
+def _energy_Nmm(facts: LoadFacts) -> float:
+    return facts.state("bending").case.radial_N ** 2 * facts.compliance.bending_mm_per_N / 2
+
+
+LOAD_TYPE = LoadType("bending", "max_radial", "radial_N", "radial force", _states, _energy_Nmm, unit_load=1e3)

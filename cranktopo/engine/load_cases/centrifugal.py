@@ -1,0 +1,107 @@
+"""The throw's own body force at the highest speed, and the pull of rods and pistons then.
+
+Where the body force is off, that pull is an extreme of the radial force.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cranktopo.design.engine import Engine
+from cranktopo.design.load_kinds import MAIN_KINDS
+from cranktopo.design.schema import Scene
+from cranktopo.engine.extreme_state import ExtremeState, ThrowLoads
+from cranktopo.engine.forces import rods_on_pins, rotating_forces
+from cranktopo.engine.gas import STEP_DEG
+from cranktopo.engine.kinematics import exact_motion, force_ratios
+from cranktopo.engine.load_case import LoadCase
+from cranktopo.engine.load_type import LoadFacts
+from cranktopo.engine.plan.context import PlanningContext
+from cranktopo.engine.plan.effect import Estimate
+from cranktopo.engine.plan.load_rules import PlannedLoadType, by_size_or_goal
+
+
+def _states(throw: ThrowLoads) -> tuple[ExtremeState, ...]:
+    """Inertia alone at the highest speed: the rods pull the pin outward, one alone at top dead centre."""
+    scene, analysis, engine = throw.scene, throw.analysis, throw.analysis.engine
+    speed = max(engine.overspeed_rpm or 0.0, engine.speed_rpm)
+    rotating = rotating_forces(engine, analysis.balance, analysis.radius_mm, speed)
+    kg, deg = _pulling_kg(scene, engine, throw.enabled)
+    source = f"inertia of piston and rod at top dead centre without gas force, {speed:g} rpm"
+    if engine.rods_per_pin > 1:
+        source = f"inertia of both pistons and rods of a pin without gas force, {speed:g} rpm"
+    pull = -kg * rotating.r_w2_m_s2 + 0.0
+    case = LoadCase(name="bending", kind="bending", radial_N=pull, source=source)
+    if "centrifugal" in throw.enabled:
+        way = "inward" if rotating.throw_N < 0 else "outward"
+        source += f", with {abs(rotating.throw_N):.0f} N of the throw itself {way}"
+        case = LoadCase(name="centrifugal", kind="centrifugal", radial_N=pull, speed_rpm=speed, source=source)
+    if not (case.size or case.has_body_force):
+        return ()
+    deg = deg % 360.0 + (360.0 if engine.strokes == 4 else 0.0)
+    return (ExtremeState("overspeed_inertia", case, deg),)
+
+
+def _pulling_kg(scene: Scene, engine: Engine, enabled: frozenset[str]) -> tuple[float, float]:
+    """Mass on the pin that would pull as much as rods and pistons at their worst, and the crank angle."""
+    angle = np.arange(0.0, engine.cycle_deg, STEP_DEG)
+    radius, length = scene.throw.radius_mm, engine.rod_length_mm
+    one = np.full_like(angle, engine.rod_rotating_kg * ("rotating_rod_mass" in enabled))
+    if "reciprocating_inertia" in enabled:
+        moving = exact_motion(np.radians(angle), radius, length).acceleration_ratio
+        one += engine.reciprocating_kg * moving * force_ratios(np.radians(angle), radius, length).radial
+    curves = [rods.superpose(one, angle, engine.cycle_deg) for rods in rods_on_pins(scene, engine)]
+    curve = max(curves, key=lambda kg: float(kg.max()))
+    return float(curve.max()), float(angle[int(curve.argmax())])
+
+
+def _energy_Nmm(facts: LoadFacts) -> float:
+    return facts.centrifugal_Nmm(*facts.centrifugal_N)
+
+
+def _estimate(context: PlanningContext) -> Estimate:
+    """Pull of pistons and rods at overspeed and of the crankpin on the pin, of each web in its mid-plane."""
+    if context.scene.engine is None or context.top_speed_rpm == 0:
+        return Estimate(0.0, "the throw does not turn", "nothing", absent="no speed in the scene")
+    weight = context.scene.web.counterweight
+    fastened = weight is not None and [
+        name for name, there in (("bolted counterweight", weight.bolted), ("plugs", weight.plug)) if there
+    ]
+    left_out = f", the pull of {' and '.join(fastened)} left out" if fastened else ""
+    if context.for_stress and not context.unit_loads:
+        return _own_stress(context, left_out)
+    speed, (pin, webs) = context.top_speed_rpm, context.centrifugal_N
+    forces = (
+        f"outward {pin:,.0f} N on the pin, rods and pistons at dead centre among them, and {webs:,.0f} N in "
+        f"the mid-planes of the webs at {speed:g} rpm{left_out}"
+    )
+    return by_size_or_goal(context, LOAD_TYPE, forces)
+
+
+def _own_stress(context: PlanningContext, left_out: str) -> Estimate:
+    """Stress by the throw's own centrifugal load over that of the largest load: the root of their energies.
+
+    Rods and pistons are left out: their pull is part of the radial force.
+    """
+    pin, webs = context.own_centrifugal_N
+    energy = context.centrifugal_Nmm(pin, webs)
+    dominant = max(MAIN_KINDS, key=lambda name: context.energy_Nmm[name])
+    percent = 100 * math.sqrt(energy / context.energy_Nmm[dominant])
+    because = (
+        f"outward {pin:,.0f} N of the crankpin and {webs:,.0f} N of the webs at {context.top_speed_rpm:g} rpm"
+        f"{left_out}: stress about {percent:.3g} % of {dominant}'s"
+    )
+    return Estimate(percent, because, f"stress about {percent:.3g} %", context.costing.load_case())
+
+
+LOAD_TYPE = PlannedLoadType(
+    "centrifugal",
+    "overspeed_inertia",
+    "speed_rpm",
+    "centrifugal force",
+    _states,
+    _energy_Nmm,
+    estimate=_estimate,
+)
