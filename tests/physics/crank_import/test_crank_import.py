@@ -369,6 +369,24 @@ def test_bolt_holes_of_a_flange_are_read_or_told(turn_deg: float) -> None:
 
 
 @pytest.mark.slow
+def test_missing_fillets_are_told_and_brep_is_read(tmp_path: Path) -> None:
+    """The half throw with sharp corners at its journals, as BREP; its dimensions are exact."""
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True, exclude={"published"})
+    for name in ("main_journal", "crankpin"):
+        data["throw"][name]["fillet_mm"] = 0.0
+    scene = scene_from_dict(data, "sharp")
+    export_solid(scene, "half", tmp_path / "body.step")
+    with cad_session("sharp") as gmsh, quiet_stdout():
+        step_solid(gmsh, tmp_path / "body.step", "body")
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(tmp_path / "body.brep"))
+    result = import_crank(tmp_path / "body.brep", "sharp", tmp_path / "out")
+    check_same(scene, result)
+    told = [line for line in result.halves[0].unread if line.startswith("no round fillet was found at the")]
+    assert len(told) == 2
+
+
+@pytest.mark.slow
 def test_a_small_cut_is_told(tmp_path: Path) -> None:
     """A box pocket of 32 mm3, 0.03 % of the volume, which is not read."""
     data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True, exclude={"published"})
