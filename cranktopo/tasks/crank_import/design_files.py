@@ -117,7 +117,7 @@ def volume_words(body_mm3: float, files: DesignFiles, webs: Sequence[ImportedWeb
     if files.volume_mm3 is None:
         return []
     off = files.volume_mm3 - body_mm3
-    if abs(off) <= (_TOLD if webs[0].body.near is EXACT else _TOLD_FACETED) * body_mm3:
+    if abs(off) <= (_TOLD if webs[0].body.near == EXACT else _TOLD_FACETED) * body_mm3:
         return []
     more = "more" if off > 0 else "less"
     return [

@@ -84,7 +84,7 @@ class ReadWeb:
         found = list(self.told)
         yield from found
         off = body.solid.volume_mm3 - half_throw_volume_mm3(self.scene)
-        if not found and body.near is EXACT and abs(off) > _TOLD_EXACT * body.solid.volume_mm3:
+        if not found and body.near == EXACT and abs(off) > _TOLD_EXACT * body.solid.volume_mm3:
             apart = (self.solid - self.shown) if off > 0 else (self.shown - self.solid)
             x, y, z = largest_middle_mm(apart)
             what = "lacks" if off > 0 else "adds"

@@ -292,7 +292,8 @@ def unlike_throws(folder: Path) -> Scene:
 def test_a_crank_of_unlike_throws_comes_back(tmp_path: Path) -> None:
     """Each distinct throw is a design that the crank's names; elliptical, recessed fillets, bolt holes."""
     scene = unlike_throws(tmp_path)
-    result = imported(scene, tmp_path)
+    export_solid(scene, "crankshaft", tmp_path / "body.step")  # turned, either end may be the free one
+    result = import_crank(tmp_path / "body.step", "unlike", tmp_path / "out")
     found = load_scene(result.files.design, whole=True)
     assert found.crank is not None
     assert scene.crank is not None
