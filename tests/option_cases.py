@@ -137,6 +137,7 @@ TABLE: dict[str, dict[str, Case]] = {
         "--json": Shown("cli/test_sensitivities.py::test_the_table_and_its_json"),
     },
     "compare": {
+        "--throw": Refused(f"{_COMPARE} --throw 2", "all throws of the crank are alike"),
         **_BODY,
         "--design": Refused(f"{_COMPARE} --design {MIKRON}", "--design is for bodies from CAD"),
         "--align": Refused(f"{_COMPARE} --align", "--align is for bodies from CAD"),
@@ -152,6 +153,7 @@ TABLE: dict[str, dict[str, Case]] = {
         "--no-bound": Shown("cli/test_comparison_report.py::test_no_bound_without_a_page_changes_nothing"),
     },
     "accuracy": {
+        **_THROW,
         "--design": _BODY["--design"],
         "--budget": Acts(MIKRON, "--budget 9s"),
         "--out": Acts(MIKRON, "--out here"),

@@ -182,7 +182,7 @@ def bearings_option(*more: str) -> Callable[[Any], Any]:
 web_option = click.option(
     "--web",
     type=Choice(["first", "second"]),
-    help="Of a throw with two different webs, which one to take; needed there.",
+    help="Of a throw with two different webs, which one to take; needed there, but for shape: the worse one.",
 )
 
 throw_option = click.option(

@@ -20,7 +20,7 @@ from cranktopo.design.halves import WebName, difference, halves, of_second, requ
 from cranktopo.design.messages import explain, explain_unknown
 from cranktopo.design.rod_body import rod_mass
 from cranktopo.design.scene_files import with_resolved_files
-from cranktopo.design.schema import Scene
+from cranktopo.design.schema import Original, Scene
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.runs.directories import RUNS, runs_named
 from cranktopo.runs.kind import RESULT_FILES, SHAPE
@@ -109,12 +109,7 @@ def one_web(scene: Scene, web: WebName | None) -> Scene:
         raise CranktopoError(
             f"--web {web}: both halves of the throw are alike.", hint="Leave it out.", code=ExitCode.USAGE
         )
-    if scene.original is not None:
-        raise CranktopoError(
-            f"--web {web}: the body of original.file is one half throw, and the halves differ.",
-            hint="Take [original] out: gains are then measured against the web of the design.",
-        )
-    half = halves(scene)[web == "second"]
+    half = halves(scene)[web == "second"].model_copy(update={"original": _original_of(scene, web)})
     drilling = tuple(one.model_copy(update={"web": "both"}) for one in half.throw.drilling)
     throw = half.throw.model_copy(update={"drilling": drilling, "mirrored_web": web})
     half = half.model_copy(update={"throw": throw, "name": f"{half.name}-{web}-web"})
@@ -123,6 +118,20 @@ def one_web(scene: Scene, web: WebName | None) -> Scene:
     except CranktopoError as error:
         raise of_second(error, scene) if web == "second" else error from None
     return half
+
+
+def _original_of(scene: Scene, web: WebName) -> Original | None:
+    """Return the original of one half throw; raises CranktopoError where only the other's is named."""
+    if scene.original is None:
+        return None
+    file = scene.original.file if web == "first" else scene.original.second_file
+    if file is None:
+        raise CranktopoError(
+            "--web second: original.file is one half throw, the first one, and the halves differ.",
+            hint="Name the body of the other in original.second_file, or take [original] out: gains are then "
+            "measured against the web of the design.",
+        )
+    return Original(file=file)
 
 
 _BODIES = {".stl": "an STL", ".step": "a STEP", ".stp": "a STEP"}

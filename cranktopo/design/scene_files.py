@@ -17,6 +17,7 @@ FILE_KEYS = (
     ("envelope", "frozen", "file"),
     ("envelope", "removable", "file"),
     ("original", "file"),
+    ("original", "second_file"),
     ("crank", "throws"),
     ("crank", "end", "step", "file"),
 )

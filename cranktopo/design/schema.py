@@ -230,7 +230,10 @@ class Original(SceneTable):
     """The web that gains are measured against, as a body from CAD; by default it is that of `[web]`."""
 
     file: str = Field(examples=["original.step"])
-    """STL in mm or STEP of the half throw, z along the crank and y along the throw; relative to this file."""
+    """STL in mm or STEP of the half throw, z along the crank and y along the throw; relative to this file.
+    Where the halves of the throw differ, of the first one."""
+    second_file: str | None = Field(default=None, examples=["original-2.step"], exclude_if=not_given)
+    """The same of the half beyond the crankpin where the halves differ, described as `[second_web]` is."""
 
 
 class Scene(SceneTable):

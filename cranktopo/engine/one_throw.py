@@ -12,7 +12,7 @@ from cranktopo.base.notes import note
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.crank import Crank
 from cranktopo.design.crank_throws import throw_scenes
-from cranktopo.design.halves import halves
+from cranktopo.design.halves import WebName, halves
 from cranktopo.design.misfire import all_firing, misfire
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse
@@ -66,6 +66,12 @@ def one_throw(scene: Scene, number: int | None = None, *, all_fire: bool = True)
     ends = Crank(end=crank.end) if crank.end else None
     name = f"{scene.name}-throw-{number}"
     return throws[number - 1].model_copy(update={"crank": ends, "name": name})
+
+
+def worse_web(scene: Scene) -> WebName:
+    """Return the web of a throw that the same pin force bends more, by nominal stress."""
+    first, second = (web_lever_mm(half) / web_section_modulus_mm3(half) for half in halves(scene))
+    return "second" if second > first else "first"
 
 
 def nominal_stresses_MPa(scene: Scene) -> Array:

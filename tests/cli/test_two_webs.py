@@ -154,7 +154,7 @@ def test_vibration_takes_the_closed_form_of_both_halves(two: str, capsys: pytest
     assert last > 1.01 * 3e5
 
 
-@pytest.mark.parametrize("command", ["optimise", "bound", "shape", "iterate"])
+@pytest.mark.parametrize("command", ["optimise", "bound", "iterate"])
 def test_optimisers_ask_which_web(command: str, two: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([command, two]) == 3
     err = capsys.readouterr().err

@@ -13,7 +13,7 @@ import click
 
 from cranktopo.base.errors import ExitCode
 from cranktopo.base.notes import note
-from cranktopo.cli.options import DEFAULT_DESIGN, designs, seconds
+from cranktopo.cli.options import DEFAULT_DESIGN, designs, seconds, throw_option
 from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
@@ -39,9 +39,17 @@ _BUDGET_S = 120.0
     type=click.Path(path_type=Path, file_okay=False),
     help="Folder for JSON, Markdown and PNG; default: runs/accuracy-DESIGN, or the run itself.",
 )
+@throw_option
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @verbosity_options
-def command(design: str, budget_s: float, journals: str | None, out: Path | None, as_json: bool) -> int:
+def command(
+    design: str,
+    budget_s: float,
+    journals: str | None,
+    out: Path | None,
+    throw: int | None,
+    as_json: bool,
+) -> int:
     """Solve DESIGN (or a run or surface file) at levels from cheap to exact until the budget is used.
 
     Levels of the body-fitted evaluation: element size, order, refined fillets. Levels of the optimiser: cell
@@ -53,7 +61,7 @@ def command(design: str, budget_s: float, journals: str | None, out: Path | None
     """
     from cranktopo.tasks.accuracy.stage import study_accuracy
 
-    found = study_accuracy(design, budget_s, out, journals)
+    found = study_accuracy(design, budget_s, out, journals, throw)
     shown = found.result.model_copy(update={"files": found.files})
     click.echo(json.dumps(shown.as_json()) if as_json else _text(found.result))
     for path in (*found.files.values(), *([str(found.kept)] if found.kept else [])):

@@ -28,7 +28,7 @@ from cranktopo.tasks.fea.studies import (
     key_of,
     store_study,
 )
-from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
+from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_targets
 
 _WANTED_PERCENT = (5.0, 2.0, 1.0, 0.5)
 _REFERENCES: dict[StudyName, tuple[str, ...]] = {
@@ -166,6 +166,7 @@ def study_accuracy(
     budget_s: float = BUDGET_S,
     out: Path | str | None = None,
     design: str | None = None,
+    throw: int | None = None,
 ) -> AccuracyStudy:
     """Return error against seconds, from cheap levels to exact ones, until the time is used or Ctrl-C.
 
@@ -175,7 +176,7 @@ def study_accuracy(
         CranktopoError: no such target, or a folder that cannot be written.
     """
     out = as_path(out)
-    resolved = resolve_target(target, design, whole=True)
+    (resolved,) = resolve_targets([target], design, whole=True, throw=throw)
     folder = out or _folder(resolved)
     check_folder(folder)
     print_assumed([resolved], EVALUATED)

@@ -13,7 +13,15 @@ import click
 
 from cranktopo.base.formats import PLOTS
 from cranktopo.base.notes import note
-from cranktopo.cli.options import Choice, bound_option, designs, loads_option, mesh_options, typed
+from cranktopo.cli.options import (
+    Choice,
+    bound_option,
+    designs,
+    loads_option,
+    mesh_options,
+    throw_option,
+    typed,
+)
 from cranktopo.cli.verbosity import verbosity_options
 from cranktopo.tasks.evaluate.command import warn_missed
 from cranktopo.tasks.fatigue.criteria import METHODS
@@ -54,6 +62,7 @@ if TYPE_CHECKING:
 )
 @loads_option
 @bound_option
+@throw_option
 @mesh_options
 @verbosity_options
 def command(
@@ -67,6 +76,7 @@ def command(
     methods: tuple[FatigueMethod, ...],
     loads: HistoryKind,
     no_bound: bool,
+    throw: int | None,
     element_size_mm: float | None,
     accuracy: float | None,
     budget: float | None,
@@ -108,7 +118,7 @@ def command(
     from cranktopo.tasks.fea.stage import MeshRequest
 
     wanted = MeshRequest(element_size_mm, accuracy, budget)
-    found = compare_targets(targets, baseline, wanted, methods, design, align, loads)
+    found = compare_targets(targets, baseline, wanted, methods, design, align, loads, throw)
     click.echo(comparison_text(found.comparison, "json" if as_json else form))
     bound = None if no_bound or (plot or page) is None else comparison_bound(found)
     if plot is not None:

@@ -121,6 +121,7 @@ def compare_targets(
     design: str | None = None,
     align: bool = False,
     loads: HistoryKind = "extremes",
+    throw: int | None = None,
 ) -> ComparedTargets:
     """Evaluate targets beside a baseline, and assess their fatigue where methods are given.
 
@@ -131,6 +132,7 @@ def compare_targets(
         design: design for the journals of STL and STEP files.
         align: whether STL and STEP bodies that lie elsewhere are moved to where the journals are.
         loads: of the fatigue, extremes of the loads joined, or every angle of the cycle.
+        throw: number of the throw taken of cranks with different ones; by default the worst loaded.
 
     Raises:
         CranktopoError: no such target, different supports, a method that can judge none, or a failed solve.
@@ -138,7 +140,7 @@ def compare_targets(
     given = with_picks(names)
     every = given if baseline in given else [baseline, *given]
     index = every.index(baseline)
-    targets = _like_for_like(resolve_targets(every, design, align=align, whole=True))
+    targets = _like_for_like(resolve_targets(every, design, align=align, whole=True, throw=throw))
     check_same_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)
     bare = tuple(target.name for target in targets if target.run)
     pitches = tuple(pitch_lines(targets, index))
@@ -148,7 +150,7 @@ def compare_targets(
     fatigues: list[FatigueComparison] = []
     loaded = None
     if methods:
-        filleted = resolve_targets(every, design, fillets=True, align=align, whole=True)
+        filleted = resolve_targets(every, design, fillets=True, align=align, whole=True, throw=throw)
         fatigues, loaded = judge(filleted, methods, index, loads)
     found = evaluate_targets(targets, wanted)
     judged = (one for by in fatigues for one in by.result.fatigue if isinstance(one, FieldFatigue))

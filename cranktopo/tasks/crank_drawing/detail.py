@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -42,7 +43,7 @@ class Detail:
         return Room((z - r, z + r), (y - r, y + r), (8.0, 8.0, 6.0, 10.0))
 
 
-def details(sheet: Sheet, letters: str) -> list[Detail]:
+def details(sheet: Sheet, letters: Sequence[str]) -> list[Detail]:
     """Return the details of a half throw: the fillets of main journal and crankpin that it has."""
     scene = sheet.scene
     (start, stop), (main, pin) = scene.web_z_mm, (scene.throw.main_journal, scene.throw.crankpin)

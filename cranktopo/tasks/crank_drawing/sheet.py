@@ -53,7 +53,8 @@ if TYPE_CHECKING:
 
 _END_LETTERS = 56
 """Letters of a line on an end."""
-_LETTERS = "KLMNPRSTUVWXYZ"
+_LETTERS = tuple(f"{first}{second}" for first in ("", *"KLMNPRSTUVWXYZ") for second in "KLMNPRSTUVWXYZ")
+"""Letters of details, in order: K to Z, then KK to ZZ."""
 
 
 def draw_crank(design: DesignLike, path: Path | str, started: datetime | None = None) -> tuple[str, float]:

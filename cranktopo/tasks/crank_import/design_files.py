@@ -18,7 +18,14 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.crank_import.design_text import crank_table, design_text, throw_text
 from cranktopo.tasks.crank_import.found_crank import FoundCrank
 from cranktopo.tasks.crank_import.half_body import EXACT
-from cranktopo.tasks.crank_import.throw_designs import Throws, different, throws_of, uneven, unsaid
+from cranktopo.tasks.crank_import.throw_designs import (
+    Throws,
+    different,
+    second_body,
+    throws_of,
+    uneven,
+    unsaid,
+)
 from cranktopo.tasks.crank_import.web_reading import ImportedWeb
 
 _TOLD, _TOLD_FACETED = 2e-5, 2e-3
@@ -60,7 +67,8 @@ def write_designs(
     """Write the designs of half throws, and of a crank of unlike throws one of it and one of each throw."""
     throws, near = throws_of(webs, crank), webs[0].body.near
     for web, heading in zip(webs, headings, strict=True):
-        text = design_text(web.read.scene, crank, web.body.file, heading, near, throws)
+        bodies = web.body.file, second_body(webs, crank) if web is webs[0] else None
+        text = design_text(web.read.scene, crank, bodies, heading, near, throws)
         write_text(folder / f"{web.name}.toml", text)
     same, told = different(throws), list(unsaid(throws))
     design, others = f"{webs[0].name}.toml", list[str]()
@@ -109,7 +117,7 @@ def volume_words(body_mm3: float, files: DesignFiles, webs: Sequence[ImportedWeb
     if files.volume_mm3 is None:
         return []
     off = files.volume_mm3 - body_mm3
-    if abs(off) <= (_TOLD if webs[0].body.near is EXACT else _TOLD_FACETED) * body_mm3:
+    if abs(off) <= (_TOLD if webs[0].body.near == EXACT else _TOLD_FACETED) * body_mm3:
         return []
     more = "more" if off > 0 else "less"
     return [

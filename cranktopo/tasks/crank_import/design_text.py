@@ -21,24 +21,24 @@ from cranktopo.tasks.crank_import.throw_designs import Throws, fillets_of, throw
 def design_text(
     scene: Scene,
     crank: FoundCrank,
-    body: str,
+    bodies: tuple[str, str | None],
     heading: tuple[str, ...],
     near: Closeness = EXACT,
     throws: Throws = (),
 ) -> str:
-    """Return the text of a design; `body` is the file of its half throw, which is the original.
+    """Return the text of a design; `bodies` are the files of its half throws, which are the original.
 
     It has the ends and main journals of the crank where they fit its throw.
     """
     own = crank_table(scene, crank, near, throws)
-    text = _text(scene, crank, own, body, heading)
+    text = _text(scene, crank, own, bodies, heading)
     if not own:
         return text
     try:
         parse_scene(text, scene.name)
     except CranktopoError as error:
         note(f"{scene.name}: ends and main journals of the crank are left out: {error.message}")
-        return _text(scene, crank, {}, body, heading)
+        return _text(scene, crank, {}, bodies, heading)
     return text
 
 
@@ -54,7 +54,7 @@ def _text(
     scene: Scene,
     crank: FoundCrank,
     own: dict[str, Any],
-    body: str | None,
+    bodies: tuple[str, str | None] | None,
     heading: tuple[str, ...],
     keys: Mapping[str, Any] | None = None,
 ) -> str:
@@ -64,7 +64,8 @@ def _text(
     head = {"schema_version": 1, "name": data.pop("name"), "description": f"Imported from {heading[0]}"}
     data["material"] = {"name": scene.material.name}
     tables = {**data, **(keys or {}), "envelope": _envelope(scene)}
-    tables |= {"original": {"file": body}} if body else {}
+    named = zip(("file", "second_file"), bodies or (), strict=False)
+    tables |= {"original": {key: name for key, name in named if name}} if bodies else {}
     tables |= {"crank": own} if own else {}
     comments = "".join(f"# {line}\n" for line in heading[1:])
     parts = [f"{comments}{tomlkit.dumps(head)}"]

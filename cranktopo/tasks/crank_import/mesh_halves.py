@@ -41,6 +41,8 @@ _NEAR, _NEAR_MM = 2e-5, (1e-3, 0.05)
 """Distance of corners from a face that they belong to: over the size of the body, and its limits."""
 _COARSER = (1.0, 5.0, 25.0)
 """Multiples of that distance, tried until a crank is found."""
+SCATTER = "corners of triangles scatter"
+"""Beginning of what is told of noise."""
 _TOLD_MM = 2e-3
 """Scatter of corners about whole cylinders that is told."""
 _STRAIGHT = 3e-4
@@ -113,9 +115,7 @@ def _found(mesh: SurfaceMesh, path: Path, ends: EndJournals) -> tuple[Faces, Fou
             continue
         told = [*crank.unread, *_leaning(faces, crank.axis)]
         if off > _TOLD_MM:
-            told.append(
-                f"corners of triangles scatter by {off:.2g} mm about the journals: no dimension is better"
-            )
+            told.append(f"{SCATTER} by {off:.2g} mm about the journals: no dimension is better")
         return faces, replace(crank, unread=tuple(told))
     assert first is not None
     raise first

@@ -21,7 +21,7 @@ from cranktopo.tasks.crank_import.fillets import fillet_keys
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf, FoundJournal
 from cranktopo.tasks.crank_import.half_body import HalfBody
 from cranktopo.tasks.crank_import.kernel_halves import crank_by_kernel
-from cranktopo.tasks.crank_import.mesh_halves import crank_of_mesh
+from cranktopo.tasks.crank_import.mesh_halves import SCATTER, crank_of_mesh
 from cranktopo.tasks.crank_import.meshes import MESH_SUFFIXES
 from cranktopo.tasks.crank_import.result import CrankImport, ImportedHalf
 from cranktopo.tasks.crank_import.summary import PAGE, PICTURE, half_of, result_of, web_words
@@ -113,7 +113,14 @@ def _web(body: HalfBody, crank: FoundCrank, name: str, material: str) -> Importe
     if wrong:
         raise CranktopoError(
             f"{web_words(body.half)}: is no web between two journals: {wrong[0]}.",
-            hint="Is it a crank? Other parts, or a sheared body, are not taken.",
+            hint=next(
+                (
+                    f"{line.capitalize()}. Export it with less noise, or as STEP."
+                    for line in crank.unread
+                    if SCATTER in line
+                ),
+                "Is it a crank? Other parts, or a sheared body, are not taken.",
+            ),
         )
     return ImportedWeb(body, read, name)
 

@@ -35,6 +35,26 @@ def throws_of(webs: Sequence[ImportedWeb], crank: FoundCrank) -> tuple[tuple[Sce
     return tuple((found[number, True], found[number, False]) for number in numbers)
 
 
+def second_body(webs: Sequence[ImportedWeb], crank: FoundCrank) -> str | None:
+    """Return the file of the second half of every throw, where the first distinct half is the first of all.
+
+    None where it is the same one, or no mirror image of itself: a design describes it as its mirror image.
+    """
+    groups = {(half.throw, half.toward > 0): web for web in webs for half in web.body.others}
+    numbers = range(1, len(crank.pins) + 1)
+    firsts, seconds = ([groups.get((number, low)) for number in numbers] for low in (True, False))
+    if any(one is not webs[0] for one in firsts) or any(one is not seconds[0] for one in seconds):
+        return None
+    other = seconds[0]
+    if (
+        other is None
+        or other is webs[0]
+        or not _alike(_dumped(other.read.scene), _dumped(mirror_image(other.read.scene)))
+    ):
+        return None
+    return other.body.file
+
+
 def different(throws: Throws) -> list[int]:
     """Return of each throw the index of the first one that is alike, but for its main journals."""
     return [next(i for i, one in enumerate(throws) if _alike(_parts(one), _parts(own))) for own in throws]

@@ -19,7 +19,7 @@ from cranktopo.bodies.solid.files import kernel_surface_of
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.surfaces.mesh import solid_of
+from cranktopo.numerics.surfaces.mesh import mesh_of, solid_of
 from cranktopo.tasks.crank_import.bevelled_edge import read_edge
 from cranktopo.tasks.crank_import.bevels import read_bevels
 from cranktopo.tasks.crank_import.half_body import EXACT, HalfBody
@@ -84,9 +84,9 @@ class ReadWeb:
         found = list(self.told)
         yield from found
         off = body.solid.volume_mm3 - half_throw_volume_mm3(self.scene)
-        if not found and body.near is EXACT and abs(off) > _TOLD_EXACT * body.solid.volume_mm3:
+        if not found and body.near == EXACT and abs(off) > _TOLD_EXACT * body.solid.volume_mm3:
             apart = (self.solid - self.shown) if off > 0 else (self.shown - self.solid)
-            x, y, z = largest_middle_mm(apart)
+            x, y, z = _largest_centre_mm(apart)
             what = "lacks" if off > 0 else "adds"
             yield f"the design {what} {abs(off):.4g} mm3, perhaps near ({x:.4g}, {y:.4g}, {z:.4g}) mm"
 
@@ -100,6 +100,12 @@ def largest_middle_mm(solid: Manifold) -> Array:
     """Return the middle of the box of the largest part of a solid."""
     box = max(solid.decompose(), key=lambda part: part.volume()).bounding_box()
     return np.array(box).reshape(2, 3).mean(axis=0)
+
+
+def _largest_centre_mm(solid: Manifold) -> Array:
+    """Return the centre of mass of the largest part of a solid: slivers along faces may hang on to it."""
+    part = max(solid.decompose(), key=lambda one: one.volume())
+    return np.asarray(mesh_of(part).as_trimesh().center_mass)
 
 
 @dataclass(frozen=True)

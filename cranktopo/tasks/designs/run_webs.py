@@ -12,13 +12,14 @@ from pydantic import Field
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import inside, read_json
+from cranktopo.base.notes import note
 from cranktopo.base.result import Result
-from cranktopo.design.halves import WebName
+from cranktopo.design.halves import WebName, difference
 from cranktopo.design.loading import builtin_designs, load_scene, one_web
 from cranktopo.design.named import DesignLike
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run
-from cranktopo.engine.one_throw import one_throw
+from cranktopo.engine.one_throw import one_throw, worse_web
 from cranktopo.runs.directories import RUNS, RunStore, open_run, runs_named
 from cranktopo.runs.kind import EACH_WEB, LOOP, RESULT_FILES, SHAPE, kind_of, resume_command
 
@@ -77,14 +78,19 @@ class WebTarget:
         return self.run if self.file is None else load_scene(str(self.file))
 
 
-def web_target(text: DesignLike, web: WebName | None = None, throw: int | None = None) -> WebTarget:
+def web_target(
+    text: DesignLike, web: WebName | None = None, throw: int | None = None, *, worse: bool = False
+) -> WebTarget:
     """Return a target: a design, one of its two webs, a scene, its file, a run, or the folder of a re-model.
+
+    Args:
+        worse: of two webs without a name take the one that bends more, with a line that names it.
 
     Raises:
         CranktopoError: none of these, a run that is not finished, or two webs and none of them named.
     """
     if isinstance(text, Scene):
-        return WebTarget(one_web(one_throw(text, throw), web))
+        return _of_design(text, web, throw, worse)
     path, text = Path(text), str(text)
     if web and path.suffix != ".toml" and text not in builtin_designs():
         raise CranktopoError(
@@ -96,9 +102,19 @@ def web_target(text: DesignLike, web: WebName | None = None, throw: int | None =
         return _of_remodel(path)
     named = not path.exists() and text not in builtin_designs() and bool(runs_named(text))
     if not (path.is_dir() or named):
-        return WebTarget(one_web(one_throw(load_scene(text, whole=True), throw), web))
+        return _of_design(load_scene(text, whole=True), web, throw, worse)
     run = open_run(text)
     return WebTarget(design_from_run(run), _run_web(run), run)
+
+
+def _of_design(scene: Scene, web: WebName | None, throw: int | None, worse: bool) -> WebTarget:
+    """Return the web asked for of a throw whose halves differ, or the worse one, which a line names."""
+    taken = one_throw(scene, throw)
+    if worse and web is None and difference(taken):
+        web = worse_web(taken)
+        other = "second" if web == "first" else "first"
+        note(f"{taken.name}: the {web} web is taken, which bends more; --web {other} takes the other")
+    return WebTarget(one_web(taken, web))
 
 
 def parametric_scene(text: str, target: WebTarget) -> Scene:

@@ -102,7 +102,7 @@ def command(
         from cranktopo.tasks.designs.run_webs import web_target
 
         name = target or DEFAULT_DESIGN
-        found = web_target(name, web, throw)
+        found = web_target(name, web, throw, worse=True)
         scene, text = found.design, design_text(name) if found.run is None else None
         if scene.goal is None and minimise is None and maximise is None:
             minimise = "mass"

@@ -32,7 +32,7 @@ def found(lengths_mm: tuple[float, ...], radius_mm: float = 21.0) -> FoundCrank:
 
 
 def crank_of(found_crank: FoundCrank) -> Crank | None:
-    text = design_text(load_scene("mikron-iiic-plain"), found_crank, "half-1.step", ("x.step",))
+    text = design_text(load_scene("mikron-iiic-plain"), found_crank, ("half-1.step", None), ("x.step",))
     return parse_scene(text).crank
 
 
@@ -77,5 +77,5 @@ def test_throws_have_one_angle_in_design_and_words() -> None:
     crank = replace(three, pins=pins)
     assert [crank.angle_deg(pin) for pin in pins] == wanted
     assert "3 throws at 0, 120, 240 deg" in crank.words
-    text = design_text(load_scene("mikron-iiic-plain"), crank, "half-1.step", ("x.step",))
+    text = design_text(load_scene("mikron-iiic-plain"), crank, ("half-1.step", None), ("x.step",))
     assert "throw_angles_deg = [0.0, 120.0, 240.0]" in text

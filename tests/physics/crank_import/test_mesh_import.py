@@ -154,3 +154,13 @@ def test_facets_of_one_size(tmp_path: Path) -> None:
     """Triangles that do not follow the cylinders."""
     scene = load_scene("car-diesel")
     check_near(scene, imported(surface_of(scene, "throw"), "car", tmp_path))
+
+
+@pytest.mark.slow
+def test_noise_of_the_triangles_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Corners that are 0.005 mm off at random: no web comes back, and their scatter is named."""
+    mesh = coarse(load_scene("mikron-iiic-plain"), "half", monkeypatch)
+    off = np.random.default_rng(4).normal(scale=0.005, size=mesh.vertices_mm.shape)
+    with pytest.raises(CranktopoError) as raised:
+        imported(SurfaceMesh(mesh.vertices_mm + off, mesh.faces), "noisy", tmp_path)
+    assert (raised.value.hint or "").startswith("Corners of triangles scatter by")

@@ -8,11 +8,13 @@ from typing import Any
 import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.notes import redirected
 from cranktopo.design.assumed import THROW, assumptions
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.loading import load_scene, one_web, parse_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import pair_text, toml_text
+from cranktopo.tasks.designs.run_webs import web_target
 from tests.physics.fea.test_two_webs import ACROSS, SECOND, WEB, lopsided, scene_with
 
 DRILLED: dict[str, Any] = {
@@ -61,7 +63,7 @@ REFUSED: dict[str, tuple[Scene, Any, str, ExitCode]] = {
     "original": (
         scene_with(second_web=SECOND, original={"file": "old.step"}),
         "second",
-        "original.file is one half throw",
+        "original.file is one half throw, the first one",
         ExitCode.INVALID_INPUT,
     ),
 }
@@ -74,6 +76,25 @@ def test_refused(case: str) -> None:
         one_web(scene, web)
     assert message in str(caught.value)
     assert caught.value.code == code
+
+
+def test_each_half_has_its_own_original(tmp_path: Path) -> None:
+    """The body of the first web, and that of the other by a key of its own; of the halves each is `file`."""
+    scene = scene_with(second_web=SECOND, original={"file": "one.step", "second_file": "two.step"})
+    for web, file in (("first", "one.step"), ("second", "two.step")):
+        half = one_web(scene, web)
+        assert half.original is not None
+        assert (half.original.file, half.original.second_file) == (file, None)
+
+
+def test_a_search_takes_the_worse_web_and_says_so() -> None:
+    """Of webs of 19 and 21 mm the thinner one, whichever side it lies on."""
+    thick = {**SECOND, "thickness_mm": 21.0}
+    notes: list[str] = []
+    with redirected(notes.append):
+        taken = web_target(scene_with(second_web=thick), worse=True).design
+    assert taken.throw.mirrored_web == "first"
+    assert "the first web is taken, which bends more; --web second takes the other" in notes[-1]
 
 
 def written(scene: Scene, path: Path) -> str:
