@@ -170,7 +170,7 @@ $("find").addEventListener("input", filterForms);
 $("tree").addEventListener("focusin", (event) => ($("help").textContent = event.target.closest(".row")?.querySelector(".help")?.textContent ?? ""));
 $("ghost").addEventListener("change", () => (showGhost(), showFront()));
 for (const id of ["colours", "crank", "section"]) $(id).addEventListener("change", () => showPicture());
-$("section").addEventListener("change", () => ($("section-x").hidden = !$("section").checked));
+$("section").addEventListener("change", () => ($("section-x").disabled = !$("section").checked));
 $("section-x").addEventListener("input", () => showPicture());
 new ResizeObserver(() => state.front && ((state.frontDrawn = false), delete $("front").dataset.held, showFront())).observe($("front"));
 beginForm();

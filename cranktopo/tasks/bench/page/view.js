@@ -30,7 +30,7 @@ export function showPicture(number) {
 // The place of the section, mm, on its slider, which goes from side to side of the web.
 function sectionAt() {
   const slider = $("section-x"), half = Math.max(...state.front.paths.flatMap((path) => path.points.map(([x]) => Math.abs(x))));
-  slider.hidden = false;
+  slider.disabled = false;
   [slider.min, slider.max] = [-half.toFixed(1), half.toFixed(1)];
   slider.setAttribute("aria-valuetext", `x = ${slider.value} mm`);
   return Number(slider.value);
