@@ -210,8 +210,8 @@ class BoltedJoint(Bolt):
     name: str = Field(default="joint", pattern=r"^[A-Za-z0-9][A-Za-z0-9 ._-]*$", examples=["counterweight"])
     """Name in tables."""
     holds: Literal["web.counterweight"] | None = Field(default=None, examples=["web.counterweight"])
-    """What it holds: `web.counterweight` is one with a density of its own, which pulls at the bolts outward
-    with its centrifugal force at the highest speed of the engine."""
+    """Part that it holds: `web.counterweight` is one with a density of its own, which pulls at the bolts
+    outward with its centrifugal force at the highest speed of the engine."""
     bolts: int = Field(default=2, ge=1, le=64)
     """Number of bolts that share the force of what `holds` names, each along its axis."""
     max_force_N: float | None = Field(

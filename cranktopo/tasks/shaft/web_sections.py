@@ -19,7 +19,7 @@ from cranktopo.tasks.shaft.cycle import ShaftCycle
 
 @dataclass(frozen=True)
 class WebSections:
-    """What the part of the shaft ahead of each web puts on its middle, in the axes of its throw.
+    """Loads by the part of the shaft ahead of each web on its middle, in the axes of its throw.
 
     Of the section forces alone: the web's own centrifugal force between section and web, constant over the
     cycle, is left out. Shapes (throws, 2 webs, states).

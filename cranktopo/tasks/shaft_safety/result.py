@@ -143,7 +143,7 @@ class SafetyAtSpeed(Result):
 
 
 class ShaftAtSpeed(Result):
-    """What bearings and webs of a shaft carry at a speed, and the least safety there."""
+    """Loads of the bearings and webs of a shaft at a speed, and the least safety there."""
 
     rpm: float
     bearings: tuple[BearingAtSpeed, ...]
@@ -153,7 +153,7 @@ class ShaftAtSpeed(Result):
 
 
 class WorstAtSpeed(Result):
-    """Where and when the shaft is least safe, in short."""
+    """Place and moment at which the shaft is least safe, in short."""
 
     rpm: float
     deg: float
@@ -169,7 +169,7 @@ class ShaftAssessment(ShaftEvaluation):
     """A whole crankshaft and the safety of its webs: the object that `shaft --json` prints."""
 
     speeds: tuple[ShaftAtSpeed, ...] = ()
-    """What it carries and how safe it is, in short, by speed; `on_bearings` and `safety` have all of it."""
+    """Loads and safety in short, by speed; `on_bearings` and `safety` have all of it."""
     worst: WorstAtSpeed | None = UNLESS_NONE
     """Its least safety at all speeds, with `--method`."""
     seconds: SafetySeconds | None = UNLESS_NONE

@@ -1,4 +1,4 @@
-"""What is to be known of loads and strength before a web is made by them."""
+"""Loads and strength to be known before a web is made by them."""
 
 from __future__ import annotations
 
