@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -113,16 +114,17 @@ def _web(body: HalfBody, crank: FoundCrank, name: str, material: str) -> Importe
     if wrong:
         raise CranktopoError(
             f"{web_words(body.half)}: is no web between two journals: {wrong[0]}.",
-            hint=next(
-                (
-                    f"{line.capitalize()}. Export it with less noise, or as STEP."
-                    for line in crank.unread
-                    if SCATTER in line
-                ),
-                "Is it a crank? Other parts, or a sheared body, are not taken.",
-            ),
+            hint=misfit_hint(crank.unread),
         )
     return ImportedWeb(body, read, name)
+
+
+def misfit_hint(unread: Sequence[str]) -> str:
+    """Return why a half throw may be no web between two journals, from what was told of its body."""
+    scatter = next((line for line in unread if line.startswith(SCATTER)), None)
+    if scatter is None:
+        return "Is it a crank? Other parts, or a sheared body, are not taken."
+    return f"{scatter.capitalize()}. Export it with less noise, or as STEP."
 
 
 def throw_table(body: HalfBody, crank: FoundCrank) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from cranktopo.tasks.crank_import.faces import CylinderFace, Faces
 from cranktopo.tasks.crank_import.meshes import mesh_solids
 from cranktopo.tasks.crank_import.result import CrankImport
 from cranktopo.tasks.crank_import.solids import parallel_axes
-from cranktopo.tasks.crank_import.stage import import_crank
+from cranktopo.tasks.crank_import.stage import import_crank, misfit_hint
 from cranktopo.tasks.crank_import.web_reading import ReadWeb
 from tests.random_engines import random_engine
 
@@ -156,11 +156,7 @@ def test_facets_of_one_size(tmp_path: Path) -> None:
     check_near(scene, imported(surface_of(scene, "throw"), "car", tmp_path))
 
 
-@pytest.mark.slow
-def test_noise_of_the_triangles_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Corners that are 0.005 mm off at random: no web comes back, and their scatter is named."""
-    mesh = coarse(load_scene("mikron-iiic-plain"), "half", monkeypatch)
-    off = np.random.default_rng(4).normal(scale=0.005, size=mesh.vertices_mm.shape)
-    with pytest.raises(CranktopoError) as raised:
-        imported(SurfaceMesh(mesh.vertices_mm + off, mesh.faces), "noisy", tmp_path)
-    assert (raised.value.hint or "").startswith("Corners of triangles scatter by")
+def test_noise_is_named_and_no_sheared_body() -> None:
+    told = misfit_hint(("step of 30 x 4 mm", "corners of triangles scatter by 0.005 mm about the journals"))
+    assert told.startswith("Corners of triangles scatter by 0.005 mm about the journals. Export it with less")
+    assert "sheared body" in misfit_hint(("step of 30 x 4 mm",))
