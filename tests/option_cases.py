@@ -183,6 +183,7 @@ TABLE: dict[str, dict[str, Case]] = {
         "--method": Acts(MIKRON, "--method fkm"),
         "--fillet-fraction": Refused(f"{MIKRON} --fillet-fraction 0.3", "without --method no stress"),
         "--report": Acts(MIKRON, "--report shaft.html"),
+        "--csv": Acts(MIKRON, "--csv shaft.csv"),
         "--misfire": Acts(MIKRON, "--misfire 2"),
         "--json": Shown("cli/test_cad_bodies.py::test_the_shaft_of_a_body_is_that_of_its_design"),
     },

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pydantic import Field, InstanceOf
+from pydantic.json_schema import SkipJsonSchema
 
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
@@ -69,7 +70,7 @@ class ContinuousShaft(Result):
     """Of each bearing; none of rigid ones."""
     webs: tuple[WebMoment, ...]
     main_bearings: tuple[ShaftBearing, ...]
-    sections: InstanceOf[WebSections] | None = Field(default=None, exclude=True)
+    sections: SkipJsonSchema[InstanceOf[WebSections] | None] = Field(default=None, exclude=True)
     """Forces and moments in the webs at every angle."""
 
     @property
