@@ -25,7 +25,7 @@ def _sealed(result: Any) -> Json:
 
 
 @dataclass(frozen=True)
-class Work:
+class StageMemory:
     """Memory of one long work, such as an optimisation of dimensions.
 
     It stands beside the files of runs, so that whoever does the work need not know where it is kept.

@@ -46,7 +46,7 @@ def section_difference(section: Section, *removed: Section) -> Section:
     return spans
 
 
-def together(*sections: Section) -> Section:
+def superpose_sections(*sections: Section) -> Section:
     """Return what lies in any of the sections."""
 
     def spans(y_mm: Array, z_mm: Array) -> Sequence[Span]:

@@ -8,7 +8,7 @@ from itertools import accumulate
 from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.bodies.solid.step import by_kernel, step_solid
+from cranktopo.bodies.solid.step import in_cad_kernel, step_solid
 from cranktopo.design.crank import Side
 from cranktopo.design.crank_throws import end_journal, throw_scenes
 from cranktopo.design.schema import Scene
@@ -110,7 +110,7 @@ _Properties = tuple[float, tuple[float, float, float], tuple[float, ...], tuple[
 
 @lru_cache(maxsize=8)
 def _properties(path: Path, stamp: int) -> _Properties:
-    return by_kernel(f"crank.end: '{path.name}'", _read_properties, path, f"crank.end: '{path.name}'")
+    return in_cad_kernel(f"crank.end: '{path.name}'", _read_properties, path, f"crank.end: '{path.name}'")
 
 
 def _read_properties(path: Path, name: str) -> _Properties:

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from manifold3d import Manifold
 
-from cranktopo.base.spans import Section, common, polygon_section, section_difference, together
+from cranktopo.base.spans import Section, common, polygon_section, section_difference, superpose_sections
 from cranktopo.bodies.envelope_file import SECTIONS, envelope_from_file
 from cranktopo.bodies.solid.files import kernel_surface_of
 from cranktopo.design.halves import has_zones
@@ -43,7 +43,7 @@ def staying_at(scene: Scene, z_mm: float) -> Iterator[tuple[Section, bool]]:
         return
     own, frozen = own_section(scene, z_mm), frozen_at(scene, z_mm)
     if frozen:
-        yield common(own, frozen[0] if len(frozen) == 1 else together(*frozen)), False
+        yield common(own, frozen[0] if len(frozen) == 1 else superpose_sections(*frozen)), False
     if scene.envelope.removable:
         removable = _sections(scene, "removable", z_mm)
         yield section_difference(own, *removable, *frozen), True

@@ -238,8 +238,12 @@ class Fatigue(SceneTable):
         """The surface treatment with its source in words; empty where there is none."""
         if self.hardened:
             alike = len(self.hardened) == 2 and self.journal_hardening is None
-            told = {fillet: one.told for fillet, one in self.hardened.items()}
-            each = told["pin"] if alike else "; ".join(f"{key} fillets {one}" for key, one in told.items())
+            reported = {fillet: one.told for fillet, one in self.hardened.items()}
+            each = (
+                reported["pin"]
+                if alike
+                else "; ".join(f"{key} fillets {one}" for key, one in reported.items())
+            )
             return f"strength of the fillets by hardness and residual stress over depth: {each}"
         factor = self.surface_treatment_factor
         if factor == 1.0:

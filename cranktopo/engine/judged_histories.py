@@ -62,8 +62,8 @@ def _at_overspeed(
     if kind == "cycle":
         found = throw_histories(at, enabled)
     else:
-        told = scene if "torsional_vibration" in enabled else at
-        extremes = extreme_states(all_firing(told), enabled)
+        reported = scene if "torsional_vibration" in enabled else at
+        extremes = extreme_states(all_firing(reported), enabled)
         found = [extremes_at(at, extremes, enabled)]
         if counts_tangential(at, kind, enabled):
             found += _bounding(throw_histories(at, enabled))

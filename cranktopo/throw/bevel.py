@@ -96,12 +96,12 @@ class EndBevel(Feature):
         """With the draft of the die, so far outward that nowhere less than the allowance lies on its face."""
         own, wide = self.arc(scene), scene.web.largest_half_width_mm
         arc = replace(own, draft_deg=max(own.draft_deg, forging.draft_deg))
-        out, chord = (arc.fall - own.fall) * wide, own.chord_mm
+        out, chord = (arc.drop - own.drop) * wide, own.chord_mm
         rise, run = own.end_mm - own.start_mm, own.depth_mm
         arc = replace(arc, start_mm=own.start_mm + out * run / chord, end_mm=own.end_mm + out * run / chord)
         (start, end), up = scene.web_z_mm, forging.allowance_mm + out * rise / chord
         face, into = (start - up, 1.0) if arc.outward > 0 else (end + up, -1.0)
-        thick = end - start + 2 * (up + forging.fall * wide)
+        thick = end - start + 2 * (up + forging.draft_slope * wide)
         inner = _first_mm(scene, arc) - wide
         return (DraftedBevelTool(key, (start - up, end + up), arc, face, into, 2 * wide, inner, thick),)
 

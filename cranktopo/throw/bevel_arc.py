@@ -48,7 +48,7 @@ class BevelArc:
         """
         if not self.draft_deg:
             return self._section_depth_mm(reach_mm)
-        fallen, (first, last) = self.fall * aside_mm / self.chord_mm, self._end_slopes
+        fallen, (first, last) = self.drop * aside_mm / self.chord_mm, self._end_slopes
         reach = reach_mm + fallen * self.depth_mm
         beyond = np.minimum(reach - self.start_mm, 0.0) * first + np.maximum(reach - self.end_mm, 0.0) * last
         deeper = fallen * (self.end_mm - self.start_mm)
@@ -93,7 +93,7 @@ class BevelArc:
         return self.chord_mm / 2 * math.tan(min(slope, math.pi / 2 - slope) / 2)
 
     @property
-    def fall(self) -> Any:
+    def drop(self) -> Any:
         """Depth that the arc gains at right angles to its chord, per mm from x = 0.
 
         At both ends, where the arc leaves its chord's direction most, the surface has the draft, else more.
@@ -133,12 +133,12 @@ class BevelArc:
         above, root = self._above_mm(depth_mm, reach_mm)
         if not self.draft_deg:
             return -above * root
-        fall = self.fall
+        fall = self.drop
         return -(above + fall * aside_mm) * root / np.sqrt(1 + (fall * root) ** 2)
 
     def from_mm(self, depth_mm: Any, reach_mm: Any) -> Any:
         """Distance from x = 0 at which its surface is at a depth and reach; 0 where it takes off all."""
-        return np.maximum(-self._above_mm(depth_mm, reach_mm)[0] / self.fall, 0.0)
+        return np.maximum(-self._above_mm(depth_mm, reach_mm)[0] / self.drop, 0.0)
 
     def _above_mm(self, depth_mm: Any, reach_mm: Any) -> tuple[Any, Any]:
         """Height of points over the arc, away from the web along its chord's normal; cosine of its turn."""

@@ -119,7 +119,7 @@ class DraftedBevelTool(BevelTool):
     @override
     def solids(self) -> tuple[Solid, ...]:
         """Return the arc, continued along its tangents beyond the web, swept obliquely to either side."""
-        arc, far = self.arc, self.arc.fall * self.wide_mm
+        arc, far = self.arc, self.arc.drop * self.wide_mm
         long = 2 * (far + self.thickness_mm)
         above = far + arc.chord_mm
         (first, last), top = arc.end_angles, arc.end_mm + 2 * long

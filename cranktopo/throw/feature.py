@@ -58,7 +58,7 @@ class ForgingView(Protocol):
         """Least draft of every surface."""
 
     @property
-    def fall(self) -> float:
+    def draft_slope(self) -> float:
         """Tangent of the draft."""
 
 

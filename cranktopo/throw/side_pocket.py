@@ -82,7 +82,7 @@ class SidePocket(Feature):
         if self.draft_deg < forging.draft_deg:
             return ()
         slots, (low, high) = self._slots(scene, key), scene.web.y_range_mm(scene.throw.radius_mm)
-        straight, more = self.length_mm / 2 - self.corner_radius_mm, forging.fall * slots.outer_mm
+        straight, more = self.length_mm / 2 - self.corner_radius_mm, forging.draft_slope * slots.outer_mm
         below, above = (
             more if out else 0.0 for out in (self.y_mm - straight < low, self.y_mm + straight > high)
         )

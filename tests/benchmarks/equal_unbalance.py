@@ -21,7 +21,7 @@ from typing import Any
 
 from scipy.optimize import brentq
 
-from cranktopo.base.progress import Work
+from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.wanted import with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
@@ -88,7 +88,9 @@ def lines(name: str) -> list[str]:
         alone, found = shaped(fixed, ("unbalance none",), Path(folder) / "alone")
         before = found["original"]
         follows = followed(alone, before["unbalance"])
-        judged = evaluated_web(follows, {"fatigue_safety"}, None, "counterweight follows", Work()).values
+        judged = evaluated_web(
+            follows, {"fatigue_safety"}, None, "counterweight follows", StageMemory()
+        ).values
         together, both = shaped(scene, (), Path(folder) / "together")
     return [
         row(name, "original", scene, before, before),

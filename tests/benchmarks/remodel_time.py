@@ -14,7 +14,7 @@ from typing import Any
 from unittest.mock import patch
 
 from cranktopo.design.writing import design_from_run
-from cranktopo.engine.plan.simulated import without
+from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.runs.directories import open_run
 from cranktopo.tasks.fea.evaluation import evaluate
 from cranktopo.tasks.fea.targets import Target
@@ -55,7 +55,7 @@ def main(run: Path, evaluated: bool) -> None:
     surface = read_half_throw(run / "web.stl", scene)
     with searches_shown():
         fitted = timed("fit", lambda: fit.fit_web(surface, scene, ManufacturingLimits()))
-    sharp = without(fitted.scene, "fillets")
+    sharp = strip_features(fitted.scene, "fillets")
     near = timed("shape error", lambda: shape_error(sharp, surface))
     print(f"overlap (IoU): web {100 * near.web_iou:.1f} %, half throw {100 * near.iou:.1f} %")
     if evaluated:

@@ -13,7 +13,7 @@ import sys
 
 import numpy as np
 
-from cranktopo.base.progress import Work
+from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.wanted import wanted, with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.numerics.precision import double_precision
@@ -50,7 +50,7 @@ def main(engine: str = "mikron-iiic-plain", quantity: str = "torsion_per_mass", 
         for number in range(starts):
             moved = np.random.default_rng(number).uniform(-SPREAD_MM, SPREAD_MM, len(middle))
             one, solved = search_on_cells(
-                model, layout, middle + moved, stated, f"{number}", Work(), 2 * EVALUATIONS
+                model, layout, middle + moved, stated, f"{number}", StageMemory(), 2 * EVALUATIONS
             )
             if one is not None:
                 found.append((one, solved))

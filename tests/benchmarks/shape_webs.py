@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from cranktopo.base.progress import Work
+from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.wanted import with_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
@@ -84,7 +84,7 @@ def webs(name: str, goal: str) -> Iterator[tuple[str, dict[str, float], str]]:
         remodel_run(str(run.folder), evaluated=False)
         seconds = time.perf_counter() - began
         remodel = load_scene(str(run.folder / "remodel" / f"{scene.name}-remodel.toml"))
-        found = evaluated_web(remodel, {"fatigue_safety"}, None, "re-model", Work()).values
+        found = evaluated_web(remodel, {"fatigue_safety"}, None, "re-model", StageMemory()).values
         before = shaped["values"]["original"]
         change = {key: 100 * (found[key] / before[key] - 1) for key in NAMES}
         yield "re-model of a density", change, f"- | - | {seconds:.0f}"

@@ -31,6 +31,7 @@ def differing(one: np.ndarray, other: np.ndarray) -> float:
     return float((np.abs(one - other).max(axis=2) > 30).mean())
 
 
+@pytest.mark.slow
 def test_a_screen_reader_hears_label_value_change_and_ring_of_every_gauge(quick: Any) -> None:
     seen = quick(PLAIN)
     page = seen.page
@@ -55,6 +56,7 @@ def test_a_screen_reader_hears_label_value_change_and_ring_of_every_gauge(quick:
         assert named.strip(), control.evaluate("(one) => one.outerHTML")
 
 
+@pytest.mark.slow
 def test_the_ghost_of_the_original_is_seen_and_taken_away(quick: Any) -> None:
     seen = quick(PLAIN)
     page = seen.page
@@ -75,6 +77,7 @@ def test_the_ghost_of_the_original_is_seen_and_taken_away(quick: Any) -> None:
     assert seen.complaints == []
 
 
+@pytest.mark.slow
 def test_a_handle_of_the_front_view_is_dragged_with_the_pointer(quick: Any) -> None:
     """Half a width is moved: its dimension changes by twice the way, and stays under the pointer."""
     page = quick(PLAIN).page
@@ -114,6 +117,7 @@ def test_two_pages_of_one_bench_see_each_other(quick: Any) -> None:
     page.wait_for_function("() => document.getElementById('f-web.width_mm').value !== '54'")
 
 
+@pytest.mark.slow
 def test_the_place_of_the_least_safety_turns_the_view(quick: Any) -> None:
     seen = quick(PLAIN)
     page = seen.page
@@ -137,6 +141,7 @@ def test_the_place_of_the_least_safety_turns_the_view(quick: Any) -> None:
     assert red.sum() == 0, "not of the web in hand"
 
 
+@pytest.mark.slow
 def test_the_section_is_moved_across_the_web(quick: Any) -> None:
     seen = quick(PLAIN)
     page = seen.page
@@ -154,6 +159,7 @@ def test_the_section_is_moved_across_the_web(quick: Any) -> None:
     assert shares[0] < shares[1], "less is taken away"
 
 
+@pytest.mark.slow
 def test_outlets_have_a_gauge_where_there_are_any(quick: Any, tmp_path: Path) -> None:
     page = quick(PLAIN).page
     shown(page)
@@ -175,6 +181,7 @@ DROP = """([name, text, kind]) => {
 }"""
 
 
+@pytest.mark.slow
 def test_files_are_dropped_and_pasted(quick: Any, tmp_path: Path) -> None:
     """A design by a real drop event, a copied file, the text of a design, and a trace."""
     page = quick().page
@@ -197,6 +204,7 @@ def test_files_are_dropped_and_pasted(quick: Any, tmp_path: Path) -> None:
     assert not page.evaluate(DROP, ["", "just some words", "paste"])
 
 
+@pytest.mark.slow
 def test_a_drag_beyond_a_rule_ends_at_the_rule(quick: Any) -> None:
     """A slider that was let go where a rule is broken fell back to where it began."""
     page = quick(PLAIN).page
@@ -210,6 +218,7 @@ def test_a_drag_beyond_a_rule_ends_at_the_rule(quick: Any) -> None:
     assert page.locator("#tree .is-broken").count() == 0
 
 
+@pytest.mark.slow
 def test_variants_are_lines_across_their_gauges(quick: Any) -> None:
     """A heavier variant lies below at the mass; a bound is a line of the picture beside."""
     seen = quick(PLAIN)
@@ -242,6 +251,7 @@ def test_variants_are_lines_across_their_gauges(quick: Any) -> None:
     assert seen.complaints == []
 
 
+@pytest.mark.slow
 def test_kept_variants_have_a_small_picture_to_one_scale(quick: Any) -> None:
     page = quick(PLAIN).page
     shown(page)
@@ -255,6 +265,7 @@ def test_kept_variants_have_a_small_picture_to_one_scale(quick: Any) -> None:
     assert boxes == pytest.approx([50, 60], rel=0.02)
 
 
+@pytest.mark.slow
 def test_how_far_a_job_is_is_a_bar_with_the_time_left(quick: Any) -> None:
     page = quick(PLAIN).page
     shown(page)
@@ -281,6 +292,7 @@ GROUPS = {
 }
 
 
+@pytest.mark.slow
 def test_bearings_crank_forging_and_drawing_have_forms(quick: Any) -> None:
     page = quick("car-diesel").page
     shown(page)
@@ -301,6 +313,7 @@ def test_bearings_crank_forging_and_drawing_have_forms(quick: Any) -> None:
     assert page.get_by_role("button", name="Add forging", exact=True).count() == 1
 
 
+@pytest.mark.slow
 def test_a_task_by_keyboard_alone(quick: Any, tmp_path: Path) -> None:
     """From the first page to the STEP file: a design is begun, made wider, kept, and written."""
     page = quick().page
@@ -351,6 +364,7 @@ def test_a_bench_of_others_asks_for_its_password_once(browser: Any, tmp_path: Pa
         page.context.close()
 
 
+@pytest.mark.slow
 def test_a_use_fills_in_a_sound_beginning(quick: Any) -> None:
     page = quick().page
     page.wait_for_selector("#begin:not([hidden])")

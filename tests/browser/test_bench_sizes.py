@@ -10,6 +10,7 @@ from tests.browser.bench_page import set_slider, shown
 from tests.studies.bench_pictures import CUT, SIZES
 
 pytest.importorskip("tornado")
+SLOW = pytest.mark.slow
 OVERLAPS = """() => {
     const names = [...document.querySelectorAll("#front [data-handle] text")], found = [];
     const boxes = names.map((name) => name.getBBox());
@@ -22,7 +23,7 @@ OVERLAPS = """() => {
 }"""
 
 
-@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("size", [pytest.param(one, marks=SLOW if one != "desk" else ()) for one in SIZES])
 def test_nothing_is_cut(quick: Any, size: str) -> None:
     """The choice of a file stuck out of the first page on a tablet, names of handles stood on each other."""
     page = quick(**SIZES[size]).page
@@ -37,6 +38,7 @@ def test_nothing_is_cut(quick: Any, size: str) -> None:
     assert page.evaluate(OVERLAPS) == []
 
 
+@SLOW
 def test_light_and_dark_can_be_read(quick: Any) -> None:
     """Text against its ground has a contrast of at least 4.5, as WCAG 2.1 asks for; what is stale, 3."""
     page = quick("mikron-iiic-plain").page

@@ -22,7 +22,7 @@ from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.compare import stage as pages
 from cranktopo.tasks.compare.result import Entry, compare
 from cranktopo.tasks.fatigue import stage
-from cranktopo.tasks.fatigue.m53 import Factors, FilletCheck, Nominal, dimensions
+from cranktopo.tasks.fatigue.m53 import ConcentrationFactors, FilletCheck, Nominal, dimensions
 from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult, Quality
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
@@ -307,7 +307,7 @@ def safeties(monkeypatch: pytest.MonkeyPatch) -> None:
     def checked(target: Target, *_: object) -> tuple[RuleCheck, ...]:
         light = target.name.endswith("casting")
         fillet = {"pin": FilletCheck(200.0, 210.0 if light else 260.0), "journal": FilletCheck(200.0, 400.0)}
-        factors, nominal = Factors(2.0, 1.5, 2.0, 3.0, 1.5), Nominal(50.0, 5.0, 20.0, 20.0)
+        factors, nominal = ConcentrationFactors(2.0, 1.5, 2.0, 3.0, 1.5), Nominal(50.0, 5.0, 20.0, 20.0)
         quality = Quality(0.4, 0.24, 1000, 1.0, 4.0, 1.0, 2.0)
         mass = 1.5 if light else 2.0
         size, loads = dimensions(target.scene), AlternatingLoads(100.0, 1.0, 1.0)

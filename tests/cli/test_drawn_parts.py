@@ -20,6 +20,7 @@ def forged(tmp_path: Path) -> Path:
     return design
 
 
+@pytest.mark.slow
 def test_the_raw_part_is_drawn_alone(
     forged: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

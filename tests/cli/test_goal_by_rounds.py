@@ -18,7 +18,7 @@ import trimesh
 
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.progress import Work
+from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.outcome import goal_outcome
@@ -179,7 +179,7 @@ class Invented:
     """Designs of which the evaluation always says the same."""
 
     percent: float
-    work: Work = field(default_factory=Work)
+    work: StageMemory = field(default_factory=StageMemory)
     goal: Goal = GOAL
 
     def original(self) -> dict[str, float]:

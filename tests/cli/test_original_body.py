@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.progress import Work
+from cranktopo.base.progress import StageMemory
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.volume import half_throw_volume_mm3, web_volume_mm3
@@ -95,7 +95,7 @@ def test_a_goal_is_measured_against_the_body_without_its_fillets(
 
     monkeypatch.setattr(evaluated_goal, "evaluate", evaluated)
     unused: Any = None
-    case = EvaluatedGoal(unused, naming(mikron, body_of(filleted)), unused, unused, Work())
+    case = EvaluatedGoal(unused, naming(mikron, body_of(filleted)), unused, unused, StageMemory())
     assert case.original()["torsion"] == 100e3
     assert seen == [pytest.approx(half_throw_volume_mm3(sharp), rel=3e-4)]
     assert half_throw_volume_mm3(filleted) > 1.003 * half_throw_volume_mm3(sharp)

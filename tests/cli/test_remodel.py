@@ -192,7 +192,7 @@ def test_an_interrupted_remodel_leaves_nothing(
         seen.append([path.name for path in run.iterdir() if path.is_dir()])
         raise KeyboardInterrupt
 
-    for name in ("read_half_throw", "fit_web", "shape_error", "without", "surface_of", "as_stored"):
+    for name in ("read_half_throw", "fit_web", "shape_error", "strip_features", "surface_of", "as_stored"):
         monkeypatch.setattr(remodel, name, lambda *_: SimpleNamespace(scene=mikron))
     monkeypatch.setattr(remodel, "write_refit", interrupted)
     assert main(["remodel", str(run)]) == 130

@@ -10,7 +10,7 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import redirected
-from cranktopo.base.progress import Work
+from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.wanted import with_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
@@ -55,7 +55,7 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> list[Scene]:
 
 
 def loads_of(scene: Scene) -> WebLoads:
-    found = search_in_shaft(scene, shape_goal(scene), ShapeSettings(), Work())
+    found = search_in_shaft(scene, shape_goal(scene), ShapeSettings(), StageMemory())
     assert found is not None
     return found.loads
 
@@ -147,9 +147,9 @@ def test_the_shaft_with_the_best_web_has_the_last_word(
         wanted = with_goal(load_scene("mikron-iiic"), maximise="fatigue_safety")
     else:
         wanted = mikron("on", f"fatigue_safety >= {required}")
-    found = search_in_shaft(scene, shape_goal(scene), ShapeSettings(), Work())
+    found = search_in_shaft(scene, shape_goal(scene), ShapeSettings(), StageMemory())
     assert found is not None
-    judged = found.judged(scene, shape_goal(wanted), Work())
+    judged = found.judged(scene, shape_goal(wanted), StageMemory())
     assert judged == SafetyInShaft(original=1.45, result=1.45, required=required, web=8, part="pin_fillet")
     assert judged.held is held
 
@@ -162,7 +162,7 @@ def test_the_designs_own_web_has_the_safety_of_its_shaft() -> None:
     scene = with_goal(scene_from_dict(data), minimise="mass", limits=("fatigue_safety >= 100 %",))
     assert "continuous_shaft" in plan_for_stress(scene).enabled
     settings = ShapeSettings(fillet_fraction=2.0)
-    found = search_in_shaft(scene, shape_goal(scene), settings, Work())
+    found = search_in_shaft(scene, shape_goal(scene), settings, StageMemory())
     assert found is not None
     under = web_safety(scene, Judging(found.loads, settings.fillet_fraction))
     assert under == pytest.approx(found.shaft.figures.safety, rel=1e-6)

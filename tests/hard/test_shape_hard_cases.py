@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.progress import Work
+from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
@@ -85,7 +85,7 @@ def stated(goal: Goal, model: WebModel) -> SearchGoal:
 def growth(model: WebModel, goal: Goal) -> FeatureSelection:
     """On cells that err in nothing, so that they stand for the elements as well."""
     both = stated(goal, model)
-    return FeatureSelection(model, model.webs(), (both, both), model.original, Work())
+    return FeatureSelection(model, model.webs(), (both, both), model.original, StageMemory())
 
 
 QUICK = "outline across the fillets", "groove against bore"
@@ -102,7 +102,9 @@ def test_a_start_that_breaks_the_rules_ends_in_a_web_that_can_be_made(
     before = rules_at(mikron, web, values)
     outside = (values < web.bounds[0]) | (values > web.bounds[1])
     assert any(rule in broken for broken in before.violated) or outside.any()
-    found, _ = search_on_cells(model, layout, values, stated(LIGHT, model), name, Work(), 12, nearest=True)
+    found, _ = search_on_cells(
+        model, layout, values, stated(LIGHT, model), name, StageMemory(), 12, nearest=True
+    )
     assert found is not None
     assert rules_at(mikron, web, found.values).violated == ()
     assert shaped_scene(mikron, layout, found.values).web.thickness_mm == mikron.web.thickness_mm
@@ -179,7 +181,7 @@ def test_fillets_grow_no_further_than_their_shoulders_let_them(mikron: Scene) ->
     values = np.array([*OUTLINE, *starts])
     layout, start = with_free(Layout(7, bevels), values, scene, free_dimensions(scene))
     webs, goal = Plane(scene), SearchGoal("mass", 1.0, 500.0, ())
-    found, _ = best_values(lambda: webs, layout, start, goal, "a", Work(), SearchBudget(60, 8.0))
+    found, _ = best_values(lambda: webs, layout, start, goal, "a", StageMemory(), SearchBudget(60, 8.0))
     assert found is not None
     assert rules_at(scene, webs.web(layout), found).violated == ()
     shaped = shaped_scene(scene, layout, found)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.progress import Work
+from cranktopo.base.progress import StageMemory
 from cranktopo.bodies.memory import thinnest_wall_mm
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.wanted import wanted, with_goal
@@ -151,7 +151,7 @@ def shaped_webs(scene: Scene, model: BoundModel) -> Iterator[Array]:
             if part is not None:
                 layout, start = with_part(layout, start, part, bevel_start(scene, part))
             step = f"{name}-{len(layout.parts)}"
-            found, _ = search_on_cells(cells, layout, start, sought, step, Work(), nearest=True)
+            found, _ = search_on_cells(cells, layout, start, sought, step, StageMemory(), nearest=True)
             if found is not None:
                 start = found.values
                 yield found.responses.fill

@@ -17,7 +17,7 @@ from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
-from cranktopo.engine.plan.simulated import without
+from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.engine.states import DEFAULT_EFFECTS, load_cases
 from cranktopo.engine.throw_compliance import throw_compliance
 from cranktopo.tasks.density.model import build_model, case_forces
@@ -81,7 +81,7 @@ def truths(scene: Scene) -> dict[str, float]:
     _, sprung = solved(changed(scene, supports={"bending": "spring"}))
     result["bearing_compliance"] = 100 * (1 - sprung["bending"] / rigid["bending"])
     if scene.throw.main_journal.bore_diameter_mm or scene.throw.crankpin.bore_diameter_mm:
-        _, solid = solved(without(scene, "bores"))
+        _, solid = solved(strip_features(scene, "bores"))
         stiffer, heavier = (100 * (solid[key] / rigid[key] - 1) for key in ("torsion", "volume"))
         result |= {"bores": max(stiffer, heavier), "bores, torsion alone": stiffer}
     result["fillets"] = _stiffening_by_fillets(scene)
@@ -97,13 +97,13 @@ def truths(scene: Scene) -> dict[str, float]:
 def estimates(scene: Scene) -> dict[str, float | None]:
     """The plan's estimate of each effect, percent, and that of the bores by stiffness alone."""
     found = {effect.name: effect.estimate_percent for effect in plan(scene).effects}
-    hollow, solid = (throw_compliance(s).torsion_rad_per_Nmm for s in (scene, without(scene, "bores")))
+    hollow, solid = (throw_compliance(s).torsion_rad_per_Nmm for s in (scene, strip_features(scene, "bores")))
     return {**found, "bores, torsion alone": 100 * (hollow / solid - 1)}
 
 
 def _stiffening_by_fillets(scene: Scene) -> float:
     """What the fillets add to the stiffness by body-fitted elements, percent; the larger of the two cases."""
-    sharp, rounded = (evaluate(Target(scene.name, s)) for s in (without(scene, "fillets"), scene))
+    sharp, rounded = (evaluate(Target(scene.name, s)) for s in (strip_features(scene, "fillets"), scene))
     bending = rounded.bending_N_per_mm / sharp.bending_N_per_mm
     return 100 * (max(bending, rounded.torsion_Nm_per_rad / sharp.torsion_Nm_per_rad) - 1)
 

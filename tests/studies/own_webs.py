@@ -22,7 +22,7 @@ from cranktopo.design.load_kinds import MAIN_KINDS
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
-from cranktopo.engine.plan.simulated import without
+from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.tasks.density.stage import prepare
 from cranktopo.tasks.fea.evaluation import evaluate
 from cranktopo.tasks.fea.targets import Target
@@ -81,7 +81,7 @@ def compared(scene: Scene) -> str:
             scene, work, {name: found[name].compliance_N_mm / work[name] for name in work}, mass
         )
         simulated = planned_scene(scene)
-        own = evaluate(Target(scene.name, without(simulated, "fillets")))  # a density has none
+        own = evaluate(Target(scene.name, strip_features(simulated, "fillets")))  # a density has none
         new = evaluate(Target(scene.name, simulated, run.folder / "web.stl"))
         stiffer = {
             "torsion": new.torsion_Nm_per_rad / own.torsion_Nm_per_rad,

@@ -17,7 +17,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
-from cranktopo.base.spans import Section, common, holds, section_difference, together
+from cranktopo.base.spans import Section, common, holds, section_difference, superpose_sections
 from cranktopo.bodies.cells.grid import CellGrid
 from cranktopo.bodies.cells.layers import AxialLayer
 from cranktopo.bodies.envelope_file import envelope_section
@@ -201,8 +201,8 @@ class _Slab:
 
     def gains(self, grid: CellGrid, found: Sequence[_Tool], layer: AxialLayer) -> dict[str, Array]:
         """Return what is added to each kind of fraction in its cells, negative where it is taken away."""
-        hole = together(*(tool.hole for tool in found))
-        wall = together(*(tool.wall for tool in found))
+        hole = superpose_sections(*(tool.hole for tool in found))
+        wall = superpose_sections(*(tool.wall for tool in found))
         kinds = {kind: section for kind, section in layer.sections.items() if kind != "design_fraction"}
         known = {section: self._fractions(grid, common(section, hole)) for section in {*kinds.values()}}
         gains = {kind: -known[section] for kind, section in kinds.items()}

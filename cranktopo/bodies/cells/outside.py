@@ -9,7 +9,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.result import Result
-from cranktopo.base.spans import Section, section_difference, together
+from cranktopo.base.spans import Section, section_difference, superpose_sections
 from cranktopo.bodies.cells.domain import throw_ranges_mm
 from cranktopo.bodies.cells.layers import AxialLayer, half_throw_layers
 from cranktopo.bodies.envelope_file import envelope_bounds_mm
@@ -82,7 +82,7 @@ def _heights_mm(scene: Scene, layers: Sequence[AxialLayer]) -> list[float]:
 def _at(layers: Sequence[AxialLayer], z_mm: float) -> Section:
     here = [layer for layer in layers if layer.z_mm[0] < z_mm < layer.z_mm[1]]
     filled = (section for layer in here for section in (layer.passive, layer.design) if section is not None)
-    return together(*filled)
+    return superpose_sections(*filled)
 
 
 def _area_mm2(section: Section, edges_mm: Array, z_mm: float) -> float:

@@ -123,7 +123,7 @@ def step_surface(path: Path, name: str) -> SurfaceMesh:
 
     Raises CranktopoError: it cannot be read, does not hold exactly one solid, or its faces do not close.
     """
-    return by_kernel(name, _step_surface, path, name)
+    return in_cad_kernel(name, _step_surface, path, name)
 
 
 def _step_surface(path: Path, name: str) -> SurfaceMesh:
@@ -232,7 +232,7 @@ def _rims(edges: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
                 way.append(at)
 
 
-def by_kernel(name: str, function: Callable[..., _R], path: Path, *arguments: object) -> _R:
+def in_cad_kernel(name: str, function: Callable[..., _R], path: Path, *arguments: object) -> _R:
     """Return what a function makes of a STEP file in a process of its own: a damaged file may end it.
 
     Raises:

@@ -181,11 +181,11 @@ def limit_outcome(
 
 
 def _evaluated(own: LimitOutcome, better: LimitOutcome) -> dict[str, Any]:
-    told = LimitEvaluation(
+    reported = LimitEvaluation(
         required=better.required, reached=better.reached, reached_percent=better.reached_percent
     )
     judged = own if better.holds is None else better
-    return {"holds": judged.holds, "active": judged.active, "evaluation": told}
+    return {"holds": judged.holds, "active": judged.active, "evaluation": reported}
 
 
 def _percent(value: float | None, original: float | None) -> float | None:

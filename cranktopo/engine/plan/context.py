@@ -19,7 +19,7 @@ from cranktopo.engine.forces import INERTIA_EFFECTS, RotatingForces, rotating_fo
 from cranktopo.engine.histories import joined_extremes
 from cranktopo.engine.load_type import load_types
 from cranktopo.engine.plan.cost import Costing
-from cranktopo.engine.plan.simulated import without
+from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.engine.states import extreme_states
 from cranktopo.engine.throw_compliance import (
     ThrowCompliance,
@@ -69,7 +69,7 @@ class PlanningContext:
     @cached_property
     def compliance(self) -> ThrowCompliance:
         """Closed-form compliance of the throw without fillets: the optimiser's cells have none."""
-        return throw_compliance(without(self.scene, "fillets"))
+        return throw_compliance(strip_features(self.scene, "fillets"))
 
     @cached_property
     def balance(self) -> ThrowBalance:
@@ -112,7 +112,7 @@ class PlanningContext:
 
     def centrifugal_Nmm(self, pin: float, webs: float) -> float:
         """Energy of bending by pin and webs, N, and of webs that their counterweights stretch."""
-        bent = radial_energy_Nmm(without(self.scene, "fillets"), pin, webs / 2)
+        bent = radial_energy_Nmm(strip_features(self.scene, "fillets"), pin, webs / 2)
         per_kg_mm = angular_speed_rad_s(self.top_speed_rpm) ** 2 / MM_PER_M
         own = zip(self.balance.own_counterweights_kg_mm, self.balance.own_counterweights_kg, strict=True)
         return bent + sum(

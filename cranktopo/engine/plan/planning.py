@@ -34,7 +34,7 @@ from cranktopo.engine.plan.rules import (
     whole_throw,
 )
 from cranktopo.engine.plan.shaft_rule import continuous_shaft
-from cranktopo.engine.plan.simulated import APPLIED, FEATURES, Feature, apply_physics_plan, without
+from cranktopo.engine.plan.simulated import APPLIED, FEATURES, Feature, apply_physics_plan, strip_features
 from cranktopo.engine.plan.vibration_rule import torsional_vibration
 
 _Rule = Callable[[PlanningContext], Estimate]
@@ -216,7 +216,7 @@ def left_out_features(scene: Scene, kept: Collection[Feature] = ()) -> str:
     return "; ".join(
         f"meshed without {name}: {reasons[name]}; effects.{name} = 'on' keeps them"
         for name in gone
-        if without(scene, name) is not scene
+        if strip_features(scene, name) is not scene
     )
 
 

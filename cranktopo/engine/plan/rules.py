@@ -23,7 +23,7 @@ from cranktopo.engine.plan.context import PlanningContext
 from cranktopo.engine.plan.cost import Cost
 from cranktopo.engine.plan.effect import Effect, Estimate
 from cranktopo.engine.plan.load_rules import wants_safety
-from cranktopo.engine.plan.simulated import without
+from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.engine.states import extreme_states
 from cranktopo.engine.throw_compliance import (
     journal_torsion_modulus_mm3,
@@ -130,7 +130,7 @@ def bores(context: PlanningContext) -> Estimate:
     if throw.main_journal.bore_diameter_mm == 0 and throw.crankpin.bore_diameter_mm == 0:
         return Estimate(0.0, "", "nothing", absent="no bore in the scene")
     hollow = throw_compliance(context.scene).torsion_rad_per_Nmm
-    plain = without(context.scene, "bores")
+    plain = strip_features(context.scene, "bores")
     stiffer = 100 * (hollow / throw_compliance(plain).torsion_rad_per_Nmm - 1)
     heavier = 100 * (throw_balance(plain).mass_kg / context.balance.mass_kg - 1)
     because = f"solid journals would be {stiffer:.3g} % stiffer in torsion, the throw {heavier:.3g} % heavier"

@@ -27,7 +27,7 @@ def apply_physics_plan(scene: Scene, plan: PhysicsPlan, kept: Collection[Feature
     """
     for feature in FEATURES:
         if feature not in plan.enabled and feature not in kept:
-            scene = without(scene, feature)
+            scene = strip_features(scene, feature)
     if "lateral_symmetry" not in plan.enabled:
         scene = scene.with_effect("lateral_symmetry", "off")
     if "manufacturing_constraint" in plan.enabled:
@@ -35,7 +35,7 @@ def apply_physics_plan(scene: Scene, plan: PhysicsPlan, kept: Collection[Feature
     return scene
 
 
-def without(scene: Scene, feature: Feature) -> Scene:
+def strip_features(scene: Scene, feature: Feature) -> Scene:
     """Return the scene with both journals without one feature; the same object when they have none."""
     throw, update = scene.throw, _WITHOUT[feature]
     main, pin = (j.model_copy(update=update) for j in (throw.main_journal, throw.crankpin))

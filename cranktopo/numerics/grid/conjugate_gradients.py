@@ -34,7 +34,7 @@ from cranktopo.numerics.grid.galerkin import CoarseMap
 from cranktopo.numerics.grid.lattice import AXIS, Partition
 from cranktopo.numerics.grid.multigrid import GridTables, Hierarchy, apply_cycle, build_hierarchy, project
 from cranktopo.numerics.grid.operator import apply_stiffness, stiffness_diagonal
-from cranktopo.numerics.kernels.registry import by_kernel, coupled
+from cranktopo.numerics.kernels.registry import apply_operator, kernel_or_jax
 from cranktopo.numerics.precision import Precision
 
 _Preconditioner = Callable[[jax.Array, jax.Array], tuple[jax.Array, jax.Array]]
@@ -90,7 +90,7 @@ def product_and_work(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array
     """Return the product with the stiffness, and its work (cases,) on its admissible displacements."""
     if system.supports.partition.parts > 1:
         return _by_product(system, u)
-    return by_kernel(_by_kernel, _by_product, system, u)
+    return kernel_or_jax(_by_kernel, _by_product, system, u)
 
 
 def _by_product(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
@@ -101,7 +101,9 @@ def _by_product(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
 def _by_kernel(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
     supports, nodes = system.supports, (u.shape[2], u.shape[3], u.shape[4])
     factors = interior_factors(supports, nodes)
-    free, ends, works = coupled("stiffness", "free_forces", [system.blocks, system.moduli, u, *factors])
+    free, ends, works = apply_operator(
+        "stiffness", "free_forces", [system.blocks, system.moduli, u, *factors]
+    )
     moved = section_coordinates(supports, u)
     pushed = coordinates_of_ends(supports, ends) + jnp.einsum("bmn,bn->bm", supports.springs, moved)
     return add_section(supports, free, pushed), jnp.sum(works, axis=1) + jnp.sum(moved * pushed, axis=1)

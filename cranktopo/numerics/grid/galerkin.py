@@ -19,7 +19,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.numerics.grid.lattice import CORNERS, Cells, Lattice, layer_stiffness
 from cranktopo.numerics.grid.slab_product import add_slabs
 from cranktopo.numerics.kernels.coarse_grids import OFFSETS
-from cranktopo.numerics.kernels.registry import by_kernel, coupled
+from cranktopo.numerics.kernels.registry import apply_operator, kernel_or_jax
 from cranktopo.numerics.precision import Precision
 
 # Corners a and b of a cell, and which later neighbour b is of a; the entries of their blocks in its matrix.
@@ -135,7 +135,9 @@ def assemble_dense(cells: jax.Array) -> jax.Array:
 
 def apply_stencil(stencil: jax.Array, field: jax.Array) -> jax.Array:
     """Return a stencil operator's product with fields: by a kernel on the processor, elsewhere by JAX."""
-    return by_kernel(lambda *a: coupled("stencil", "product", a)[0], _apply_by_sums, stencil, field)
+    return kernel_or_jax(
+        lambda *a: apply_operator("stencil", "product", a)[0], _apply_by_sums, stencil, field
+    )
 
 
 def _apply_by_sums(stencil: jax.Array, field: jax.Array) -> jax.Array:

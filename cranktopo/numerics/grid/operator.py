@@ -15,7 +15,7 @@ import numpy as np
 
 from cranktopo.numerics.grid.lattice import COUPLED, Cells
 from cranktopo.numerics.grid.slab_product import apply_by_slabs, parity_sums
-from cranktopo.numerics.kernels.registry import by_kernel, called, coupled
+from cranktopo.numerics.kernels.registry import apply_operator, ffi_call, kernel_or_jax
 
 
 def restrict(field: jax.Array, nodes: Cells) -> jax.Array:
@@ -25,20 +25,20 @@ def restrict(field: jax.Array, nodes: Cells) -> jax.Array:
         return elsewhere(field)
 
     def kernel(field: jax.Array) -> jax.Array:
-        return called("restriction", [field], [(*field.shape[:2], *nodes)], field.dtype)[0]
+        return ffi_call("restriction", [field], [(*field.shape[:2], *nodes)], field.dtype)[0]
 
-    return by_kernel(kernel, elsewhere, field)
+    return kernel_or_jax(kernel, elsewhere, field)
 
 
 def add_prolonged(coarse: jax.Array, field: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Return the interpolation of a coarse field to the grid of a finer one, and the sum of both."""
     if not _halved(field.shape[2:], coarse.shape[2:]):
         return _add_prolonged(coarse, field)
-    return by_kernel(_add_by_kernel, _add_prolonged, coarse, field)
+    return kernel_or_jax(_add_by_kernel, _add_prolonged, coarse, field)
 
 
 def _add_by_kernel(coarse: jax.Array, field: jax.Array) -> tuple[jax.Array, jax.Array]:
-    found, total = called("prolongation", [coarse, field], [field.shape] * 2, field.dtype)
+    found, total = ffi_call("prolongation", [coarse, field], [field.shape] * 2, field.dtype)
     return found, total
 
 
@@ -82,24 +82,26 @@ def prolong(field: jax.Array, nodes: Cells) -> jax.Array:
 
 def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:
     """Return the nodal forces K(moduli) u of every case, N, with moduli per cell in MPa and u in mm."""
-    return by_kernel(lambda *a: coupled("stiffness", "product", a)[0], apply_by_slabs, blocks, moduli, field)
+    return kernel_or_jax(
+        lambda *a: apply_operator("stiffness", "product", a)[0], apply_by_slabs, blocks, moduli, field
+    )
 
 
 def strain_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) -> jax.Array:
     """Return v^T K_e u of every cell for unit modulus, N mm per MPa: the derivative of v^T K u by moduli."""
-    return jnp.sum(by_kernel(_energies_by_kernel, _energies_by_layers, blocks, left, right), axis=0)
+    return jnp.sum(kernel_or_jax(_energies_by_kernel, _energies_by_layers, blocks, left, right), axis=0)
 
 
 @jax.jit
 def strain_energy_densities(blocks: jax.Array, u: jax.Array) -> jax.Array:
     """Return u^T K_e u per case and cell (cases, nx, ny, nz) for unit modulus, N mm per MPa."""
-    return by_kernel(_energies_by_kernel, _energies_by_layers, blocks, u, u)
+    return kernel_or_jax(_energies_by_kernel, _energies_by_layers, blocks, u, u)
 
 
 def _energies_by_kernel(blocks: jax.Array, left: jax.Array, right: jax.Array) -> jax.Array:
     cases, _, *nodes = right.shape
     shape = (cases, 1, *(n - 1 for n in nodes))
-    return called("energy", [blocks, left, right], [shape], right.dtype)[0][:, 0]
+    return ffi_call("energy", [blocks, left, right], [shape], right.dtype)[0][:, 0]
 
 
 def _energies_by_layers(blocks: jax.Array, left: jax.Array, right: jax.Array) -> jax.Array:

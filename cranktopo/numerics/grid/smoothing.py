@@ -16,7 +16,7 @@ import jax.numpy as jnp
 from cranktopo.numerics.grid.boundary_conditions import BoundaryConditions, interior_factors
 from cranktopo.numerics.grid.galerkin import apply_stencil
 from cranktopo.numerics.grid.lattice import Partition
-from cranktopo.numerics.kernels.registry import by_kernel, coupled
+from cranktopo.numerics.kernels.registry import apply_operator, kernel_or_jax
 
 _STEPS = 12
 _State = tuple[jax.Array, jax.Array, jax.Array]
@@ -137,12 +137,12 @@ class Smoother:
         weights = weights.astype(state.field.dtype)
         if self.partition.parts > 1:
             return self._by_product(self.arrays, state, self.scaling, weights)
-        return by_kernel(self._by_kernel, self._by_product, self.arrays, state, self.scaling, weights)
+        return kernel_or_jax(self._by_kernel, self._by_product, self.arrays, state, self.scaling, weights)
 
     def _by_kernel(
         self, arrays: Sequence[jax.Array], state: SmootherState, scaling: JacobiScaling, weights: jax.Array
     ) -> SmootherState:
-        return SmootherState(*coupled(self.name, "smoothing", [*arrays, *state, *scaling, weights]))
+        return SmootherState(*apply_operator(self.name, "smoothing", [*arrays, *state, *scaling, weights]))
 
     def _by_product(
         self, arrays: Sequence[jax.Array], state: SmootherState, scaling: JacobiScaling, weights: jax.Array

@@ -216,7 +216,7 @@ def _stiffness_product(target: str) -> Product:
     return product
 
 
-def by_kernel(
+def kernel_or_jax(
     kernel: Callable[..., _Result], elsewhere: Callable[..., _Result], *arguments: object
 ) -> _Result:
     """Return what a kernel computes on a processor, and JAX code elsewhere.
@@ -241,10 +241,10 @@ def compile_kernels() -> None:
             _registered(name, precision)
 
 
-def coupled(operator: str, finish: str, arrays: Sequence[jax.Array]) -> Sequence[jax.Array]:
+def apply_operator(operator: str, finish: str, arrays: Sequence[jax.Array]) -> Sequence[jax.Array]:
     """Return what the kernel of an operator and a finish computes, in the precision of the field."""
     field = arrays[_OPERATORS[operator].arrays]
-    return called(f"{operator}_{finish}", arrays, _shapes(operator, finish, arrays), field.dtype)[:-1]
+    return ffi_call(f"{operator}_{finish}", arrays, _shapes(operator, finish, arrays), field.dtype)[:-1]
 
 
 def _shapes(operator: str, finish: str, arrays: Sequence[jax.Array]) -> list[tuple[int, ...]]:
@@ -255,7 +255,7 @@ def _shapes(operator: str, finish: str, arrays: Sequence[jax.Array]) -> list[tup
     return [*_FINISHES[finish].results(field.shape), spare]
 
 
-def called(
+def ffi_call(
     name: str, arrays: Sequence[jax.Array], shapes: Sequence[tuple[int, ...]], precision: jax.typing.DTypeLike
 ) -> Sequence[jax.Array]:
     """Return results of a kernel, of the given shapes; what goes in and out has one precision."""

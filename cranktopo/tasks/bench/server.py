@@ -270,10 +270,10 @@ class _Talk(_Guarded, WebSocketHandler):
     @override
     async def on_message(self, message: str | bytes) -> None:
         try:
-            asked = from_json(message if isinstance(message, str) else message.decode())
-            if not isinstance(asked, dict):
+            requested = from_json(message if isinstance(message, str) else message.decode())
+            if not isinstance(requested, dict):
                 raise ValueError
         except (ValueError, RecursionError):
             self.close(1003)
             return
-        await self.server.bench.hear(asked, self.tell)
+        await self.server.bench.hear(requested, self.tell)

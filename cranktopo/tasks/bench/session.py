@@ -385,10 +385,10 @@ class Bench:
             for job in jobs:
                 if job.state == "done" and not job.known.variant:
                     await self._keep_result(job)
-            told = self._told_jobs(jobs)
-            if str(told) != self._seen:
-                self._seen = str(told)
-                self._tell_all({"type": "jobs", "jobs": told})
+            reported = self._told_jobs(jobs)
+            if str(reported) != self._seen:
+                self._seen = str(reported)
+                self._tell_all({"type": "jobs", "jobs": reported})
 
     async def _keep_result(self, job: BenchJob) -> None:
         """Keep what a finished job found: a variant, numbers, or both."""
@@ -399,12 +399,12 @@ class Bench:
             text = await asyncio.to_thread(variant_of, job)
             if text is not None:
                 exact = await self.answers.exact(project.data(text))
-                told = {**self.answers.known(text), **exact, **numbers}
+                reported = {**self.answers.known(text), **exact, **numbers}
                 name, outlines = (
                     f"{job.known.kind} {job.known.id}",
                     await self.answers.outlines(project.data(text)),
                 )
-                id_ = project.keep(name, told, text, "; ".join(found[:1]), outlines).id
+                id_ = project.keep(name, reported, text, "; ".join(found[:1]), outlines).id
         except (CranktopoError, OSError, subprocess.SubprocessError) as error:
             found = [f"its result cannot be kept: {error}"]
         job.note_result(id_, found, numbers)

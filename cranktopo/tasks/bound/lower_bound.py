@@ -84,9 +84,9 @@ def next_densities(
 
     def loss(y: Array) -> tuple[float, Array]:
         found, normal = densities(y)
-        told = base + np.concatenate([np.tensordot(gains, 1 / found, 3), np.tensordot(amounts, found, 3)])
-        excess = signs * (told[at] - limits)
-        return -float(normal @ told - y @ (signs * limits)), -excess
+        reported = base + np.concatenate([np.tensordot(gains, 1 / found, 3), np.tensordot(amounts, found, 3)])
+        excess = signs * (reported[at] - limits)
+        return -float(normal @ reported - y @ (signs * limits)), -excess
 
     if len(constraints):
         from scipy.optimize import minimize

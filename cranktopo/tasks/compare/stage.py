@@ -26,7 +26,7 @@ from cranktopo.engine.histories import HistoryKind
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import plan, plan_for_stress, with_own_reasons
-from cranktopo.engine.plan.simulated import without
+from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.engine.states import load_cases
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, shell_volumes_mm3
 from cranktopo.report.report_file import check_report_path, write_report
@@ -217,7 +217,7 @@ def _like_for_like(targets: Sequence[Target]) -> list[Target]:
     if not any(target.run for target in targets):
         return list(targets)
     return [
-        target if target.file else replace(target, scene=without(target.scene, "fillets"))
+        target if target.file else replace(target, scene=strip_features(target.scene, "fillets"))
         for target in targets
     ]
 
@@ -244,12 +244,12 @@ def _evaluated_goals(
 
 def _values(target: Target, entry: Entry, *, swings: bool) -> dict[str, float]:
     """Return the quantities of a goal that are known of a target; where it `swings`, with its frequency."""
-    told = {
+    reported = {
         "fatigue_safety": entry.safety,
         "stress_MPa": entry.stress_MPa,
         "natural_frequency_Hz": _frequency_Hz(target) if swings else None,
     }
-    return goal_values(target.scene, entry.evaluation.result.model_copy(update=told))
+    return goal_values(target.scene, entry.evaluation.result.model_copy(update=reported))
 
 
 def _frequency_Hz(target: Target) -> float | None:
@@ -340,14 +340,14 @@ def _loaded(found: ComparedTargets) -> tuple[Scene, PhysicsPlan]:
 
 def _without_fillets(effects: PhysicsPlan) -> PhysicsPlan:
     """Return the plan with the fillets off, and that the comparison left them out, not the design."""
-    told = {
+    reported = {
         "state": "off",
         "reason": "left out of this comparison: the surface of a run has none",
         "estimate_percent": None,
         "changes": "mass and stiffness of the designs, which have fillets",
     }
     return PhysicsPlan(
-        tuple(one.model_copy(update=told) if one.name == "fillets" else one for one in effects.effects)
+        tuple(one.model_copy(update=reported) if one.name == "fillets" else one for one in effects.effects)
     )
 
 

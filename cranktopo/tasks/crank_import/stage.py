@@ -11,7 +11,7 @@ from cranktopo.base.child import in_child
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import as_path, write_json
 from cranktopo.base.notes import note
-from cranktopo.bodies.solid.step import KERNEL_SUFFIXES, by_kernel
+from cranktopo.bodies.solid.step import KERNEL_SUFFIXES, in_cad_kernel
 from cranktopo.design.writing import design_name
 from cranktopo.report.report_file import write_report
 from cranktopo.runs.destination import check_folder, moved, unfinished_folder
@@ -83,7 +83,7 @@ def _imported(
     found = (
         in_child(f"'{path}'", crank_of_mesh, *find, by="reader of triangles")
         if path.suffix.lower() in MESH_SUFFIXES
-        else by_kernel(f"'{path}'", crank_by_kernel, *find)
+        else in_cad_kernel(f"'{path}'", crank_by_kernel, *find)
     )
     read = []
     for number, body in enumerate(found.halves, 1):

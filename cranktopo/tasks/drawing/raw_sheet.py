@@ -119,7 +119,7 @@ class _RawView:
         wide, more = float(self._cut[:, 0].max()), forging.allowance_mm
         faces = start - more, end + more
         dimension(axes, (-wide, faces[0]), (-wide, faces[1]), (-gap, 0), f"{faces[1] - faces[0]:g}")
-        tip = (0.85 * wide, faces[1] + 0.15 * wide * forging.fall)
+        tip = (0.85 * wide, faces[1] + 0.15 * wide * forging.draft_slope)
         leader(axes, tip, (1.1 * wide, faces[1] + 1.5 * gap), f"draft {forging.draft_deg:g}°", "left")
         axes.invert_yaxis()
         finish(axes, f"Section y = {y:.2f}")

@@ -50,7 +50,7 @@ class Sensitivities:
     file: str
     scene: Scene
     dimensions: tuple[DimensionSensitivity, ...]
-    broken: tuple[str, ...]
+    violated: tuple[str, ...]
 
     def as_json(self) -> dict[str, Any]:
         """Return the entry `sensitivities` of an evaluation."""
@@ -60,7 +60,7 @@ class Sensitivities:
     def table(self) -> WebSensitivities:
         """The dimensions with the worst case, and the broken rules."""
         found = sensitivity_table(self.dimensions, self.scene.shape.tolerance_mm)
-        return WebSensitivities(**dict(found), broken_rules=self.broken)
+        return WebSensitivities(**dict(found), broken_rules=self.violated)
 
 
 def evaluate_sensitivities(

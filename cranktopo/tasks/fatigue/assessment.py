@@ -70,8 +70,10 @@ class FatigueAssessment:
         """Return the assessment as `fatigue --json` prints it."""
         results, baseline = self.results, self.baseline
         entries: list[FieldFatigue | RuleFatigue] = [
-            _field_fatigue(one, told, by) if isinstance(one, FatigueField) else _rule_fatigue(one, told, by)
-            for one, told, by in zip(results, self.assumed, map(_treatment, self.targets), strict=True)
+            _field_fatigue(one, reported, by)
+            if isinstance(one, FatigueField)
+            else _rule_fatigue(one, reported, by)
+            for one, reported, by in zip(results, self.assumed, map(_treatment, self.targets), strict=True)
         ]
         entries = [
             entry.model_copy(update=self._remarks(target))

@@ -133,5 +133,5 @@ def _text(found: FatigueAssessment) -> str:
         ]
         if any(check.outlets for check in found.checks):
             parts.append(terminal(tables.outlet_table(found.checks)))
-    told = [] if baseline is None else verdicts(found.results, baseline)
-    return "\n\n".join([*parts, *(["\n".join(told)] if told else [])])
+    reported = [] if baseline is None else verdicts(found.results, baseline)
+    return "\n\n".join([*parts, *(["\n".join(reported)] if reported else [])])

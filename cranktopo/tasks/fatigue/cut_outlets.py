@@ -28,10 +28,10 @@ def judged_places(scene: Scene, whole: bool) -> str:
         whole: the model is the whole throw, with the outlets of both halves.
     """
     near, far = halves(scene)
-    told = [named_in_throw(line, scene, "first") for line in _of_half(near)]
+    reported = [named_in_throw(line, scene, "first") for line in _of_half(near)]
     if whole and far is not near:
-        told += [named_in_throw(line, scene, "second") for line in _of_half(far)]
-    return " ".join(dict.fromkeys(told))
+        reported += [named_in_throw(line, scene, "second") for line in _of_half(far)]
+    return " ".join(dict.fromkeys(reported))
 
 
 def _of_half(half: Scene) -> Iterator[str]:

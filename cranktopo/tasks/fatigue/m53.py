@@ -78,7 +78,7 @@ def dimensions(scene: Scene) -> Dimensions:
 
 
 @dataclass(frozen=True)
-class Factors:
+class ConcentrationFactors:
     """Stress concentration factors: alpha in the pin fillet, beta in the journal fillet."""
 
     alpha_bending: float
@@ -182,13 +182,13 @@ def outside_validity(d: Dimensions) -> tuple[str, ...]:
     )
 
 
-def concentration_factors(d: Dimensions) -> Factors:
+def concentration_factors(d: Dimensions) -> ConcentrationFactors:
     """Return the rule's polynomials; of little meaning outside their validity (`outside_validity`)."""
     s, w, b = max(d.overlap, -0.5), d.web_thickness / d.pin, d.web_width / d.pin
     bores = d.journal_bore / d.pin, d.pin_bore / d.pin
     rec = max(1 + (d.pin_recess + d.journal_recess) / d.pin * (1.8 + 3.2 * d.overlap), 1.0)
     pin, journal = d.pin_fillet / d.pin, d.journal_fillet / d.pin
-    return Factors(
+    return ConcentrationFactors(
         _alpha_bending(s, w, b, pin, bores) * rec,
         _torsion(s, w, b, pin),
         _beta_bending(s, w, b, journal, bores) * rec,
@@ -233,7 +233,7 @@ def nominal_stresses(d: Dimensions, moment_Nmm: float, force_N: float, torque_Nm
     )
 
 
-def pin_equivalent_MPa(f: Factors, n: Nominal, additional_MPa: float) -> float:
+def pin_equivalent_MPa(f: ConcentrationFactors, n: Nominal, additional_MPa: float) -> float:
     """Equivalent alternating stress in the pin fillet.
 
     Args:
@@ -243,7 +243,7 @@ def pin_equivalent_MPa(f: Factors, n: Nominal, additional_MPa: float) -> float:
     return math.sqrt(bending**2 + 3 * (f.alpha_torsion * n.pin_torsion_MPa) ** 2)
 
 
-def journal_equivalent_MPa(f: Factors, n: Nominal, additional_MPa: float) -> float:
+def journal_equivalent_MPa(f: ConcentrationFactors, n: Nominal, additional_MPa: float) -> float:
     """Equivalent alternating stress in the journal fillet.
 
     Args:

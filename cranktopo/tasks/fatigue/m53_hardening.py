@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.tasks.fatigue.hardened_layer import LOSS_PER_MPA, HardenedLayer
-from cranktopo.tasks.fatigue.m53 import Dimensions, Factors, FilletCheck, Nominal, RuleHardening
+from cranktopo.tasks.fatigue.m53 import ConcentrationFactors, Dimensions, FilletCheck, Nominal, RuleHardening
 
 _NITRIDED_MPA = 450.0
 """Strength of a nitrided surface of 600 HV or more, residual stress included: section 5 (1) (B)."""
@@ -64,7 +64,7 @@ def local_torsion(factor: float, radius_mm: float, diameter_mm: float, t: float)
     return max((factor - 1) * math.exp(-t / radius_mm) + nominal, 0.0)
 
 
-def pin_stresses(size: Dimensions, factors: Factors, nominal: Nominal) -> FilletStress:
+def pin_stresses(size: Dimensions, factors: ConcentrationFactors, nominal: Nominal) -> FilletStress:
     """Return the stresses of the pin fillet."""
     return FilletStress(
         factors.alpha_bending * nominal.bending_MPa,
@@ -77,7 +77,7 @@ def pin_stresses(size: Dimensions, factors: Factors, nominal: Nominal) -> Fillet
     )
 
 
-def journal_stresses(size: Dimensions, factors: Factors, nominal: Nominal) -> FilletStress:
+def journal_stresses(size: Dimensions, factors: ConcentrationFactors, nominal: Nominal) -> FilletStress:
     """Return the stresses of the journal fillet; what shear adds falls as bending does."""
     return FilletStress(
         factors.beta_bending * nominal.bending_MPa + factors.beta_shear * nominal.shear_MPa,

@@ -7,7 +7,7 @@ from typing import Literal
 
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
-from cranktopo.tasks.fatigue.m53 import Factors, Nominal, RuleHardening
+from cranktopo.tasks.fatigue.m53 import ConcentrationFactors, Nominal, RuleHardening
 
 JudgedAs = Literal["throw_alone", "continuous_shaft"]
 NORMAL_LIMIT_PERCENT, JUMP_LIMIT_PERCENT = 3.0, 5.0
@@ -263,9 +263,9 @@ class AlternatingLoads:
 class RuleFactors(Result):
     """Concentration factors by the rule's polynomials and by finite elements."""
 
-    closed_form: Factors
+    closed_form: ConcentrationFactors
     """By the polynomials of the rule."""
-    finite_elements: Factors
+    finite_elements: ConcentrationFactors
     """By finite elements, as Appendix III of the rule defines them."""
 
 

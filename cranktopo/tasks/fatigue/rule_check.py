@@ -19,8 +19,8 @@ from cranktopo.numerics.tetrahedra.stress import principal_stresses, von_mises
 from cranktopo.tasks.fatigue.hardened_layer import layers
 from cranktopo.tasks.fatigue.m53 import (
     LEAST_FACTOR,
+    ConcentrationFactors,
     Dimensions,
-    Factors,
     FilletCheck,
     Nominal,
     concentration_factors,
@@ -71,8 +71,8 @@ class RuleCheck:
     size: Dimensions
     loads: AlternatingLoads
     outside: tuple[str, ...]
-    scf_rule: Factors
-    scf_fem: Factors
+    scf_rule: ConcentrationFactors
+    scf_fem: ConcentrationFactors
     nominal: Nominal
     rule_checks: dict[str, FilletCheck]
     fem_checks: dict[str, FilletCheck]
@@ -314,7 +314,7 @@ def _held_by_rule(target: Target) -> Target:
     return replace(target, scene=target.scene.model_copy(update={"supports": supports}))
 
 
-def element_factors(model: StressModel) -> Factors:
+def element_factors(model: StressModel) -> ConcentrationFactors:
     """Concentration factors from unit stresses, as Appendix III of the rule defines them.
 
     Bending: largest von Mises stress in a fillet under a pure moment; torsion: half the largest difference of
@@ -334,7 +334,7 @@ def element_factors(model: StressModel) -> Factors:
     pin, journal = (on & ~model.on_second for on in (model.on_pin, model.on_journal))
     beta = float(von_mises(moment[journal]).max() / pure.bending_MPa)
     remainder = float(von_mises(radial[journal]).max()) - beta * three.bending_MPa
-    return Factors(
+    return ConcentrationFactors(
         alpha_bending=float(von_mises(moment[pin]).max() / pure.bending_MPa),
         alpha_torsion=float(shear[pin].max() / pure.pin_torsion_MPa),
         beta_bending=beta,
@@ -344,7 +344,7 @@ def element_factors(model: StressModel) -> Factors:
 
 
 def fillet_checks(
-    scene: Scene, size: Dimensions, factors: Factors, nominal: Nominal
+    scene: Scene, size: Dimensions, factors: ConcentrationFactors, nominal: Nominal
 ) -> dict[str, FilletCheck]:
     """Return both fillets against the rule with a set of factors; it needs a tensile strength."""
     settings, ultimate = scene.fatigue, scene.material.ultimate_MPa or 0.0

@@ -24,7 +24,7 @@ from cranktopo.tasks.fea.result import EvaluationResult
 def goal_values(scene: Scene, found: EvaluationResult) -> dict[str, float]:
     """Return the quantities of a goal that an evaluation tells, each in its internal unit."""
     mass, torsion, bending = found.mass_kg.throw, found.torsion_Nm_per_rad, found.bending_N_per_mm
-    told = {
+    reported = {
         "balance_factor": balance_factor_percent(scene, found.unbalance_kg_mm),
         "natural_frequency": found.natural_frequency_Hz,
         "fatigue_safety": found.fatigue_safety,
@@ -39,7 +39,7 @@ def goal_values(scene: Scene, found: EvaluationResult) -> dict[str, float]:
         "torsion_per_mass": torsion / mass,
         "bending_per_mass": bending / mass,
         **_motions(scene, torsion, bending),
-        **{name: value for name, value in told.items() if value is not None},
+        **{name: value for name, value in reported.items() if value is not None},
     }
 
 

@@ -26,7 +26,7 @@ from cranktopo.bodies.prisms import is_mirror_image, web_region
 from cranktopo.bodies.solid.checked import NotCutError, SolidProperties, solid_properties, volume_mm3
 from cranktopo.bodies.solid.files import cut_in_halves, surface_of
 from cranktopo.bodies.solid.shapes import DimTags
-from cranktopo.bodies.solid.step import STEP_SUFFIXES, by_kernel, kernel_surface, step_solid
+from cranktopo.bodies.solid.step import STEP_SUFFIXES, in_cad_kernel, kernel_surface, step_solid
 from cranktopo.design.halves import difference
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
@@ -72,7 +72,7 @@ def mesh_file(
     """
     if path.suffix.lower() == ".stl":
         return _mesh_stl(path, scene, element_size_mm, align, own)
-    return by_kernel(f"'{path}'", _mesh_step, path, scene, element_size_mm, align)
+    return in_cad_kernel(f"'{path}'", _mesh_step, path, scene, element_size_mm, align)
 
 
 def _mesh_step(path: Path, scene: Scene, element_size_mm: float, align: bool) -> MeshedThrow:
@@ -100,7 +100,7 @@ def mesh_step_for_stress(
         regular: as in `mesh_throw`.
     """
     settings = scene, element_size_mm, fillet_fraction, align, regular
-    return by_kernel(f"'{path}'", _mesh_for_stress, path, *settings)
+    return in_cad_kernel(f"'{path}'", _mesh_for_stress, path, *settings)
 
 
 def _mesh_for_stress(
@@ -141,7 +141,7 @@ def _meshed(
 
 def fillets_of_step(path: Path, scene: Scene, align: bool = False) -> Scene:
     """Return the scene with the fillets of the half throw in a STEP file; raises as meshing it for stress."""
-    return by_kernel(f"'{path}'", _fillets, path, scene, align)
+    return in_cad_kernel(f"'{path}'", _fillets, path, scene, align)
 
 
 def _fillets(path: Path, scene: Scene, align: bool) -> Scene:
@@ -178,12 +178,12 @@ def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> _Solid:
     if apart:
         for half in _both(surface, scene):
             _placed(half, scene, path, align=False)
-        motion, told = None, f"{apart}. The whole throw is taken"
+        motion, reported = None, f"{apart}. The whole throw is taken"
     else:
-        motion, told = _placed(surface, scene, path, align)
+        motion, reported = _placed(surface, scene, path, align)
     if motion is not None:
         moved_rigidly(occ, body, motion.matrix, motion.shift_mm)
-    return _Solid(body, solid_properties(occ, body), _web_mm3(gmsh, body, scene, path), told, bool(apart))
+    return _Solid(body, solid_properties(occ, body), _web_mm3(gmsh, body, scene, path), reported, bool(apart))
 
 
 def _web_mm3(gmsh: Any, body: DimTags, scene: Scene, path: Path) -> float:
@@ -318,7 +318,7 @@ def _surfaces(path: Path, scene: Scene, align: bool) -> list[SurfaceMesh]:
     """Return the surface of the half throw in a file, or of both halves where they differ."""
     if path.suffix.lower() not in STEP_SUFFIXES:
         return [read_half_throw(path, scene, align)]
-    return by_kernel(f"'{path}'", _step_surfaces, path, scene, align)
+    return in_cad_kernel(f"'{path}'", _step_surfaces, path, scene, align)
 
 
 def _step_surfaces(path: Path, scene: Scene, align: bool) -> list[SurfaceMesh]:

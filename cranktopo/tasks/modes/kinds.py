@@ -67,9 +67,9 @@ def station_motions(
     """Return how pieces move, by their place; the largest displacement or twist is 1."""
     ordered = sorted(stations, key=lambda one: one.z_mm)
     moved = np.array([station.motion @ shape for station in ordered])
-    told = np.stack([moved[:, UY], moved[:, UX], moved[:, UZ], -radius_mm * moved[:, RZ]], axis=1)
-    told = told / told.flat[np.abs(told).argmax()]
+    reported = np.stack([moved[:, UY], moved[:, UX], moved[:, UZ], -radius_mm * moved[:, RZ]], axis=1)
+    reported = reported / reported.flat[np.abs(reported).argmax()]
     return tuple(
         StationMotion(z_mm=station.z_mm, in_plane=y, across=x, axial=z, twist=turn)
-        for station, (y, x, z, turn) in zip(ordered, told.tolist(), strict=True)
+        for station, (y, x, z, turn) in zip(ordered, reported.tolist(), strict=True)
     )

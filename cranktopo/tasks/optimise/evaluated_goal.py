@@ -13,14 +13,14 @@ from tempfile import TemporaryDirectory
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note
-from cranktopo.base.progress import Json, Work
+from cranktopo.base.progress import Json, StageMemory
 from cranktopo.design.goal.constraint import TOLERANCE, bound_in_model
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.outcome import GoalOutcome, LimitOutcome, LimitRound, goal_outcome
 from cranktopo.design.goal.wanted import judged_by_evaluation, wanted
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
-from cranktopo.engine.plan.simulated import without
+from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.report.goal_table import broken_limits, percent_line, unknown_limits
 from cranktopo.tasks.density import loop
@@ -85,7 +85,7 @@ class EvaluatedGoal:
     scene: Scene
     prepared: Prepared
     problem: DensityProblem
-    work: Work
+    work: StageMemory
 
     def original(self) -> Values:
         """Return the quantities of the original web."""
@@ -107,10 +107,10 @@ class EvaluatedGoal:
     def _original(self, path: Path) -> Target:
         file, name = original_file(self.scene), "original web"
         if file is None:
-            return Target(name, without(planned_scene(self.scene), "fillets"))
+            return Target(name, strip_features(planned_scene(self.scene), "fillets"))
         body = planned_scene(self.scene, ("bores", "fillets"))
         write_stl(path, without_its_fillets(file, body))
-        return Target(name, without(body, "fillets"), path)
+        return Target(name, strip_features(body, "fillets"), path)
 
     def _surface(self, state: State, path: Path) -> Target:
         design = loop.final_design(self.problem, state)
@@ -136,7 +136,7 @@ def _iteration_name(iteration: int) -> str:
 
 
 def evaluated_goal(
-    scene: Scene, prepared: Prepared, problem: DensityProblem, work: Work
+    scene: Scene, prepared: Prepared, problem: DensityProblem, work: StageMemory
 ) -> EvaluatedGoal | None:
     """Return the goal of a scene whose limits are to hold by the evaluation; None where none are."""
     goal = wanted(scene)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from cranktopo.base.files import as_path
 from cranktopo.base.notes import note
-from cranktopo.base.progress import StageCache, Work
+from cranktopo.base.progress import StageCache, StageMemory
 from cranktopo.base.side_by_side import LazyFuture
 from cranktopo.design.assumed import (
     ENVELOPE,
@@ -177,7 +177,7 @@ def _optimise(job: _Job, resume: bool = False) -> OptimisedRun:
         end = LazyFuture(lambda: _ready_for_the_end(job))
         shown = _checked(job.progress, check, end)
         kept = _kept(run, shown)
-        prepared, work = job.prepared, Work(StageCache(run.path / EVALUATIONS), check)
+        prepared, work = job.prepared, StageMemory(StageCache(run.path / EVALUATIONS), check)
         state = (_saved_state(job) if resume else None) or first_state(
             problem, prepared.scene, prepared.domain, prepared.cases, shown
         )

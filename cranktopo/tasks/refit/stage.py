@@ -15,7 +15,7 @@ from cranktopo.bodies.solid.files import export_solid, surface_of
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, toml_text
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.plan.simulated import without
+from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.numerics.surfaces.files import as_stored, write_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 from cranktopo.report.report_file import REPORT, write_report
@@ -75,7 +75,7 @@ def remodel_run(
     surface = _surface(target, scene)
     note(f"{run.name}: fitting a parametric web")
     fitted = fit_web(surface, scene, limits)
-    near = shape_error(without(fitted.scene, "fillets"), surface)
+    near = shape_error(strip_features(fitted.scene, "fillets"), surface)
     with interruptible() as check, unfinished_folder(folder.parent) as unfinished:
         half_throw = as_stored(surface_of(fitted.scene, "half"))
         files = write_refit(fitted, near, half_throw, surface, unfinished, run.started())
@@ -148,7 +148,7 @@ def _surface(target: Target, scene: Scene) -> SurfaceMesh:
 
 def _evaluated(target: Target, scene: Scene) -> RefitStiffness:
     """Evaluate the body, which has no fillets, the web without its own for a like comparison, and the web."""
-    bare = Target(f"{scene.name}, no fillets", without(scene, "fillets"))
+    bare = Target(f"{scene.name}, no fillets", strip_features(scene, "fillets"))
     body, sharp, whole = (evaluate(what, None) for what in (target, bare, Target(scene.name, scene)))
     torsion = sharp.torsion_Nm_per_rad / body.torsion_Nm_per_rad
     return RefitStiffness(

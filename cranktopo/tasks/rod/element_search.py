@@ -119,8 +119,8 @@ def corrected_search(search: RodSearch, judge: Judge) -> tuple[Scene, RodOnEleme
         raise refused
     if found is None or _lost(search, own, best) > 0:
         raise search.nothing_found(" by elements")
-    told = search.told(best.scene, best.strength)
-    return best.scene, found.with_search(_with_elements(told, own, best, len(tried) - 1))
+    reported = search.told(best.scene, best.strength)
+    return best.scene, found.with_search(_with_elements(reported, own, best, len(tried) - 1))
 
 
 def _of_the_mesh(error: CranktopoError) -> CranktopoError:

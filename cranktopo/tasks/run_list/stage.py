@@ -76,10 +76,10 @@ def _entry(run: RunStore) -> RunEntry:
     try:
         with shown_results(run):
             result = run_result(run)
-            told = {} if result is None else _KINDS[kind][1](result)
+            reported = {} if result is None else _KINDS[kind][1](result)
     except CranktopoError:  # one damaged run does not hide the others
-        told = {"result": "unreadable"}
-    return entry.model_copy(update={**known, **told})
+        reported = {"result": "unreadable"}
+    return entry.model_copy(update={**known, **reported})
 
 
 def _told_of_run(metrics: RunMetrics) -> dict[str, Any]:

@@ -146,8 +146,8 @@ def _check_options(
     fillet_fraction: float | None,
 ) -> None:
     """Refuse options that say nothing here."""
-    asked = {"--speeds": speeds_rpm, "--method": method, "--misfire": misfires, "--csv": csv_path}
-    needing = next((option for option, given in asked.items() if given), "")
+    requested = {"--speeds": speeds_rpm, "--method": method, "--misfire": misfires, "--csv": csv_path}
+    needing = next((option for option, given in requested.items() if given), "")
     if needing and not loaded:
         raise CranktopoError(
             f"{needing}: the forces on all bearings need [engine.gas], and bearings that are not free.",

@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 
 from cranktopo.base.notes import note, silent
-from cranktopo.base.progress import Json, Work
+from cranktopo.base.progress import Json, StageMemory
 from cranktopo.base.side_by_side import LazyFuture, side_by_side
 from cranktopo.design.goal.wanted import asks_for
 from cranktopo.design.schema import Scene
@@ -62,7 +62,7 @@ def evaluated_web(
     stressed: Collection[str],
     element_size_mm: float | None,
     name: str,
-    work: Work,
+    work: StageMemory,
     judging: Judging = _USUAL,
 ) -> EvaluatedWeb:
     """Evaluate a scene's web with its fillets.
@@ -97,7 +97,7 @@ def evaluated_original(
     scene: Scene,
     stressed: Collection[str],
     element_size_mm: float | None,
-    work: Work,
+    work: StageMemory,
     file: Path | None = None,
     judging: Judging = _USUAL,
 ) -> tuple[EvaluatedWeb, Callable[[], EvaluatedWeb]]:

@@ -11,7 +11,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note
-from cranktopo.base.progress import Json, Work
+from cranktopo.base.progress import Json, StageMemory
 from cranktopo.design.goal.constraint import Constraint, model_error, without_error
 from cranktopo.tasks.refit.family import Layout, with_free, with_part
 from cranktopo.tasks.refit.search import with_stations
@@ -64,7 +64,7 @@ class FeatureSelection:
         elements: WebSolver,
         goals: tuple[SearchGoal, SearchGoal],
         original: Mapping[str, float],
-        work: Work,
+        work: StageMemory,
     ) -> None:
         """Take the goal and the original in the numbers of the elements, which judge the webs of the cells.
 
@@ -189,14 +189,18 @@ class FeatureSelection:
         if found is None:
             return None, solved
         values = found.responses.values
-        told = {name: self._told(name, values[name], errors) for name in values if name in self._original}
+        reported = {name: self._told(name, values[name], errors) for name in values if name in self._original}
         objective = merit(goal, values)
-        return WebCandidate(layout, found.values, objective, doubtful(found.violation), told, errors), solved
+        return WebCandidate(
+            layout, found.values, objective, doubtful(found.violation), reported, errors
+        ), solved
 
     def _told(self, name: str, value: float, errors: Mapping[str, float]) -> float:
         """Return a quantity of the cells in the numbers of the evaluation."""
-        told = without_error(name, value, model_error(name, self.model.original[name], self._original[name]))
-        return without_error(name, told, errors[name]) if name in errors else told
+        reported = without_error(
+            name, value, model_error(name, self.model.original[name], self._original[name])
+        )
+        return without_error(name, reported, errors[name]) if name in errors else reported
 
     def _name(self, kind: str) -> str:
         return f"{kind}-{len(self.trials) + 1:02d}"

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cranktopo.base.notes import indented, note
-from cranktopo.base.progress import Json, Work
+from cranktopo.base.progress import Json, StageMemory
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.halves import difference
 from cranktopo.design.misfire import all_firing
@@ -56,7 +56,7 @@ class SearchInShaft:
     loads: WebLoads
     fillet_fraction: float
 
-    def judged(self, web: Scene, goal: Goal, work: Work) -> SafetyInShaft:
+    def judged(self, web: Scene, goal: Goal, work: StageMemory) -> SafetyInShaft:
         """Return the safety of the shaft with the best web beside what the goal asks for."""
         original = self.shaft.figures
         found = _shaft(_in_its_shaft(web), "shaft-result", self.fillet_fraction, work).figures
@@ -72,7 +72,9 @@ class SearchInShaft:
         )
 
 
-def search_in_shaft(scene: Scene, goal: Goal, settings: ShapeSettings, work: Work) -> SearchInShaft | None:
+def search_in_shaft(
+    scene: Scene, goal: Goal, settings: ShapeSettings, work: StageMemory
+) -> SearchInShaft | None:
     """Return the loads of a scene's webs in their shaft over its range of speeds, all cylinders firing.
 
     None where the throw of the search stands alone.
@@ -108,7 +110,7 @@ def _in_its_shaft(scene: Scene) -> Scene:
     return all_firing(scene).with_effect(_EFFECT, "on")
 
 
-def _shaft(scene: Scene, name: str, fillet_fraction: float, work: Work) -> LoadedShaft:
+def _shaft(scene: Scene, name: str, fillet_fraction: float, work: StageMemory) -> LoadedShaft:
     def solved() -> Json:
         with indented():
             return loaded_shaft(scene, fillet_fraction).as_json()

@@ -145,10 +145,10 @@ class MeshModel:
             stress = None
 
         def block(kind: str) -> Superelement | None:
-            asked = quantities is None or {kind, f"{kind}_per_mass"} & needed_for(quantities)
-            return self._condensed(model, scene, kind, mirrored) if stress or asked else None
+            requested = quantities is None or {kind, f"{kind}_per_mass"} & needed_for(quantities)
+            return self._condensed(model, scene, kind, mirrored) if stress or requested else None
 
-        sideways = mirrored and stress is not None and bool(stress.further("odd"))
+        sideways = mirrored and stress is not None and bool(stress.extra_loads("odd"))
         twist, (bend, side) = side_by_side(
             lambda: block("torsion"),
             lambda: (block("bending"), block("tangential") if sideways else None),
@@ -158,8 +158,8 @@ class MeshModel:
         if bend:
             found["bending"] = _bending_gradient(model, scene, bend)
         if stress and twist and bend:
-            told = stress.responses(model, scene, bend, twist, side)
-            for name, (extreme, smooth, gradients) in told.items():
+            reported = stress.responses(model, scene, bend, twist, side)
+            for name, (extreme, smooth, gradients) in reported.items():
                 factor = self._smoothing.setdefault(name, extreme / smooth)
                 found[name] = factor * smooth, factor * gradients
         return found
@@ -168,7 +168,7 @@ class MeshModel:
         if kind == "torsion":
             return condense(model, scene, "antisymmetric", "odd" if mirrored else "none", None, _RESIDUAL)
         lateral: Lateral = ("odd" if kind == "tangential" else "even") if mirrored else "none"
-        further = self._stress.further(lateral) if self._stress else ()
+        further = self._stress.extra_loads(lateral) if self._stress else ()
         forces = [unit_force(model, self.scene, load, "symmetric", lateral) for load in further]
         more = np.column_stack(forces) if forces else None
         return condense(model, scene, "symmetric", lateral, more, _RESIDUAL)
@@ -184,10 +184,14 @@ class MeshModel:
         parts = np.array([bolted.volume, bolted.first_y, bolted.polar])
         found = kg * (self._parts * integrals + self._missing) + 2 * parts
         pairs = zip(found.tolist(), kg * self._parts * gradients, strict=True)
-        told = dict(zip(("mass", "unbalance", "inertia"), pairs, strict=True))
-        unbalance, slope = told["unbalance"]
+        reported = dict(zip(("mass", "unbalance", "inertia"), pairs, strict=True))
+        unbalance, slope = reported["unbalance"]
         factor, (_, oscillating) = balance_factor_percent(self.scene, unbalance), rods_kg_mm(self.scene)
-        return told if factor is None else {**told, "balance_factor": (factor, -100 / oscillating * slope)}
+        return (
+            reported
+            if factor is None
+            else {**reported, "balance_factor": (factor, -100 / oscillating * slope)}
+        )
 
 
 def _exact(meshed: MeshedThrow) -> Array:

@@ -47,7 +47,7 @@ class MeshStress:
         self._near_alone = isinstance(loads, WebLoads)
         self.names = tuple(name for name in _SMOOTH if name in names)
 
-    def further(self, lateral: Lateral) -> tuple[FieldKind, ...]:
+    def extra_loads(self, lateral: Lateral) -> tuple[FieldKind, ...]:
         """Return the further loads of a symmetric condensation with that symmetry in x, in their order."""
         held: dict[Lateral, tuple[FieldKind, ...]] = {"even": ("centrifugal",), "odd": ("tangential",)}
         return tuple(kind for kind in held.get(lateral, ("tangential", "centrifugal")) if kind in self.kinds)
@@ -94,14 +94,14 @@ class MeshStress:
             )
             for of_speed in self.histories
         ]
-        told = {}
+        reported = {}
         for name in self.names:
             value, deciding = _SMOOTH[name]
             smooth = deciding((value(self.scene, one) for one in judged), key=lambda one: one.extreme)
             forces, gradients = stress_adjoint(model, surface, found, moved, smooth.adjoint, self._elastic)
             gradients += self._through_fields(model, blocks, fields, forces)
-            told[name] = smooth.extreme, smooth.value, gradients
-        return told
+            reported[name] = smooth.extreme, smooth.value, gradients
+        return reported
 
     @property
     def _elastic(self) -> tuple[float, float]:

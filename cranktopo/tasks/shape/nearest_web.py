@@ -38,10 +38,10 @@ def nearest_web(
         reach: of every parameter, mm or degrees.
     """
     low, high = web.bounds
-    told = partial(_told, exact, at)
+    reported = partial(_told, exact, at)
 
     def limits(values: Array) -> tuple[Array, Array]:
-        found = goal.violations(told(values).values)
+        found = goal.violations(reported(values).values)
         return found, goal.violation_gradients(exact.gradients, len(at))
 
     rules = partial(rules_of, web, EnvelopeClearance(scene))
@@ -49,7 +49,7 @@ def nearest_web(
     values = linear_steps(goal.objective_gradient(exact.gradients), limits, rules, bounds, at, _PENALTIES)
     broken = rules(values)[0].max(initial=0.0) >= KEPT_MM
     found = at if broken or refused(scene, web.layout, values) else values
-    return Step(found, told(found), merit(goal, told(found).values), 0)
+    return Step(found, reported(found), merit(goal, reported(found).values), 0)
 
 
 def _told(exact: Quantities, at: Array, values: Array) -> Quantities:
@@ -72,12 +72,12 @@ def asked_again(
     Args:
         known: some quantities of the web with some parameters, better than the search tells them.
     """
-    asked, found = goal, list[Step]()
+    requested, found = goal, list[Step]()
     for _ in range(_TRIES):
-        step = search(asked)
+        step = search(requested)
         better = known(step.values)
-        told = Quantities({**step.found.values, **better}, step.found.gradients)
-        found.append(replace(step, found=told))
+        reported = Quantities({**step.found.values, **better}, step.found.gradients)
+        found.append(replace(step, found=reported))
         over = {
             limit.quantity
             for limit in goal.limits
@@ -88,7 +88,7 @@ def asked_again(
         }
         if not over:
             return replace(found[-1], solved=sum(one.solved for one in found))
-        asked = goal.corrected(
+        requested = goal.corrected(
             {name: model_error(name, step.found.values[name], better[name]) for name in over}
         )
     nearest = min(found, key=lambda one: worst_violation(goal, one.found))

@@ -15,7 +15,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import Pace, note
-from cranktopo.base.progress import Work
+from cranktopo.base.progress import StageMemory
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.search import SearchBudget, WebSolver, best_values
@@ -120,10 +120,10 @@ class CorrectedSurrogate:
     def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Quantities:
         """Return quantities of a web with these values."""
         found = self._webs.responses(web, values, quantities)
-        told = {name: self._told(name, found, values - self._at) for name in quantities}
+        reported = {name: self._told(name, found, values - self._at) for name in quantities}
         return Quantities(
-            {name: value for name, (value, _) in told.items()},
-            {name: slope for name, (_, slope) in told.items()},
+            {name: value for name, (value, _) in reported.items()},
+            {name: slope for name, (_, slope) in reported.items()},
         )
 
     def _told(self, name: str, found: Quantities, moved: Array) -> tuple[float, Array]:
@@ -146,7 +146,7 @@ def refined(
     layout: Layout,
     start: Array,
     goal: SearchGoal,
-    work: Work,
+    work: StageMemory,
     extent: Refinement,
     required_merit: float = np.inf,
 ) -> Step:
@@ -193,12 +193,12 @@ def stepped(
     at: Array,
     exact: Quantities,
     goal: SearchGoal,
-    work: Work,
+    work: StageMemory,
     effort: SearchBudget,
 ) -> Step:
     """Return the best web by cells brought to the truth of one web; that web where none is better."""
     rough = cells.responses(cells.web(layout), at, goal.quantities)
-    matched, private = CorrectedSurrogate(cells, at, rough, exact), Work({}, work.check)
+    matched, private = CorrectedSurrogate(cells, at, rough, exact), StageMemory({}, work.check)
     values, solved = best_values(lambda: matched, layout, at, goal, "step", private, effort)
     if values is None:
         return Step(at, exact, merit(goal, exact.values), solved + 1)

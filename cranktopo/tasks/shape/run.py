@@ -12,7 +12,7 @@ from typing import Any
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.files import as_path, write_json, write_text
 from cranktopo.base.notes import note
-from cranktopo.base.progress import StageCache, Work
+from cranktopo.base.progress import StageCache, StageMemory
 from cranktopo.bodies.solid.files import coarse_facet_mm, export_solid, surface_of
 from cranktopo.design.assumed import (
     ENVELOPE,
@@ -211,7 +211,7 @@ def shape_goal(scene: Scene) -> Goal:
 def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead) -> ShapedRun:
     began, goal = time.perf_counter(), shape_goal(scene)
     with working_in(run, "finished searches are kept") as check, double_precision():
-        work = Work(StageCache(run.path / WORK), check)
+        work = StageMemory(StageCache(run.path / WORK), check)
         if shaft := search_in_shaft(scene, goal, settings, work):
             settings = replace(settings, loads=shaft.loads)
         optimum = optimise_shape(scene, goal, settings, work, start)
@@ -245,7 +245,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
 
 
 def _bound(
-    scene: Scene, goal: Goal, cell_mm: float, original: Mapping[str, float], work: Work
+    scene: Scene, goal: Goal, cell_mm: float, original: Mapping[str, float], work: StageMemory
 ) -> BoundStatement | NoBound | None:
     if plan(scene, goal=goal)["bound"].state != "on":
         return None

@@ -11,7 +11,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import Pace, note
-from cranktopo.base.progress import Json, Work
+from cranktopo.base.progress import Json, StageMemory
 from cranktopo.design.halves import usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import (
@@ -153,7 +153,7 @@ def best_values(
     start: Array,
     goal: SearchGoal,
     name: str,
-    work: Work,
+    work: StageMemory,
     effort: SearchBudget,
 ) -> tuple[Array | None, int]:
     """Return parameters of the best web of a layout near a start, and how many webs were solved.
@@ -185,7 +185,7 @@ def search_on_cells(
     start: Array,
     goal: SearchGoal,
     name: str,
-    work: Work,
+    work: StageMemory,
     evaluations: int = EVALUATIONS,
     nearest: bool = False,
 ) -> tuple[SearchResult | None, int]:
@@ -258,7 +258,7 @@ def refused(scene: Scene, layout: Layout, values: Array) -> str:
     return ""
 
 
-def _minimise(task: _WebSearch, start: Array, effort: SearchBudget, work: Work) -> None:
+def _minimise(task: _WebSearch, start: Array, effort: SearchBudget, work: StageMemory) -> None:
     """Search; where a web cannot be solved, once more from the last sound one with a shorter reach."""
     start, reach = restore_feasibility(task.rules, task.web.bounds, start), effort.reach
     for _ in range(_ATTEMPTS):
@@ -271,7 +271,7 @@ def _minimise(task: _WebSearch, start: Array, effort: SearchBudget, work: Work) 
             start, reach = task.sound, reach / 4
 
 
-def _descend(task: _WebSearch, start: Array, effort: SearchBudget, work: Work) -> None:
+def _descend(task: _WebSearch, start: Array, effort: SearchBudget, work: StageMemory) -> None:
     (low, high), reach = task.web.bounds, effort.reach
     bounds = np.maximum(low, start - reach), np.minimum(high, start + reach)
 

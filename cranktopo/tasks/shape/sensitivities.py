@@ -46,8 +46,8 @@ def dimension_sensitivities(
     holders: Sequence[tuple[str, ...]],
 ) -> tuple[DimensionSensitivity, ...]:
     """Return every dimension of a web with what it is worth; `holders` by `active_constraints`."""
-    told = [name for name in _SHOWN if name in found.gradients and original.get(name)]
-    percent = {name: 100 * found.gradients[name] / original[name] for name in told}
+    reported = [name for name in _SHOWN if name in found.gradients and original.get(name)]
+    percent = {name: 100 * found.gradients[name] / original[name] for name in reported}
     return tuple(
         DimensionSensitivity(
             name=name,

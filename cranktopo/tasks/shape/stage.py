@@ -16,7 +16,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import Pace, note
-from cranktopo.base.progress import Json, Work
+from cranktopo.base.progress import Json, StageMemory
 from cranktopo.base.side_by_side import LazyFuture
 from cranktopo.design.goal.constraint import TOLERANCE
 from cranktopo.design.goal.limit import Goal, goal_text
@@ -166,7 +166,7 @@ def optimise_shape(
     scene: Scene,
     goal: Goal,
     settings: ShapeSettings | None = None,
-    work: Work | None = None,
+    work: StageMemory | None = None,
     start: WebRead | None = None,
 ) -> ShapeOptimum:
     """Return the best web of the family for a goal; call inside `double_precision()`.
@@ -174,7 +174,7 @@ def optimise_shape(
     Raises:
         CranktopoError: no envelope, no web that keeps limits and rules, or a failed solve.
     """
-    settings, work = settings or ShapeSettings(), work or Work()
+    settings, work = settings or ShapeSettings(), work or StageMemory()
     stressed = stresses_in(goal.quantities)
     own = None if scene.original is None else Path(scene.original.file)
     before, judged = evaluated_original(
@@ -201,7 +201,12 @@ def optimise_shape(
 
 
 def _selection(
-    cells: WebModel, goal: Goal, chosen_for: Goal, before: EvaluatedWeb, settings: ShapeSettings, work: Work
+    cells: WebModel,
+    goal: Goal,
+    chosen_for: Goal,
+    before: EvaluatedWeb,
+    settings: ShapeSettings,
+    work: StageMemory,
 ) -> FeatureSelection:
     """Return what seeks outline and features on cells, for a goal that stands for the true one there."""
     if set(chosen_for.limits) - set(goal.limits) or chosen_for.quantity != goal.quantity:
@@ -232,7 +237,7 @@ class _LocalRefinement:
         layout: Layout,
         original: EvaluatedWeb,
         settings: ShapeSettings,
-        work: Work,
+        work: StageMemory,
     ) -> None:
         self._cells, self._scene = cells, cells.scene
         self._goal, self._layout = goal, layout
@@ -355,8 +360,8 @@ class _LocalRefinement:
 
         A counterweight's unbalance grows with the cube of its radius: no search by slopes sees that.
         """
-        asked = _BY_MASSES & {limit.quantity for limit in goal.limits}
-        if not asked:
+        requested = _BY_MASSES & {limit.quantity for limit in goal.limits}
+        if not requested:
             return {}
         told = throw_balance(shaped_scene(self._scene, self._layout, values))
         known = {
@@ -364,7 +369,7 @@ class _LocalRefinement:
             "unbalance": told.throw_unbalance_kg_mm,
             "balance_factor": told.balance_factor_percent or 0.0,
         }
-        return {name: known[name] for name in asked}
+        return {name: known[name] for name in requested}
 
     def _evaluated(self, values: Array, number: int, solved: int) -> ShapeRound:
         scene, size = shaped_scene(self._scene, self._layout, values), self._settings.element_size_mm

@@ -176,11 +176,11 @@ class Session:
         if place.scheduler is not None:
             return WorkerPool(scheduler=place.scheduler)
         cores, scene = usable_cores(), plan.original
-        asked = place.workers
-        if asked is None:
+        requested = place.workers
+        if requested is None:
             memory = max(_point_memory_MiB(scene, stage, plan.element_size_mm) for stage in plan.stages)
-            asked = min(cores, int(available_memory_MiB() / memory))
-        workers = max(1, min(asked, points))
+            requested = min(cores, int(available_memory_MiB() / memory))
+        workers = max(1, min(requested, points))
         return WorkerPool(workers, max(1, cores // workers))
 
 

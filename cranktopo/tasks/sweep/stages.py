@@ -111,8 +111,8 @@ def _fatigue(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     web = Target(scene.name, simulated(scene, fillets=True))
     least = assess_fatigue([web]).fields[0].critical
     judged = _judged(Target(scene.name, simulated(scene)), fineness)
-    told = {"fatigue_safety": least.safety, "fatigue_place": least.place}
-    return {**judged, **told, "target": DESIGN, VIEW: web_view(web)}
+    reported = {"fatigue_safety": least.safety, "fatigue_place": least.place}
+    return {**judged, **reported, "target": DESIGN, VIEW: web_view(web)}
 
 
 def _optimised(scene: Scene, folder: Path, fineness: Fineness) -> Json:
@@ -203,8 +203,10 @@ def _limits(goal: GoalOutcome | None) -> Json:
     if not goal:
         return {}
     broken = broken_limits(goal)
-    told = {"status": IMPOSSIBLE, "reason": f"no web found that holds {'; '.join(broken)}"} if broken else {}
-    return {"limits_hold": not broken, **told}
+    reported = (
+        {"status": IMPOSSIBLE, "reason": f"no web found that holds {'; '.join(broken)}"} if broken else {}
+    )
+    return {"limits_hold": not broken, **reported}
 
 
 def _bound(bound: BoundStatement | NoBound | None) -> Json:

@@ -78,7 +78,7 @@ class DraftedPrism(RawBody):
         faces_mm: heights of its faces where it is widest.
         tilted: whether the lower and the upper face have draft.
         widest_mm: its largest half-width.
-        fall: tangent of the draft.
+        draft_slope: tangent of the draft.
         land_mm: half-width at which the faces end in the flash.
     """
 
@@ -87,14 +87,14 @@ class DraftedPrism(RawBody):
     faces_mm: tuple[float, float]
     tilted: tuple[bool, bool]
     widest_mm: float
-    fall: float
+    draft_slope: float
     land_mm: float
 
     @override
     def half_mm(self, y_mm: Array, z_mm: Array) -> Array:
         (low, high), (bottom, top) = self.z_mm, self.faces_mm
         beyond = np.maximum(np.maximum(bottom - z_mm, z_mm - top), 0.0)
-        half = np.minimum(self.outline.half_width_mm(y_mm), self.widest_mm - beyond / self.fall)
+        half = np.minimum(self.outline.half_width_mm(y_mm), self.widest_mm - beyond / self.draft_slope)
         return np.where((z_mm >= low) & (z_mm <= high), np.maximum(half, 0.0), 0.0)
 
     @property
@@ -109,14 +109,14 @@ class DraftedPrism(RawBody):
 
     @override
     def z_breaks_mm(self, y_mm: Array, half_width_mm: Array) -> list[Array]:
-        rise = self.fall * (self.widest_mm - self.outline.half_width_mm(y_mm))
+        rise = self.draft_slope * (self.widest_mm - self.outline.half_width_mm(y_mm))
         ends = [np.full(y_mm.shape, z) for z in (*self.z_mm, *self.faces_mm)]
         return [*ends, self.faces_mm[0] - rise, self.faces_mm[1] + rise]
 
     def profile_mm(self) -> tuple[tuple[float, float], ...]:
         """Corners (x, z) of what its faces leave, a little wider than it is."""
         wide, (low, high) = self.widest_mm + _BEYOND_MM, self.z_mm
-        below, above = (_BEYOND_MM * (self.fall if tilted else -1.0) for tilted in self.tilted)
+        below, above = (_BEYOND_MM * (self.draft_slope if tilted else -1.0) for tilted in self.tilted)
         right = [(wide, self.faces_mm[0] + below), (wide, self.faces_mm[1] - above)]
         right = [
             *([(self.land_mm, low)] * self.tilted[0]),

@@ -55,7 +55,7 @@ def _web_part(body: Body, forging: Forging) -> DraftedPrism:
         return body.spans(y_mm, middle)[-1][1]
 
     (low, high), allowance = body.z_mm, forging.allowance_mm
-    outline = drafted_outline(own, body.y_range_mm, forging.fall, forging.land_mm)
+    outline = drafted_outline(own, body.y_range_mm, forging.draft_slope, forging.land_mm)
     return drafted_prism(
         body, outline, (low - allowance, high + allowance), (True, True), body.x_range_mm[1], forging
     )

@@ -19,11 +19,11 @@ def drafted_prism(
     forging: Forging,
 ) -> DraftedPrism:
     """Return a body as a prism with draft, whose faces lie at heights where it is widest."""
-    rise = forging.fall * (widest_mm - forging.land_mm)
+    rise = forging.draft_slope * (widest_mm - forging.land_mm)
     low, high = faces_mm[0] - rise * tilted[0], faces_mm[1] + rise * tilted[1]
     own = replace(body, z_mm=(low, high))
     return DraftedPrism(
-        body.key, (low, high), own, outline, faces_mm, tilted, widest_mm, forging.fall, forging.land_mm
+        body.key, (low, high), own, outline, faces_mm, tilted, widest_mm, forging.draft_slope, forging.land_mm
     )
 
 
@@ -37,5 +37,5 @@ def drafted_disc(
 ) -> DraftedPrism:
     """Return a cylinder with draft between its faces, lower first; `tilted` ones have it too."""
     disc = Disc(name, faces_mm, y_mm, radius_mm)
-    outline = drafted_outline(disc.half_width_mm, disc.y_range_mm, forging.fall, forging.land_mm)
+    outline = drafted_outline(disc.half_width_mm, disc.y_range_mm, forging.draft_slope, forging.land_mm)
     return drafted_prism(disc, outline, faces_mm, tilted, radius_mm, forging)

@@ -30,7 +30,7 @@ class Forging(SceneTable):
     line, from which the draft begins."""
 
     @property
-    def fall(self) -> float:
+    def draft_slope(self) -> float:
         """Way of a drafted wall outward per mm toward the parting plane."""
         return math.tan(math.radians(self.draft_deg))
 

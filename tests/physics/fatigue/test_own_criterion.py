@@ -59,6 +59,7 @@ def registered(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         monkeypatch.setattr(criteria, name, made[name])
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("registered")
 def test_a_file_and_a_line_add_a_criterion(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     found = assess_fatigue([DESIGN], "gerber", fillet_fraction=1.0, out=tmp_path)

@@ -10,7 +10,7 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import redirected
-from cranktopo.base.progress import Work
+from cranktopo.base.progress import StageMemory
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
@@ -54,7 +54,7 @@ def test_a_search_goes_on_in_smaller_steps_where_a_web_cannot_be_solved() -> Non
     goal = SearchGoal("torsion", -1.0, 30.0, ())
     effort = SearchBudget(40, 8.0)
     with redirected(told.append):
-        found, _ = best_values(lambda: webs, LAYOUT, START, goal, "a", Work(), effort)
+        found, _ = best_values(lambda: webs, LAYOUT, START, goal, "a", StageMemory(), effort)
     assert found is not None
     assert 30.0 < found[4] <= 31.0
     assert "an element folds" in told[0]
@@ -64,7 +64,7 @@ def test_a_search_goes_on_in_smaller_steps_where_a_web_cannot_be_solved() -> Non
 def test_a_first_web_that_cannot_be_solved_is_an_error() -> None:
     webs, goal = Brittle(load_scene("mikron-iiic-plain"), 10.0), SearchGoal("mass", 1.0, 1.0, ())
     with pytest.raises(CranktopoError, match="folds"):
-        best_values(lambda: webs, LAYOUT, START, goal, "a", Work(), SearchBudget(40, 8.0))
+        best_values(lambda: webs, LAYOUT, START, goal, "a", StageMemory(), SearchBudget(40, 8.0))
 
 
 def test_a_web_on_which_the_usual_meshes_fold_is_meshed() -> None:

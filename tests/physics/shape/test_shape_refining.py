@@ -10,7 +10,7 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import redirected
-from cranktopo.base.progress import Work
+from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
@@ -89,7 +89,7 @@ def test_a_matched_web_has_the_value_and_the_slopes_of_the_exact_one() -> None:
 
 def test_the_optimum_is_that_of_the_meshed_webs() -> None:
     rough, exact = bowls()
-    found = refined(rough, exact, LAYOUT, START, SearchGoal("mass", 1.0, 100.0, ()), Work(), EXTENT)
+    found = refined(rough, exact, LAYOUT, START, SearchGoal("mass", 1.0, 100.0, ()), StageMemory(), EXTENT)
     assert found.values[MIDDLE] == pytest.approx(TRUE, abs=0.02)
     assert exact.solved < 10
     assert found.solved == rough.solved + exact.solved
@@ -99,7 +99,7 @@ def test_a_limit_that_only_the_meshed_webs_know_is_kept() -> None:
     """With the second half-width held at 29 mm or less the bowl's lowest point is out of reach."""
     rough, exact = bowls()
     goal = SearchGoal("mass", 1.0, 100.0, (Constraint("torsion", "<=", 29.0 + 0.01 * 29.0**2),))
-    found = refined(rough, exact, LAYOUT, START, goal, Work(), EXTENT)
+    found = refined(rough, exact, LAYOUT, START, goal, StageMemory(), EXTENT)
     assert found.values[MIDDLE] == pytest.approx([TRUE[0], 29.0, TRUE[2]], abs=0.02)
     assert merit(goal, found.found.values) == pytest.approx(1.01, abs=1e-4)
 
@@ -108,7 +108,7 @@ def test_a_web_that_cannot_be_solved_shortens_the_step() -> None:
     (rough, exact), told = bowls(widest_mm=29.5), list[str]()
     goal = SearchGoal("mass", 1.0, 100.0, ())
     with redirected(told.append):
-        found = refined(rough, exact, LAYOUT, START, goal, Work(), EXTENT)
+        found = refined(rough, exact, LAYOUT, START, goal, StageMemory(), EXTENT)
     assert 29.0 < found.values[4] <= 29.5
     assert "an element folds" in told[0]
 
@@ -116,4 +116,4 @@ def test_a_web_that_cannot_be_solved_shortens_the_step() -> None:
 def test_a_start_that_cannot_be_solved_is_an_error() -> None:
     rough, exact = bowls(widest_mm=20.0)
     with pytest.raises(CranktopoError, match="folds"):
-        refined(rough, exact, LAYOUT, START, SearchGoal("mass", 1.0, 100.0, ()), Work(), EXTENT)
+        refined(rough, exact, LAYOUT, START, SearchGoal("mass", 1.0, 100.0, ()), StageMemory(), EXTENT)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from cranktopo.base.progress import Work
+from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.wanted import with_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
@@ -153,7 +153,7 @@ def test_a_search_makes_the_web_lighter_and_keeps_both_stiffnesses(model: WebMod
     goal = SearchGoal("mass", 1.0, original["mass"], limits)
     layout = Layout(7, PARTS[:2])
     start = values_of(mikron)[: len(layout.names)]
-    found, solved = search_on_cells(model, layout, start, goal, "a", Work())
+    found, solved = search_on_cells(model, layout, start, goal, "a", StageMemory())
     assert found is not None
     assert solved <= 40
     assert found.objective < 0.96
@@ -170,7 +170,7 @@ def test_a_price_predicts_the_optimum_of_a_limit_moved_by_one_percent(model: Web
         shares = {"torsion": torsion, "bending": 1.0}
         limits = tuple(Constraint(name, ">=", share * original[name]) for name, share in shares.items())
         goal = SearchGoal("mass", 1.0, original["mass"], limits)
-        found, _ = search_on_cells(model, layout, start, goal, "a", Work(), 60)
+        found, _ = search_on_cells(model, layout, start, goal, "a", StageMemory(), 60)
         assert found is not None
         return found, goal
 
@@ -185,9 +185,9 @@ def test_a_price_predicts_the_optimum_of_a_limit_moved_by_one_percent(model: Web
 def test_a_search_that_is_kept_is_not_done_again(model: WebModel, mikron: Scene) -> None:
     goal = SearchGoal("mass", 1.0, model.original["mass"], (Constraint("bending", ">=", 1.0),))
     layout, start = Layout(7), outline_start(mikron, usual_limits(mikron))
-    work = Work()
+    work = StageMemory()
     first, _ = search_on_cells(model, layout, start, goal, "a", work, 6)
-    again, _ = search_on_cells(model, layout, start + 1.0, goal, "a", Work(kept=dict(work.kept)), 6)
+    again, _ = search_on_cells(model, layout, start + 1.0, goal, "a", StageMemory(kept=dict(work.kept)), 6)
     assert first is not None
     assert again is not None
     assert first.values.tobytes() == again.values.tobytes()
@@ -198,7 +198,7 @@ def test_limits_that_no_web_keeps_end_without_a_web(model: WebModel, mikron: Sce
     impossible = (Constraint("torsion", ">=", 3 * model.original["torsion"]),)
     goal = SearchGoal("mass", 1.0, model.original["mass"], impossible)
     found, _ = search_on_cells(
-        model, Layout(7), outline_start(mikron, usual_limits(mikron)), goal, "a", Work(), 12
+        model, Layout(7), outline_start(mikron, usual_limits(mikron)), goal, "a", StageMemory(), 12
     )
     assert found is None
 
@@ -212,7 +212,7 @@ def test_a_web_stays_inside_a_narrow_envelope(mikron: Scene) -> None:
         small = web_model(narrow, usual_limits(narrow), 8.0)
         goal = SearchGoal("torsion", -1.0, small.original["torsion"], ())
         found, _ = search_on_cells(
-            small, Layout(7), outline_start(narrow, usual_limits(narrow)), goal, "a", Work(), 20
+            small, Layout(7), outline_start(narrow, usual_limits(narrow)), goal, "a", StageMemory(), 20
         )
     assert found is not None
     points, _ = small.web(found.layout).points(found.values)

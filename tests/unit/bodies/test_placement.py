@@ -13,7 +13,7 @@ from cranktopo.bodies.prisms import cylinder, journal_halves, web_bores
 from cranktopo.bodies.solid.files import surface_of
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.engine.plan.simulated import without
+from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.numerics.surfaces.mesh import solid_of
 from cranktopo.tasks.importing.placement import misfits, placed, ring_at, without_bores_left_out
 
@@ -30,7 +30,7 @@ def turned(axis: str, deg: float) -> np.ndarray:
 @pytest.fixture(scope="module")
 def mikron() -> Scene:
     """Without fillets, as the body below."""
-    return without(load_scene("mikron-iiic-plain"), "fillets")
+    return strip_features(load_scene("mikron-iiic-plain"), "fillets")
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,7 @@ def test_a_bore_that_the_plan_leaves_out_may_be_missing() -> None:
     for name, bore in (("main_journal", 0.0), ("crankpin", 6.0)):
         data["throw"][name] |= {"bore_diameter_mm": bore, "fillet_mm": 0.0}
     small = scene_from_dict(data)
-    bare = without(small, "bores")
+    bare = strip_features(small, "bores")
     main, pin = journal_halves(bare)
     start, end = bare.web_z_mm
     solid = main + pin + sum((cylinder(27.0, y, (start, end)) for y in (0.0, 24.0, 48.0)), Manifold())

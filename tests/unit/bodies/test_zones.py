@@ -194,47 +194,59 @@ def held(design: str, zone: dict[str, Any], **pocket: Any) -> Scene:
     return scene_from_dict(data, "held")
 
 
+_HELD = dict(
+    zip(
+        (
+            "side",
+            "side with draft",
+            "side with much draft",
+            "box",
+            "cylinder",
+            "groove",
+            "top",
+            "foot",
+            "outline",
+        ),
+        [
+            (
+                held("mikron-iiic-plain", AROUND, **SIDE, draft_deg=draft),
+                {"side.y": 0.2, "side.length": 0.2, "side.height": 0.2, "side.floor": 0.2, "side.offset": 0.2}
+                | ({"side.draft": 1.2} if draft else {}),
+                "side pocket",
+            )
+            for draft in (0.0, 10.0, 30.0)
+        ]
+        + [
+            (
+                held("mikron-iiic-plain", AROUND, **SQUARE, **CORNERS),
+                {f"box-pin.{name}": 0.2 for name in ("y", "size_x", "size_y", "depth")},
+                "box pocket",
+            ),
+            (
+                held("mikron-iiic-plain", AROUND, **POCKET),
+                {f"cylinder-pin.{name}": 0.2 for name in ("y", "diameter", "depth")},
+                "cylinder pocket",
+            ),
+            (
+                held("mikron-iiic-plain", ACROSS, **{**SIDE, "length_mm": 200.0}, draft_deg=10.0),
+                {"groove.height": 0.2, "groove.floor": 0.2, "groove.offset": 0.2},
+                "groove",
+            ),
+            (held("mikron-iiic", TOP), {"bevel-journal.y": 0.2, "bevel-journal.depth": 0.2}, "journal bevel"),
+            (held("mikron-iiic", BOTTOM), {"bevel-pin.y": 0.2, "bevel-pin.depth": 0.2}, "pin bevel"),
+            (held("mikron-iiic-plain", RIM), {"half_width_3": 0.3}, "outline"),
+        ],
+        strict=True,
+    )
+)
+_LONG = {"side with draft", "side with much draft", "groove", "top", "foot"}
+
+
 @pytest.mark.parametrize(
     ("scene", "steps", "part"),
     [
-        (
-            held("mikron-iiic-plain", AROUND, **SIDE, draft_deg=draft),
-            {"side.y": 0.2, "side.length": 0.2, "side.height": 0.2, "side.floor": 0.2, "side.offset": 0.2}
-            | ({"side.draft": 1.2} if draft else {}),
-            "side pocket",
-        )
-        for draft in (0.0, 10.0, 30.0)
-    ]
-    + [
-        (
-            held("mikron-iiic-plain", AROUND, **SQUARE, **CORNERS),
-            {f"box-pin.{name}": 0.2 for name in ("y", "size_x", "size_y", "depth")},
-            "box pocket",
-        ),
-        (
-            held("mikron-iiic-plain", AROUND, **POCKET),
-            {f"cylinder-pin.{name}": 0.2 for name in ("y", "diameter", "depth")},
-            "cylinder pocket",
-        ),
-        (
-            held("mikron-iiic-plain", ACROSS, **{**SIDE, "length_mm": 200.0}, draft_deg=10.0),
-            {"groove.height": 0.2, "groove.floor": 0.2, "groove.offset": 0.2},
-            "groove",
-        ),
-        (held("mikron-iiic", TOP), {"bevel-journal.y": 0.2, "bevel-journal.depth": 0.2}, "journal bevel"),
-        (held("mikron-iiic", BOTTOM), {"bevel-pin.y": 0.2, "bevel-pin.depth": 0.2}, "pin bevel"),
-        (held("mikron-iiic-plain", RIM), {"half_width_3": 0.3}, "outline"),
-    ],
-    ids=[
-        "side",
-        "side with draft",
-        "side with much draft",
-        "box",
-        "cylinder",
-        "groove",
-        "top",
-        "foot",
-        "outline",
+        pytest.param(*case, id=name, marks=pytest.mark.slow if name in _LONG else ())
+        for name, case in _HELD.items()
     ],
 )
 def test_no_dimension_of_a_feature_in_a_frozen_zone_moves(

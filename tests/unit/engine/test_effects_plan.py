@@ -16,7 +16,7 @@ from cranktopo.engine.analysis import at_speed
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.plan.cost import Costing, CostRates
 from cranktopo.engine.plan.planning import plan
-from cranktopo.engine.plan.simulated import apply_physics_plan, without
+from cranktopo.engine.plan.simulated import apply_physics_plan, strip_features
 from cranktopo.engine.states import extreme_states, load_cases
 from cranktopo.engine.throw_compliance import fillet_length_saving_mm, throw_compliance
 from cranktopo.throw.envelope import OutlineEnvelope
@@ -162,7 +162,7 @@ def test_load_cases_without_any_weight_are_refused(scene, weights, effects, name
 
 def test_bearing_estimate_is_springs_in_series():
     effect = plan(OPPOSED)["bearing_compliance"]
-    own = 1 / throw_compliance(without(OPPOSED, "fillets")).bending_mm_per_N
+    own = 1 / throw_compliance(strip_features(OPPOSED, "fillets")).bending_mm_per_N
     together = 1 / (1 / own + 1 / (2 * 1.072e6))
     assert effect.estimate_percent == pytest.approx(100 * (1 - together / own), rel=1e-12)
     assert effect.state == "on"

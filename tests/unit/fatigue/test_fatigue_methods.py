@@ -15,8 +15,8 @@ from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.fkm import FkmStrength, fkm
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
 from cranktopo.tasks.fatigue.m53 import (
+    ConcentrationFactors,
     Dimensions,
-    Factors,
     Nominal,
     concentration_factors,
     fatigue_strength_MPa,
@@ -106,7 +106,7 @@ def test_m53_stresses_by_hand() -> None:
     assert n.shear_MPa == pytest.approx(5e4 / 2200)
     assert n.pin_torsion_MPa == pytest.approx(2e6 * 16 / (np.pi * 60**3))
     assert n.journal_torsion_MPa == pytest.approx(2e6 * 16 / (np.pi * 70**3))
-    f, n = Factors(2.0, 1.5, 3.0, 4.0, 1.25), Nominal(100.0, 10.0, 20.0, 40.0)
+    f, n = ConcentrationFactors(2.0, 1.5, 3.0, 4.0, 1.25), Nominal(100.0, 10.0, 20.0, 40.0)
     assert pin_equivalent_MPa(f, n, 10.0) == pytest.approx(np.sqrt(210**2 + 3 * 30**2))
     assert journal_equivalent_MPa(f, n, 0.0) == pytest.approx(np.sqrt(340**2 + 3 * 50**2))
 

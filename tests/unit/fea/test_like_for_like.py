@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from cranktopo.design.loading import load_scene
-from cranktopo.engine.plan.simulated import without
+from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.tasks.compare.stage import _like_for_like
 from cranktopo.tasks.fea.targets import Target, unlike_fillet_line
 
@@ -34,10 +34,10 @@ def test_evaluate_tells_that_the_surface_of_a_run_has_no_fillets() -> None:
     assert "run4: the surface of a run has no fillets, which make its design stiffer" in unlike_fillet_line(
         [surface]
     )
-    assert unlike_fillet_line([replace(surface, scene=without(scene, "fillets"))]) == ""
+    assert unlike_fillet_line([replace(surface, scene=strip_features(scene, "fillets"))]) == ""
     for alike in (
         [design, body],
         [surface, body],
-        [replace(design, scene=without(scene, "fillets")), surface],
+        [replace(design, scene=strip_features(scene, "fillets")), surface],
     ):
         assert unlike_fillet_line(alike) == ""

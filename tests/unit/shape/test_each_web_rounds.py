@@ -11,7 +11,7 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import Pace
-from cranktopo.base.progress import Work
+from cranktopo.base.progress import StageMemory
 from cranktopo.design.loading import load_scene
 from cranktopo.design.named import with_goal
 from cranktopo.engine.histories import WebLoads
@@ -45,7 +45,7 @@ def searches(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Searches:
         monkeypatch.setattr(rounds, "loaded_shaft", lambda design, fraction: next(shafts))
         monkeypatch.setattr(rounds, "web_safety", lambda scene, judging: 3.0)
         pace, settings = Pace("each web", 4), shape_settings(SCENE)
-        return CrankSearch(tmp_path, SCENE, settings, Work(), told_shaft(DESIGN), 1.2, pace), stand_in
+        return CrankSearch(tmp_path, SCENE, settings, StageMemory(), told_shaft(DESIGN), 1.2, pace), stand_in
 
     return made
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.progress import Work
+from cranktopo.base.progress import StageMemory
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.fea.evaluation import evaluate
@@ -41,7 +41,7 @@ def test_the_search_need_not_wait_for_the_safety(
 
     monkeypatch.setattr(module, "evaluate", lambda *_: evaluation)
     monkeypatch.setattr(module, "fatigue_field", safety)
-    work = Work()
+    work = StageMemory()
     web, judged = evaluated_original(scene, {"fatigue_safety"}, None, work)
     assert begun.wait(600.0)
     assert web.values["torsion"] > 0
@@ -59,4 +59,4 @@ def test_what_the_safety_needs_is_told_before_the_search(
     monkeypatch.setattr(module, "evaluate", lambda *_: evaluation)
     weak = scene.model_copy(update={"material": scene.material.model_copy(update={"ultimate_MPa": None})})
     with pytest.raises(CranktopoError, match="ultimate_MPa"):
-        evaluated_original(weak, {"fatigue_safety"}, None, Work())
+        evaluated_original(weak, {"fatigue_safety"}, None, StageMemory())

@@ -11,7 +11,7 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import redirected
-from cranktopo.base.progress import Work
+from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.limit import Goal, Limit, goal_text
 from cranktopo.design.goal.wanted import check_goal, check_known, wanted, with_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
@@ -158,7 +158,7 @@ def test_the_evaluation_tells_what_vibration_does() -> None:
     """On rigid bearings, where a throw between its neighbours is stiffer than one that stands alone."""
     propeller = {"propeller": {"inertia_kg_m2": 0.6, "damping_Nms_per_rad": 3.0}}
     scene = limited(LIMITS[0], "torsion none", shaft=propeller)
-    web = evaluated_web(scene, (), COARSE_MM, "web", Work())
+    web = evaluated_web(scene, (), COARSE_MM, "web", StageMemory())
     told = shaft_vibration(Target(scene.name, scene), element_size_mm=COARSE_MM).modes[0].frequency_Hz
     assert web.values["natural_frequency"] == pytest.approx(told, rel=1e-9)
     alone = first_frequency(scene, web.values["torsion"], web.values["inertia"]).frequency_Hz

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from cranktopo.base.progress import Work
+from cranktopo.base.progress import StageMemory
 from cranktopo.design.loading import load_scene
 from cranktopo.tasks.compare.printed import comparison_text
 from cranktopo.tasks.compare.result import Entry, compare
@@ -56,7 +56,7 @@ def test_an_evaluated_web_has_the_place_beside_its_safety(monkeypatch: pytest.Mo
     monkeypatch.setattr(module, "evaluate", lambda *_: evaluation)
     monkeypatch.setattr(module, "fatigue_field", lambda *_: FIELD)
     scene = load_scene("mikron-iiic-plain")
-    found = evaluated_web(scene, {"fatigue_safety"}, None, "web", Work()).evaluation
+    found = evaluated_web(scene, {"fatigue_safety"}, None, "web", StageMemory()).evaluation
     assert (found.fatigue_safety, found.fatigue_place) == (0.97, OUTLET)
     assert found.as_json()["fatigue_place"] == OUTLET
 
@@ -65,7 +65,7 @@ def test_an_evaluated_web_has_the_place_beside_its_safety(monkeypatch: pytest.Mo
 def test_the_outlet_of_a_drilled_twin_is_named() -> None:
     """The same point as the assessment has, at the outlet of the pin."""
     scene, judging = drilled(), Judging(fillet_fraction=0.5)
-    found = evaluated_web(scene, {"fatigue_safety"}, 14.0, "web", Work(), judging).evaluation
+    found = evaluated_web(scene, {"fatigue_safety"}, 14.0, "web", StageMemory(), judging).evaluation
     field = fatigue_field(Target(scene.name, scene), "lsa", fillet_fraction=0.5)
     assert found.fatigue_place == field.critical.place
     assert field.critical.place.startswith("oil outlet on the crankpin")

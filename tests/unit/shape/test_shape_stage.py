@@ -12,7 +12,7 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import redirected
-from cranktopo.base.progress import Work
+from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.wanted import wanted, with_goal
@@ -67,7 +67,7 @@ class Told:
             raise CranktopoError("mesh: an element folds.", hint="", code=ExitCode.SOLVER)
         return Step(at + 0.01, KEPT, self.promised, 5)
 
-    def growth(self, model: Any, coarse: Any, goals: Any, original: Any, work: Work) -> Any:
+    def growth(self, model: Any, coarse: Any, goals: Any, original: Any, work: StageMemory) -> Any:
         self.goals.append(goals[0])
 
         def first(layout: Any, start: Any) -> Any:
@@ -87,7 +87,7 @@ class Shaped(Protocol):
     """Do the stage, with what an interrupted one kept."""
 
     def __call__(
-        self, told: Told, work: Work | None = None, settings: ShapeSettings | None = None
+        self, told: Told, work: StageMemory | None = None, settings: ShapeSettings | None = None
     ) -> ShapeOptimum: ...
 
 
@@ -95,7 +95,9 @@ class Shaped(Protocol):
 def shaped(monkeypatch: pytest.MonkeyPatch) -> Shaped:
     scene = with_goal(load_scene("mikron-iiic-plain"), maximise="fatigue_safety")
 
-    def run(told: Told, work: Work | None = None, settings: ShapeSettings | None = None) -> ShapeOptimum:
+    def run(
+        told: Told, work: StageMemory | None = None, settings: ShapeSettings | None = None
+    ) -> ShapeOptimum:
         model = SimpleNamespace(cases=load_cases(scene))
         web = MeshedWebs(scene, ManufacturingLimits(), 10.0).web
         cells = SimpleNamespace(original=ORIGINAL, model=model, scene=scene, webs=lambda: None, web=web)
@@ -117,7 +119,7 @@ def shaped(monkeypatch: pytest.MonkeyPatch) -> Shaped:
         monkeypatch.setattr(stage, "stepped", told.stepped)
         monkeypatch.setattr(stage, "MeshedWebs", meshes)
         with redirected(told.lines.append):
-            return optimise_shape(scene, goal_of(scene), settings, work or Work())
+            return optimise_shape(scene, goal_of(scene), settings, work or StageMemory())
 
     return run
 
@@ -268,7 +270,7 @@ def test_a_finish_keeps_the_balance_that_closed_forms_tell_of_its_web(
     scene = load_scene("mikron-iiic-plain")
     cells = SimpleNamespace(scene=scene, webs=lambda: None)
     found = SimpleNamespace(values={}, excess_percent=())
-    finish = stage._LocalRefinement(cells, goal, None, web, stage.ShapeSettings(), Work())
+    finish = stage._LocalRefinement(cells, goal, None, web, stage.ShapeSettings(), StageMemory())
     monkeypatch.setattr(finish, "anchored", lambda _: None)
     monkeypatch.setattr(finish, "_evaluated", lambda values, number, solved: (found, solved))
     assert finish._finished(before, 1, stage._FINISH, 0.0) == (found, 3 * 5 + 1)
@@ -288,7 +290,7 @@ def test_a_finish_whose_mesh_collapses_leaves_the_web_before_it(shaped: Shaped) 
 def test_a_continued_work_meshes_the_best_web_alone(shaped: Shaped, monkeypatch: pytest.MonkeyPatch) -> None:
     """Rounds that are kept need no gradients; those of the best one are told in the end."""
     told = Told([{"fatigue_safety": 101.0}, {"fatigue_safety": 108.0}, {"fatigue_safety": 107.9}])
-    work, solved = Work(), list[bytes]()
+    work, solved = StageMemory(), list[bytes]()
     shaped(told, work)
     work.kept.update({f"evaluation-{number}": {} for number in range(3)})
 

@@ -11,7 +11,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
-from cranktopo.engine.plan.simulated import without
+from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.tasks.fatigue.fillets import place
 from cranktopo.tasks.fatigue.needs import check_inputs
 from cranktopo.tasks.fea.targets import Target
@@ -66,10 +66,10 @@ def test_a_drawing_names_both_semi_axes() -> None:
 
 
 def test_a_throw_without_fillets_has_no_ellipse_either() -> None:
-    sharp = without(mikron(crankpin={"fillet_axial_mm": 4.0}), "fillets")
+    sharp = strip_features(mikron(crankpin={"fillet_axial_mm": 4.0}), "fillets")
     assert all(journal.fillet == FilletSection(0.0, 0.0) for journal, _ in sharp.throw.journals)
     assert "fillet_axial_mm" not in toml_text(sharp, "sharp")
-    assert without(sharp, "fillets") is sharp
+    assert strip_features(sharp, "fillets") is sharp
 
 
 def test_the_place_along_an_ellipse_is_that_of_the_stretched_circle() -> None:

@@ -73,7 +73,7 @@ def test_a_circle_has_two_tangents_at_each_end(forging: dict[str, float]) -> Non
     draft, land, radius = math.radians(forging["draft_deg"]), forging["flash_mm"] / 2, 23.0
     table = Forging(**forging)
     outline = drafted_outline(
-        lambda y: np.sqrt(np.maximum(radius**2 - y**2, 0.0)), (-radius, radius), table.fall, land
+        lambda y: np.sqrt(np.maximum(radius**2 - y**2, 0.0)), (-radius, radius), table.draft_slope, land
     )
     assert outline.y_range_mm[1] == pytest.approx(radius / math.cos(draft) - land * math.tan(draft), rel=1e-9)
     y = np.unique(np.concatenate([np.linspace(*outline.y_range_mm, 200_001), outline.corners_mm]))

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cranktopo.base.notes import Pace, indented, note
-from cranktopo.base.progress import Work
+from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.constraint import TOLERANCE
 from cranktopo.design.goal.wanted import with_goal
 from cranktopo.design.loading import load_scene
@@ -97,7 +97,7 @@ class CrankSearch:
     folder: Path
     scene: Scene
     settings: ShapeSettings
-    work: Work
+    work: StageMemory
     original: LoadedShaft
     required: float
     pace: Pace

@@ -11,7 +11,7 @@ from typing import Any
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.files import as_path, write_json
 from cranktopo.base.notes import Pace, indented, note
-from cranktopo.base.progress import Json, StageCache, Work
+from cranktopo.base.progress import Json, StageCache, StageMemory
 from cranktopo.design.assumed import assumptions
 from cranktopo.design.crank_throws import throw_count
 from cranktopo.design.free_dimensions import DIMENSIONS, free_range_mm, is_of_counterweight
@@ -177,7 +177,7 @@ def _without_free_journals(scene: Scene) -> Scene:
 def _worked(run: RunStore, scene: Scene, settings: ShapeSettings) -> EachWebRun:
     began = time.perf_counter()
     with working_in(run, "finished searches are kept") as check:
-        work, goal = Work(StageCache(run.path / WORK), check), shape_goal(scene)
+        work, goal = StageMemory(StageCache(run.path / WORK), check), shape_goal(scene)
         limit = _safety_limit(scene, goal)
         original = LoadedShaft.of_json(work.once("design", lambda: _design_shaft(scene, settings)))
         required = limit.required(original.figures.safety)
