@@ -119,7 +119,7 @@ def draw(path: Path) -> None:
                 off = off_percent(formula, family)
                 shown = axes.imshow(off, cmap="RdBu_r", vmin=-40, vmax=40, origin="lower", aspect="auto")
                 for (i, j), value in np.ndenumerate(off):
-                    axes.text(j, i, f"{value:+.0f}", ha="center", va="center", fontsize=8)
+                    axes.text(j, i, f"{round(value):+d}", ha="center", va="center", fontsize=8)
                 axes.set_title(formula, fontsize=9)
                 axes.set_xlabel(across)
                 axes.set_ylabel(up)
