@@ -45,6 +45,7 @@ def test_a_rigid_end_face_sinks_as_a_beam_does(float64: None) -> None:
     assert float(sunk.mean()) == pytest.approx(expected, rel=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("advice", [None, Advice("softer hands", "softer hands")])
 def test_who_calls_the_solver_says_what_helps(
     float64: None, monkeypatch: pytest.MonkeyPatch, advice: Advice | None

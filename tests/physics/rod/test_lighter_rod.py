@@ -127,6 +127,7 @@ def test_a_judge_whom_no_lighter_rod_suits_ends_the_search(monkeypatch):
         corrected_search(search(), strict)
 
 
+@pytest.mark.slow
 def test_a_rod_that_has_no_mesh_is_left_out():
     """The search goes on nearer to the best one: it ends as light as without, or within a percent."""
     task, calls = search(), []

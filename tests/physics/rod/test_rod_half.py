@@ -59,6 +59,7 @@ def of(name, factor=1.0):
     return np.where(np.array(LOADS) == name, factor, 0.0)
 
 
+@pytest.mark.slow
 def test_the_half_of_a_square_rod_has_the_stresses_of_its_quarter(pair):
     """Nodes of the half on both sides over a cycle, but for those whose elements touch the other mirror."""
     mass = rod_mass(SQUARE.rod, LENGTH_MM, SQUARE.material)
