@@ -97,7 +97,7 @@ def test_an_interrupted_optimisation_goes_on_to_the_same_web(
     run: tuple[Path, dict[str, Any]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _, data = run
-    done, once = [], shape_run.Work.once
+    done, once = [], shape_run.StageMemory.once
 
     def interrupted(self: Any, name: str, make: Any) -> Any:
         if len(done) == 4:
@@ -105,7 +105,7 @@ def test_an_interrupted_optimisation_goes_on_to_the_same_web(
         done.append(name)
         return once(self, name, make)
 
-    monkeypatch.setattr(shape_run.Work, "once", interrupted)
+    monkeypatch.setattr(shape_run.StageMemory, "once", interrupted)
     with pytest.raises(CranktopoError, match="interrupted") as error:
         shape_design(light(load_scene("mikron-iiic-plain")), COARSE, tmp_path / "run")
     assert error.value.code == ExitCode.INTERRUPTED

@@ -264,7 +264,7 @@ def test_a_native_module_begins_before_the_end() -> None:
 def test_an_interruption_that_a_library_turned_into_its_own_error(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Ctrl-C while an import makes a class: Python 3.11 raises a RuntimeError from it (seen in matplotlib)."""
+    """Ctrl-C while an import makes a class: Python 3.11 raises RuntimeError from it (seen in matplotlib)."""
 
     def loaded(*_: object, **__: object) -> None:
         try:
