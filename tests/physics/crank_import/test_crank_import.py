@@ -410,7 +410,7 @@ def test_a_small_cut_is_told(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", [name for name in builtin_designs() if "variant" not in name])
 def test_built_in_cranks(tmp_path: Path, name: str) -> None:
     scene = load_scene(name)
-    result = imported(scene, tmp_path)
+    result = imported(scene, tmp_path, "crankshaft" if scene.engine else "throw")
     assert result.halves[0].design_volume_mm3 == pytest.approx(result.halves[0].volume_mm3, rel=1e-3)
     throw = load_scene(result.halves[0].design).throw
     assert throw.radius_mm == pytest.approx(scene.throw.radius_mm, rel=1e-9)
