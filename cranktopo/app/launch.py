@@ -75,9 +75,9 @@ def _watch(numbers: list[signal.Signals]) -> None:
     Python raises KeyboardInterrupt there alone, once native code has returned: meshing, factorising and
     compiling take minutes. What is stored is whole at every moment, as for SIGKILL.
     """
-    heard, reported = os.pipe()
-    os.set_blocking(reported, False)
-    signal.set_wakeup_fd(reported, warn_on_full_buffer=False)
+    heard, signalled = os.pipe()
+    os.set_blocking(signalled, False)
+    signal.set_wakeup_fd(signalled, warn_on_full_buffer=False)
     threading.Thread(target=_cut_off, args=(heard, set(numbers)), daemon=True).start()
 
 

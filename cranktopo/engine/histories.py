@@ -21,6 +21,13 @@ from cranktopo.engine.states import ExtremeState, extreme_states
 HistoryKind = Literal["extremes", "cycle"]
 CURVES = ("radial_N", "tangential_N", "torque_Nm", "angular_speed_rad_s")
 """Attributes of a history with a value for each state."""
+_QUANTITY_OF = {
+    "bending": "radial_N",
+    "torsion": "torque_Nm",
+    "tangential": "tangential_N",
+    "centrifugal": "angular_speed_rad_s",
+}
+"""Quantity of a history that an effect switches."""
 _STEP_DEG = 1.0
 
 
@@ -285,15 +292,6 @@ def _throw(
 def _without(history: LoadHistory, enabled: frozenset[str]) -> LoadHistory:
     kept = {
         quantity: getattr(history, quantity) * (1.0 if effect in enabled else 0.0)
-        for effect, quantity in _EFFECT_OF.items()
+        for effect, quantity in _QUANTITY_OF.items()
     }
     return LoadHistory(**kept, labels=history.labels)
-
-
-_EFFECT_OF = {
-    "bending": "radial_N",
-    "torsion": "torque_Nm",
-    "tangential": "tangential_N",
-    "centrifugal": "angular_speed_rad_s",
-}
-"""Quantity of a history that an effect switches."""

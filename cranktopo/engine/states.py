@@ -57,7 +57,15 @@ def _mark_redundant(states: tuple[ExtremeState, ...], enabled: frozenset[str]) -
     return tuple(sorted(marked, key=lambda s: (bool(s.redundant), order.index(s.case.kind))))
 
 
-__all__ = ["DEFAULT_EFFECTS", "ExtremeState", "LoadCase", "LoadKind", "extreme_states", "load_cases"]
+__all__ = [
+    "DEFAULT_EFFECTS",
+    "ExtremeState",
+    "LoadCase",
+    "LoadKind",
+    "extreme_states",
+    "load_cases",
+    "main_load_cases",
+]
 
 DEFAULT_EFFECTS = INERTIA_EFFECTS | set(MAIN_KINDS)
 
@@ -77,3 +85,11 @@ def load_cases(scene: DesignLike, enabled: frozenset[str] | None = None) -> tupl
     effects = DEFAULT_EFFECTS if enabled is None else enabled
     states = extreme_states(scene, effects)
     return tuple(state.case for state in states if not state.redundant and state.case.kind in effects)
+
+
+def main_load_cases(scene: Scene, enabled: frozenset[str]) -> tuple[LoadCase, ...]:
+    """Return the load cases of bending and torsion with the other effects as they are, inertia for one.
+
+    Stiffness is read off these two; a bound of it or a search for it needs no other.
+    """
+    return load_cases(scene, enabled - set(LOAD_KINDS) | set(MAIN_KINDS))

@@ -67,7 +67,12 @@ class Page:
 
 def left_off_first(left_off: str | None, headline: str) -> str:
     """Return a headline with the effects that are left out in front of it, if there are any."""
-    return f"{left_off[0].upper()}{left_off[1:]}. {headline}" if left_off else headline
+    return f"{sentence(left_off)} {headline}" if left_off else headline
+
+
+def sentence(words: str) -> str:
+    """Return words that stand behind a colon elsewhere as a sentence of their own."""
+    return f"{words[0].upper()}{words[1:]}."
 
 
 def origin_rows(manifest: Mapping[str, Any]) -> list[tuple[str, Any]]:

@@ -69,11 +69,11 @@ def _section(section: Section) -> Iterator[Block]:
 
 def _start(text: Sequence[Block], below: Sequence[Block]) -> float:
     """Return the height of a text and of the start of what is below it; 0 where a title does without that."""
-    reported = sum(block.height for block in text)
+    height = sum(block.height for block in text)
     gaps = next((number for number, block in enumerate(below) if block.height > _GAP), 0)
     first = below[: gaps + 1]
-    start = reported + sum(block.height for block in first) + (first[-1].keep if first else 0.0)
-    fits = start < _SHORT or (reported < _LEAST and start < _MOST)
+    start = height + sum(block.height for block in first) + (first[-1].keep if first else 0.0)
+    fits = start < _SHORT or (height < _LEAST and start < _MOST)
     return start if fits else 0.0
 
 

@@ -45,7 +45,7 @@ CUT = """() => {
     }
     return found;
 }"""
-"""What sticks out of the window, or is cut at its side; tables scroll in a box of their own."""
+"""Parts that stick out of the window, or are cut at its side; tables scroll in a box of their own."""
 
 
 def main(folder: Path | None) -> None:

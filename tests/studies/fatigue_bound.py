@@ -1,4 +1,4 @@
-"""Why no bound of stress bounds a fatigue safety: `python -m tests.studies.fatigue_bound`, as Markdown.
+"""No bound of stress bounds a fatigue safety: `python -m tests.studies.fatigue_bound`, as Markdown.
 
 The table has the strength of a point over that of one without a gradient. The line below it compares the
 stress in the crankpin's fillet, alpha_B M / (B W^2 / 6) by IACS UR M53, with what equilibrium proves of the

@@ -1,4 +1,4 @@
-"""How far a reader is led who follows one function of the package through the files that it calls.
+"""Length of the way of a reader who follows one function of the package through the files that it calls.
 
 Run with `python -m tests.studies.walk [ROOT ...]`, this repository by default. Functions are read from top
 to bottom, depth first, each once; a call of a function or class of the package opens the file that has it,

@@ -68,7 +68,7 @@ CASES = {
 
 
 def inputs() -> list[tuple[str, str]]:
-    """What the results of all six arrangements are computed from, with units."""
+    """Data that the results of all six arrangements are computed from, with units."""
     return [
         ("speed", f"{SPEED_RPM:g} rpm"),
         ("throw radius; length of the rod", f"{RADIUS_MM:g} mm; {ROD_MM:g} mm"),

@@ -87,7 +87,7 @@ def stored() -> dict[Proportions, float]:
 
 
 def off_percent(formula: str, family: list[list[Proportions]]) -> NDArray[np.float64]:
-    """How much more a formula has than the elements."""
+    """Return the excess of a formula over the elements."""
     elements = stored()
     return np.array([[100 * (p.by_formula()[formula] / elements[p] - 1) for p in line] for line in family])
 

@@ -100,11 +100,11 @@ def _map(width_over_diameter: float) -> Array:
     rows = np.linspace(0.0, 1.0, _FINE) * _LOG_THINNEST
     own[..., 1] += 2 * min(np.log(width_over_diameter / WIDTHS[0]), 0.0)
     angle, log_force, peak = np.moveaxis(CubicSpline(-np.log(THICKNESS), own)(-rows), -1, 0)
-    requested = np.pi * np.linspace(0.0, 1.0, _ANGLES) ** 2
+    angles = np.pi * np.linspace(0.0, 1.0, _ANGLES) ** 2
     found = np.empty((3, _FINE, _ANGLES))
     for row in range(_FINE):
         rising = np.maximum.accumulate(angle[row])
-        way = np.interp(requested, rising, DIRECTIONS)
+        way = np.interp(angles, rising, DIRECTIONS)
         found[:, row] = way, np.interp(way, DIRECTIONS, log_force[row]), np.interp(way, DIRECTIONS, peak[row])
     return found
 

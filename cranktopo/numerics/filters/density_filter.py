@@ -67,8 +67,8 @@ class ConeFilter:
         mean = _sums(x * self.design, self.spectrum, self.kernel.shape, self.mirrored_x) / self.weight
         # To so many digits, equal neighbours are equal on every machine: what a process makes of ties must
         # not hang on rounding.
-        reported = jnp.round(jnp.clip(mean, 0.0, 1.0), _DIGITS)
-        return mean + jax.lax.stop_gradient(reported - mean)
+        rounded = jnp.round(jnp.clip(mean, 0.0, 1.0), _DIGITS)
+        return mean + jax.lax.stop_gradient(rounded - mean)
 
 
 @partial(jax.jit, static_argnames="mirrored_x")

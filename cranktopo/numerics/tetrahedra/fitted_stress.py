@@ -116,11 +116,11 @@ def _fit(away: Array, stress: Array, inside: NDArray[np.bool_]) -> tuple[Array, 
     count, weight = len(away), weight.reshape(len(away), -1)
     at = away.reshape(count, -1, 3) / size[:, None, None]
     terms = _values(at) * weight[:, None]
-    reported = stress.reshape(*weight.shape, -1) * weight[..., None]
+    weighted = stress.reshape(*weight.shape, -1) * weight[..., None]
     normal = terms @ terms.swapaxes(1, 2)
     trace = np.einsum("nii->n", normal) / len(_TERMS)
     normal += _LEAST * trace[:, None, None] * np.eye(len(_TERMS))
-    return np.linalg.solve(normal, terms @ reported), size
+    return np.linalg.solve(normal, terms @ weighted), size
 
 
 def _values(at: Array) -> Array:

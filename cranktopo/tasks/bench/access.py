@@ -1,4 +1,4 @@
-"""Who may use a bench that other machines can reach: a password, asked once by each browser."""
+"""Access to a bench that other machines can reach: a password, asked once by each browser."""
 
 from __future__ import annotations
 

@@ -8,11 +8,10 @@ from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.halves import difference, usual_scale
-from cranktopo.design.load_kinds import LOAD_KINDS, MAIN_KINDS
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
-from cranktopo.engine.states import load_cases
+from cranktopo.engine.states import main_load_cases
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.density.model import build_model
 from cranktopo.tasks.density.responses import quantities
@@ -35,8 +34,7 @@ def coarse_stiffness(data: dict[str, Any]) -> dict[str, float]:
 def _on_cells(scene: Scene) -> dict[str, float]:
     with double_precision():
         domain = build_domain(scene, _CELL_MM / usual_scale(scene), "web")
-        effects = plan(scene).enabled - set(LOAD_KINDS) | set(MAIN_KINDS)
-        model = build_model(scene, domain, load_cases(scene, effects))
+        model = build_model(scene, domain, main_load_cases(scene, plan(scene).enabled))
         known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene), rods_kg_mm(scene))
         solved = solved_design(model, domain.passive_fraction, domain.passive_fraction, _TOLERANCE)
         return {name: float(known[name].value(solved)) for name in SHOWN}

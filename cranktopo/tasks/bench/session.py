@@ -400,10 +400,8 @@ class Bench:
             if text is not None:
                 exact = await self.answers.exact(project.data(text))
                 reported = {**self.answers.known(text), **exact, **numbers}
-                name, outlines = (
-                    f"{job.known.kind} {job.known.id}",
-                    await self.answers.outlines(project.data(text)),
-                )
+                name = f"{job.known.kind} {job.known.id}"
+                outlines = await self.answers.outlines(project.data(text))
                 id_ = project.keep(name, reported, text, "; ".join(found[:1]), outlines).id
         except (CranktopoError, OSError, subprocess.SubprocessError) as error:
             found = [f"its result cannot be kept: {error}"]

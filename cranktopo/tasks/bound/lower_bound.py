@@ -23,11 +23,10 @@ from cranktopo.bodies.cells.domain import Domain, build_domain, on_cells
 from cranktopo.bodies.cells.outside import OutsideEnvelope, outside_envelope, without_counterweight
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.load_kinds import LOAD_KINDS, MAIN_KINDS
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import apply_physics_plan
-from cranktopo.engine.states import load_cases
+from cranktopo.engine.states import main_load_cases
 from cranktopo.tasks.bound.certificate import (
     Certificate,
     LinearUnderestimator,
@@ -84,9 +83,9 @@ def next_densities(
 
     def loss(y: Array) -> tuple[float, Array]:
         found, normal = densities(y)
-        reported = base + np.concatenate([np.tensordot(gains, 1 / found, 3), np.tensordot(amounts, found, 3)])
-        excess = signs * (reported[at] - limits)
-        return -float(normal @ reported - y @ (signs * limits)), -excess
+        proven = base + np.concatenate([np.tensordot(gains, 1 / found, 3), np.tensordot(amounts, found, 3)])
+        excess = signs * (proven[at] - limits)
+        return -float(normal @ proven - y @ (signs * limits)), -excess
 
     if len(constraints):
         from scipy.optimize import minimize
@@ -152,7 +151,7 @@ def bound_model(scene: Scene, resolution_mm: float, goal: Goal | None = None) ->
     """
     effects = plan(scene, goal=goal)
     scene = apply_physics_plan(scene, effects).with_optimise(resolution_mm=resolution_mm)
-    cases = load_cases(scene, effects.enabled - set(LOAD_KINDS) | set(MAIN_KINDS))
+    cases = main_load_cases(scene, effects.enabled)
     domain = build_domain(without_counterweight(scene), resolution_mm)
     model = build_model(scene, domain, cases)
     webs, outside = webs_of(scene, domain, model), outside_envelope(scene)

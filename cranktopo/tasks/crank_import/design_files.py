@@ -76,9 +76,8 @@ def write_designs(
         design, others = f"{name}.toml", _write_throws(folder, throws, webs, crank, name, headings[0][0])
     volume: float | None = None
     try:
-        volume = (
-            _crank_volume_mm3(load_scene(folder / design, whole=True), len(crank.pins)) if throws else None
-        )
+        if throws:
+            volume = _crank_volume_mm3(load_scene(folder / design, whole=True), len(crank.pins))
     except CranktopoError as error:
         reported.append(f"the crank of the designs: {error.message}")
     return DesignFiles(design, tuple(others), tuple(same), volume, tuple(reported))
@@ -97,11 +96,11 @@ def _write_throws(
     for first, own in files.items():
         heading = (file, f"Read from {file}: throw {first + 1}.")
         radius = throws[0][0].throw.radius_mm
-        pair = tuple(
+        one, other = (
             scene.model_copy(update={"throw": scene.throw.model_copy(update={"radius_mm": radius})})
             for scene in throws[first]
         )
-        write_text(folder / own, throw_text((pair[0], pair[1]), crank, {}, Path(own).stem, heading))
+        write_text(folder / own, throw_text((one, other), crank, {}, Path(own).stem, heading))
     return list(files.values())
 
 

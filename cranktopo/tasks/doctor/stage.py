@@ -169,12 +169,13 @@ def _cache() -> Check:
     from cranktopo.numerics.precision import cache_folder
 
     folder = cache_folder()
-    reported = (
+    return Check(
+        "compiled programs",
+        "ok" if folder else "absent",
         str(folder or "no cache is this user's alone"),
         "every run compiles again",
         "set XDG_CACHE_HOME",
     )
-    return Check("compiled programs", "ok" if folder else "absent", *reported)
 
 
 def extras() -> list[Check]:

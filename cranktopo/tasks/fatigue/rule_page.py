@@ -21,6 +21,7 @@ from cranktopo.report.page import (
     Section,
     assumed_words,
     pairs,
+    sentence,
     versions_section,
 )
 from cranktopo.report.plot import Picture
@@ -125,7 +126,7 @@ def _of_web(check: RuleCheck) -> str:
 def _left_off(record: RuleRecord) -> list[str]:
     """Return in a sentence the loads that are off although above the threshold, if any."""
     missing = left_off(record.scene, record.effects)
-    return [f"{missing[0].upper()}{missing[1:]}."] if missing else []
+    return [sentence(missing)] if missing else []
 
 
 def _headline(checks: Sequence[RuleCheck]) -> str:

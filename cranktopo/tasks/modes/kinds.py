@@ -67,9 +67,9 @@ def station_motions(
     """Return how pieces move, by their place; the largest displacement or twist is 1."""
     ordered = sorted(stations, key=lambda one: one.z_mm)
     moved = np.array([station.motion @ shape for station in ordered])
-    reported = np.stack([moved[:, UY], moved[:, UX], moved[:, UZ], -radius_mm * moved[:, RZ]], axis=1)
-    reported = reported / reported.flat[np.abs(reported).argmax()]
+    axes = np.stack([moved[:, UY], moved[:, UX], moved[:, UZ], -radius_mm * moved[:, RZ]], axis=1)
+    axes = axes / axes.flat[np.abs(axes).argmax()]
     return tuple(
         StationMotion(z_mm=station.z_mm, in_plane=y, across=x, axial=z, twist=turn)
-        for station, (y, x, z, turn) in zip(ordered, reported.tolist(), strict=True)
+        for station, (y, x, z, turn) in zip(ordered, axes.tolist(), strict=True)
     )

@@ -84,11 +84,12 @@ def _along_lines(scene: Scene, section: Section, own: Section, z_mm: float, *, s
 
 def _inward(section: Section, own: Section, *, solid: bool) -> Section:
     """Return what of a section keeps clear of the web's surfaces along the throw and along the crank."""
-    beside: list[Section] = [
-        lambda y, z, up=up, off=off: own(y + up, z + off)  # type: ignore[misc]
-        for up, off in product((_INWARD_MM, -_INWARD_MM), repeat=2)
-    ]
+    beside = [_moved(own, up, off) for up, off in product((_INWARD_MM, -_INWARD_MM), repeat=2)]
     return functools.reduce(common, beside, section) if solid else section_difference(section, *beside)
+
+
+def _moved(section: Section, up_mm: float, off_mm: float) -> Section:
+    return lambda y, z: section(y + up_mm, z + off_mm)
 
 
 def _lines_mm(scene: Scene) -> Array:

@@ -145,8 +145,8 @@ class MeshModel:
             stress = None
 
         def block(kind: str) -> Superelement | None:
-            requested = quantities is None or {kind, f"{kind}_per_mass"} & needed_for(quantities)
-            return self._condensed(model, scene, kind, mirrored) if stress or requested else None
+            counts = quantities is None or {kind, f"{kind}_per_mass"} & needed_for(quantities)
+            return self._condensed(model, scene, kind, mirrored) if stress or counts else None
 
         sideways = mirrored and stress is not None and bool(stress.extra_loads("odd"))
         twist, (bend, side) = side_by_side(
@@ -158,8 +158,8 @@ class MeshModel:
         if bend:
             found["bending"] = _bending_gradient(model, scene, bend)
         if stress and twist and bend:
-            reported = stress.responses(model, scene, bend, twist, side)
-            for name, (extreme, smooth, gradients) in reported.items():
+            stresses = stress.responses(model, scene, bend, twist, side)
+            for name, (extreme, smooth, gradients) in stresses.items():
                 factor = self._smoothing.setdefault(name, extreme / smooth)
                 found[name] = factor * smooth, factor * gradients
         return found
@@ -184,14 +184,12 @@ class MeshModel:
         parts = np.array([bolted.volume, bolted.first_y, bolted.polar])
         found = kg * (self._parts * integrals + self._missing) + 2 * parts
         pairs = zip(found.tolist(), kg * self._parts * gradients, strict=True)
-        reported = dict(zip(("mass", "unbalance", "inertia"), pairs, strict=True))
-        unbalance, slope = reported["unbalance"]
+        masses = dict(zip(("mass", "unbalance", "inertia"), pairs, strict=True))
+        unbalance, slope = masses["unbalance"]
         factor, (_, oscillating) = balance_factor_percent(self.scene, unbalance), rods_kg_mm(self.scene)
-        return (
-            reported
-            if factor is None
-            else {**reported, "balance_factor": (factor, -100 / oscillating * slope)}
-        )
+        if factor is not None:
+            masses["balance_factor"] = factor, -100 / oscillating * slope
+        return masses
 
 
 def _exact(meshed: MeshedThrow) -> Array:

@@ -142,15 +142,15 @@ class MovedMesh:
     ) -> _Rules:
         """Return the rules of motions along the normal of each face, (n, k), and of fillets, (n, 3, k)."""
         count = len(self._surface)
-        matrix, requested = np.zeros((count, 3, 3)), np.zeros((count, 3, wanted[0].shape[1]))
+        matrix, motions = np.zeros((count, 3, 3)), np.zeros((count, 3, wanted[0].shape[1]))
         for (nodes, _, contact), motion in zip(contacts, wanted, strict=True):
             matrix[nodes] += contact.normal[:, :, None] * contact.normal[:, None, :]
-            requested[nodes] += contact.normal[:, :, None] * motion[:, None, :]
-        matrix[self._still], requested[self._still] = np.eye(3), 0.0
+            motions[nodes] += contact.normal[:, :, None] * motion[:, None, :]
+        matrix[self._still], motions[self._still] = np.eye(3), 0.0
         fillets = [nodes for nodes, face, _ in contacts if isinstance(face, FilletFace)]
         for nodes, way in zip(fillets, led, strict=True):
-            matrix[nodes], requested[nodes] = np.eye(3), way
-        return _Rules(matrix, requested)
+            matrix[nodes], motions[nodes] = np.eye(3), way
+        return _Rules(matrix, motions)
 
     def _spread(self, rules: _Rules) -> Array:
         """Return the motion of all nodes, (3, nodes, k), from what holds the surface nodes."""

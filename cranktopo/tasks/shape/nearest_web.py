@@ -38,10 +38,10 @@ def nearest_web(
         reach: of every parameter, mm or degrees.
     """
     low, high = web.bounds
-    reported = partial(_told, exact, at)
+    by_slopes = partial(_by_slopes, exact, at)
 
     def limits(values: Array) -> tuple[Array, Array]:
-        found = goal.violations(reported(values).values)
+        found = goal.violations(by_slopes(values).values)
         return found, goal.violation_gradients(exact.gradients, len(at))
 
     rules = partial(rules_of, web, EnvelopeClearance(scene))
@@ -49,10 +49,10 @@ def nearest_web(
     values = linear_steps(goal.objective_gradient(exact.gradients), limits, rules, bounds, at, _PENALTIES)
     broken = rules(values)[0].max(initial=0.0) >= KEPT_MM
     found = at if broken or refused(scene, web.layout, values) else values
-    return Step(found, reported(found), merit(goal, reported(found).values), 0)
+    return Step(found, by_slopes(found), merit(goal, by_slopes(found).values), 0)
 
 
-def _told(exact: Quantities, at: Array, values: Array) -> Quantities:
+def _by_slopes(exact: Quantities, at: Array, values: Array) -> Quantities:
     """Return the quantities of a web by the slopes of another."""
     by_name = {
         name: value + float(exact.gradients[name] @ (values - at)) if name in exact.gradients else value
@@ -76,8 +76,8 @@ def asked_again(
     for _ in range(_TRIES):
         step = search(requested)
         better = known(step.values)
-        reported = Quantities({**step.found.values, **better}, step.found.gradients)
-        found.append(replace(step, found=reported))
+        corrected = Quantities({**step.found.values, **better}, step.found.gradients)
+        found.append(replace(step, found=corrected))
         over = {
             limit.quantity
             for limit in goal.limits

@@ -6,10 +6,9 @@ from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.goal.limit import Goal, Limit
-from cranktopo.design.load_kinds import LOAD_KINDS, MAIN_KINDS
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
-from cranktopo.engine.states import load_cases
+from cranktopo.engine.states import main_load_cases
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.density.assess import assess_original, check_reach
 from cranktopo.tasks.density.build import build_chain, requirement
@@ -32,8 +31,7 @@ def check_reachable(scene: Scene, goal: Goal, cell_mm: float) -> None:
         return
     with double_precision():
         domain = build_domain(scene, cell_mm)
-        effects = plan(scene).enabled - set(LOAD_KINDS) | set(MAIN_KINDS)
-        model = build_model(scene, domain, load_cases(scene, effects))
+        model = build_model(scene, domain, main_load_cases(scene, plan(scene).enabled))
         known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene), rods_kg_mm(scene))
         own = assess_original(model, scene, domain).quantities
         limits = [requirement(one, known[one.quantity], own) for one in requested if one.quantity in known]

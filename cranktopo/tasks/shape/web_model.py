@@ -25,10 +25,9 @@ from cranktopo.design.free_dimensions import (
     with_dimensions,
 )
 from cranktopo.design.halves import without_zones
-from cranktopo.design.load_kinds import LOAD_KINDS, MAIN_KINDS
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
-from cranktopo.engine.states import load_cases
+from cranktopo.engine.states import main_load_cases
 from cranktopo.tasks.density.material import CONTRAST
 from cranktopo.tasks.density.model import ThrowModel, build_model
 from cranktopo.tasks.density.response import compliances, solve
@@ -149,8 +148,7 @@ def web_model(scene: Scene, limits: ManufacturingLimits, resolution_mm: float) -
         CranktopoError: no envelope, or a failed solve.
     """
     domain = _domain_without_free_bores(scene, resolution_mm)
-    effects = plan(scene).enabled - set(LOAD_KINDS) | set(MAIN_KINDS)
-    model = build_model(scene, domain, load_cases(scene, effects))
+    model = build_model(scene, domain, main_load_cases(scene, plan(scene).enabled))
     known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene), rods_kg_mm(scene))
     own = build_domain(scene, resolution_mm, "web", domain.extent, domain.grid).passive_fraction
     solved = solved_design(model, own, own, _TOLERANCE_ORIGINAL)

@@ -111,8 +111,8 @@ def _fatigue(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     web = Target(scene.name, simulated(scene, fillets=True))
     least = assess_fatigue([web]).fields[0].critical
     judged = _judged(Target(scene.name, simulated(scene)), fineness)
-    reported = {"fatigue_safety": least.safety, "fatigue_place": least.place}
-    return {**judged, **reported, "target": DESIGN, VIEW: web_view(web)}
+    safety = {"fatigue_safety": least.safety, "fatigue_place": least.place}
+    return {**judged, **safety, "target": DESIGN, VIEW: web_view(web)}
 
 
 def _optimised(scene: Scene, folder: Path, fineness: Fineness) -> Json:
@@ -202,11 +202,10 @@ def _limits(goal: GoalOutcome | None) -> Json:
     """Tell whether every limit of the goal, if any, holds; a web that breaks one is no answer to it."""
     if not goal:
         return {}
-    broken = broken_limits(goal)
-    reported = (
-        {"status": IMPOSSIBLE, "reason": f"no web found that holds {'; '.join(broken)}"} if broken else {}
-    )
-    return {"limits_hold": not broken, **reported}
+    if not (broken := broken_limits(goal)):
+        return {"limits_hold": True}
+    reason = f"no web found that holds {'; '.join(broken)}"
+    return {"limits_hold": False, "status": IMPOSSIBLE, "reason": reason}
 
 
 def _bound(bound: BoundStatement | NoBound | None) -> Json:

@@ -106,7 +106,7 @@ def test_a_coarse_throw_has_some(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_elements_too_large_for_a_thin_part_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where both algorithms for the surface leave elements that cut across each other, at every size."""
+    """Both algorithms for the surface leave there elements that cut across each other, at every size."""
     import gmsh
 
     tried, reasons = [], ("overlapping facets) on surface 2 surface 4", "intersection at point (1,2,3))")
