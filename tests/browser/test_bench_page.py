@@ -100,6 +100,7 @@ def test_a_handle_of_the_front_view_is_dragged_with_the_pointer(quick: Any) -> N
     page.wait_for_selector(f"#history li.here:has-text('web width: {moved:g} mm')")
 
 
+@pytest.mark.slow
 def test_two_pages_of_one_bench_see_each_other(quick: Any) -> None:
     page = quick(PLAIN).page
     shown(page)
@@ -349,6 +350,7 @@ def test_a_task_by_keyboard_alone(quick: Any, tmp_path: Path) -> None:
     assert (tmp_path / "keys.step").read_text(encoding="ascii").startswith("ISO-10303-21")
 
 
+@pytest.mark.slow
 def test_a_bench_of_others_asks_for_its_password_once(browser: Any, tmp_path: Path) -> None:
     password = Password("a long password")
     with quick_bench(tmp_path, PLAIN, host="127.0.0.2", password=password) as address:

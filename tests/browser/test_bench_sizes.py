@@ -23,7 +23,8 @@ OVERLAPS = """() => {
 }"""
 
 
-@pytest.mark.parametrize("size", [pytest.param(one, marks=SLOW if one != "desk" else ()) for one in SIZES])
+@SLOW
+@pytest.mark.parametrize("size", SIZES)
 def test_nothing_is_cut(quick: Any, size: str) -> None:
     """The choice of a file stuck out of the first page on a tablet, names of handles stood on each other."""
     page = quick(**SIZES[size]).page

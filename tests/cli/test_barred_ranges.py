@@ -47,6 +47,7 @@ def permitted(folder: Path, stress_MPa: float) -> str:
     return design(folder, f"{GIVEN}permitted_shear_MPa = {stress_MPa}\n{WHEEL}", MEAN_INERTIA)
 
 
+@pytest.mark.slow
 def test_a_stress_above_the_permitted_with_a_misfire_alone_bars_speeds(
     tmp_path: Path, stresses_MPa: Stresses, capsys: pytest.CaptureFixture[str]
 ) -> None:

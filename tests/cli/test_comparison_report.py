@@ -279,6 +279,7 @@ def test_a_longer_engine_is_told_on_page_table_and_in_json(
     assert "pitch_mm" not in json.loads(capsys.readouterr().out)
 
 
+@pytest.mark.slow
 def test_unlike_halves_have_no_stresses_and_the_page_does_not_advise_them(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

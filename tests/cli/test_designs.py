@@ -217,6 +217,7 @@ def test_a_charge_that_a_power_needs_is_told(tmp_path: Path, capsys: pytest.Capt
 TWIN = ["--layout", "V", "--cylinders", "2", "--bore-mm", "98", "--stroke-mm", "66", "--speed-rpm", "10000"]
 
 
+@pytest.mark.slow
 def test_a_power_at_a_peak_is_had_wherever_neighbours_have_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -81,6 +81,7 @@ def test_a_shape_that_finds_no_web_leaves_the_loop_as_it_is(
     assert said[1:] in (tmp_path / "loop" / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_a_goal_is_for_the_last_step_only(
     stand_in: ShapeStandIn, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

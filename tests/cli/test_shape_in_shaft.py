@@ -83,6 +83,7 @@ def test_by_the_plan_alone_the_throw_alone_counts_too(solved: list[Scene]) -> No
     assert near.radial_N.max() > 2e4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("state", "limits", "said"),
     [

@@ -257,7 +257,9 @@ def test_a_short_shaft_is_told_that_its_disks_swing_too_fast(
     assert "cranktopo modes gives" not in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("throws", [(136e3, 138e3, 138e3, 136e3), (136e3,) * 4])
+@pytest.mark.parametrize(
+    "throws", [(136e3, 138e3, 138e3, 136e3), pytest.param((136e3,) * 4, marks=pytest.mark.slow)]
+)
 def test_the_stiffness_that_it_asks_to_write_is_that_of_the_run(
     throws: tuple[float, ...], tmp_path: Path
 ) -> None:

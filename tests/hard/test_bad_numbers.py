@@ -73,6 +73,7 @@ def test_a_load_case_without_load_rests(float64: None) -> None:
     assert work / model.modulus_MPa * model.share == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_error_names_the_load_case(float64: None) -> None:
     throw = cases()["throw, journals overlap"]
     model, moduli = throw.model(), np.asarray(throw.moduli).copy()

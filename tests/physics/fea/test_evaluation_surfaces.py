@@ -71,6 +71,7 @@ def test_two_bodies_are_refused(mikron: Scene, tmp_path: Path) -> None:
         mesh_file(path, mikron, SIZE)
 
 
+@pytest.mark.slow
 def test_the_mirror_is_used_only_where_both_sides_are_alike(mikron: Scene, tmp_path: Path) -> None:
     """Both journals and a block between them; the same with a dent of 2 mm3 on one side."""
     path, (start, end) = tmp_path / "body.stl", mikron.web_z_mm

@@ -31,6 +31,7 @@ def stl(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_a_mesh_from_the_child_is_that_of_this_process(stl: Path) -> None:
     scene = load_scene("mikron-iiic-plain")
     here, there = (mesh_file(stl, scene, SIZE_MM, own=own) for own in (True, False))

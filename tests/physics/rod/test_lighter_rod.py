@@ -95,6 +95,7 @@ def test_the_lightest_rod_of_a_grid_is_found_where_the_closed_form_is_blind():
     assert 2 <= lighter.rods_by_elements <= 8
 
 
+@pytest.mark.slow
 def test_bores_keep_their_limits_by_the_judge():
     """It finds a fifth more than the closed form: a rod that keeps the limit by that alone is too soft."""
     limit_um = 42.5

@@ -84,6 +84,7 @@ def test_the_half_of_a_square_rod_has_the_stresses_of_its_quarter(pair):
         assert other.ovalisation_um == pytest.approx(one.ovalisation_um, rel=0.02)
 
 
+@pytest.mark.slow
 def test_loads_of_an_oblique_rod_are_in_equilibrium(oblique):
     """Forces along x and y and the moment about the big end of every load, summed over the nodes."""
     (group,) = RodLoads(OBLIQUE, oblique.model, {}).groups()
@@ -99,6 +100,7 @@ def test_loads_of_an_oblique_rod_are_in_equilibrium(oblique):
     assert sum(oblique.inertia_kg) == pytest.approx(mass.total_kg - fitted, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_mass_beside_the_axis_bends_the_shank(oblique):
     """A push that moves the whole rod evenly: a beam that both eyes hold across by a couple.
 
@@ -120,6 +122,7 @@ def test_a_mass_beside_the_axis_bends_the_shank(oblique):
     assert slope * swing_mm4 == pytest.approx(moment, rel=0.05)
 
 
+@pytest.mark.slow
 def test_its_surface_is_written_with_the_worse_way_to_mount_it(tmp_path, oblique):
     """Both halves, z >= 0 and z < 0, with the bosses' low side at positive x alone."""
     loads = of("big whip", 1000.0) + of("big push", 1e3)
@@ -134,6 +137,7 @@ def test_its_surface_is_written_with_the_worse_way_to_mount_it(tmp_path, oblique
     assert not np.allclose(found.largest_MPa[0], found.largest_MPa[1], rtol=0.01)
 
 
+@pytest.mark.slow
 def test_places_of_an_oblique_rod(oblique):
     """Bosses and cap turn with the split; what is left of the bosses' side above it is no cap."""
     rod = OBLIQUE.rod

@@ -49,6 +49,7 @@ def under_the_loads_of(cycle: ShaftCycle, scene: Scene) -> list[Orbit]:
     return found
 
 
+@pytest.mark.slow
 def test_each_journal_runs_as_under_the_load_that_it_has() -> None:
     """Another integrator finds the orbit of each journal alone from the forces of the whole shaft."""
     rigid, film, offset = on_film(FOUR)

@@ -52,6 +52,7 @@ def closed_form(data: dict[str, Any]) -> float:
     return throw_stiffness_Nm_per_rad(scene_from_dict(data, "six", whole=True))
 
 
+@pytest.mark.slow
 def test_what_rests_on_a_stiffness_in_closed_form_is_not_called_exact() -> None:
     """Elements find a throw up to 1.56 times stiffer: at a resonance the rule's number is another one."""
     told = live_numbers(shaft())

@@ -156,6 +156,7 @@ def test_built_in_designs_are_without_it(name: str, monkeypatch: pytest.MonkeyPa
     assert load_cases(load_scene(name), decided.enabled)
 
 
+@pytest.mark.slow
 def test_off_leaves_the_load_cases_as_they_were(with_propeller: tuple[Scene, PhysicsPlan]) -> None:
     (scene, decided), plain = with_propeller, load_scene("mikron-iiic-plain")
     off = switched_to(scene, "off")

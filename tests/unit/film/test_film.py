@@ -140,6 +140,7 @@ def test_a_groove_takes_film() -> None:
     assert thinner[1] < 0.8 * thinner[0]
 
 
+@pytest.mark.slow
 def test_what_is_worse_than_permitted_is_said_first() -> None:
     result = oil_films(scene(OIL + "permitted_film_um = 2\npermitted_pressure_MPa = 40"))
     assert result.holds is False
@@ -150,6 +151,7 @@ def test_what_is_worse_than_permitted_is_said_first() -> None:
     assert oil_films(scene(OIL + "permitted_film_um = 0.5")).holds is True
 
 
+@pytest.mark.slow
 def test_the_pressure_of_another_speed_is_told() -> None:
     result = oil_films(scene(OIL), [900.0])
     lines = film_text(result).splitlines()
@@ -166,6 +168,7 @@ def test_the_oil_is_assumed_where_none_is_given() -> None:
     assert not {"bearings.oil", "bearings.temperature_C"} & {one.key for one in given.assumed}
 
 
+@pytest.mark.slow
 def test_length_taken_from_a_bearing_has_its_price() -> None:
     """A thicker web at the same pitch leaves a shorter main bearing."""
     base = scene()
