@@ -6,6 +6,7 @@ are averaged over smooth regions and kept apart at sharp edges.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -186,3 +187,15 @@ def _brightness(normals: Array) -> Array:
     for direction, strength in _LIGHTS:
         total += strength * np.clip(normals @ (np.array(direction) / np.linalg.norm(direction)), 0, None)
     return total
+
+
+def sharp_edges(points_mm: NDArray[np.float64], faces: NDArray[Any]) -> NDArray[np.uint32]:
+    """Return the corners of every edge of a closed surface at which two faces meet sharply, (edges, 2)."""
+    a, b, c = (points_mm[faces[:, corner]] for corner in range(3))
+    across = np.cross(b - a, c - a)
+    normals = across / np.maximum(np.linalg.norm(across, axis=1), np.finfo(float).tiny)[:, None]
+    edges = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    both = np.lexsort(edges.T).reshape(-1, 2)
+    one, other = normals[both // 3].swapaxes(0, 1)
+    turned = np.einsum("ij,ij->i", one, other) < math.cos(math.radians(SHARP_DEGREES))
+    return edges[both[turned, 0]].astype(np.uint32)

@@ -173,12 +173,14 @@ class Arrays:
     def packed_with(self, header: Mapping[str, Any], *, quick: bool = False) -> str:
         """Base64 text of a compressed block: the JSON header, and the arrays that it names by number.
 
-        `quick` compresses little: for a picture that does not leave the machine.
+        `quick` does not compress, for a picture that stays on the machine; the text then begins with `=`.
         """
         text = json.dumps({**header, "arrays": self.index}, separators=(",", ":")).encode()
         text += b" " * (-len(text) % _ALIGNMENT)
         block = struct.pack("<I", len(text)) + text + b"".join(self.parts)
-        return base64.b64encode(zlib.compress(block, 1 if quick else -1)).decode("ascii")
+        if quick:
+            return "=" + base64.b64encode(block).decode("ascii")
+        return base64.b64encode(zlib.compress(block)).decode("ascii")
 
     def add(self, array: NDArray[Any]) -> int:
         """Add an array and return its number."""

@@ -38,16 +38,17 @@
   const FRAGMENT = `#version 300 es
     precision highp float;
     const vec3 SECTION = vec3(0.93, 0.62, 0.33);
-    uniform vec2 sides; uniform vec3 beyond; uniform float alpha, cut; uniform bool flipped;
+    uniform vec2 sides; uniform vec3 beyond; uniform float alpha, cut;
     in vec3 tint; in float light, height, aside; out vec4 pixel;
     void main() {
       if (aside > cut) discard;
-      bool inside = gl_FrontFacing == flipped && cut < 1e8; // seen through the cut: the section
+      bool inside = !gl_FrontFacing && cut < 1e8; // seen through the cut: the section
       vec3 colour = height < sides.x || height > sides.y ? beyond : tint;
       pixel = vec4(inside ? SECTION : min(colour * light, 1.0) * alpha, alpha);
     }`;
   const WEB = [0.30, 0.52, 0.80], JOURNAL = [0.78, 0.79, 0.81], THIN = [1.0, 0.86, 0.5], GHOST = [0.62, 0.64, 0.68];
   const EVERYWHERE = [-1e9, 1e9], NEVER = 1e9, SHARP = Math.cos(35 * Math.PI / 180);
+  const PLAIN = "="; // before a block that is not compressed
   const EDGE = [0.10, 0.16, 0.30], START = { yaw: 0.75, pitch: 0.39, zoom: 1 };
 
   const { header, arrays } = await unpack(packed.textContent);
@@ -114,14 +115,23 @@
   }
 
   async function unpack(text) {
-    const bytes = Uint8Array.from(atob(text.trim()), (c) => c.charCodeAt(0));
-    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-    const block = await new Response(stream).arrayBuffer();
+    const plain = text.startsWith(PLAIN), block = plain ? bytesOf(text.slice(1)).buffer : await inflated(text.trim());
     const length = new DataView(block).getUint32(0, true);
     const found = JSON.parse(new TextDecoder().decode(new Uint8Array(block, 4, length)));
     const kinds = { uint8: Uint8Array, int8: Int8Array, uint16: Uint16Array, uint32: Uint32Array };
     const views = found.arrays.map((a) => new kinds[a.type](block, 4 + length + a.offset, a.length));
     return { header: found, arrays: views };
+  }
+
+  function inflated(text) {
+    const stream = new Blob([bytesOf(text)]).stream().pipeThrough(new DecompressionStream("deflate"));
+    return new Response(stream).arrayBuffer();
+  }
+
+  function bytesOf(text) {
+    const letters = atob(text), bytes = new Uint8Array(letters.length);
+    for (let i = 0; i < letters.length; i++) bytes[i] = letters.charCodeAt(i);
+    return bytes;
   }
 
   // Takes the colours of a scale, if there is one; the shader holds as many as the scale has.
@@ -131,7 +141,7 @@
     program = link();
     uniforms = Object.fromEntries(
       ["turn", "low", "size", "flip", "shift", "target", "colour0", "colour1", "scale", "nearer", "ramp",
-        "ramped", "sides", "beyond", "spin", "alpha", "cut", "flipped"].map((n) => [n, gl.getUniformLocation(program, n)]),
+        "ramped", "sides", "beyond", "spin", "alpha", "cut"].map((n) => [n, gl.getUniformLocation(program, n)]),
     );
   }
 
@@ -194,12 +204,17 @@
 
   function bodyBuffers(body, arrays) {
     if (body.corners !== undefined) return smallBuffers(body, arrays);
-    const journal = arrays[body.journal], faces = arrays[body.faces];
-    const isJournal = (_, i) => journal[faces[i - (i % 3)]] > 0;
+    const faces = arrays[body.faces], edges = arrays[body.edges];
     const attributes = [
       [arrays[body.positions], 3, gl.UNSIGNED_SHORT, true],
       [arrays[body.normals], 3, gl.BYTE, true],
     ];
+    if (edges) {
+      const web = buffers(attributes, faces), lines = buffers(attributes.slice(0, 1), edges);
+      return { ...body, shares: [], web, edges: lines, journals: { ...web, count: 0 } };
+    }
+    const journal = arrays[body.journal];
+    const isJournal = (_, i) => journal[faces[i - (i % 3)]] > 0;
     return {
       ...body,
       shares: body.stress.map((number) => arrays[number]),
@@ -431,8 +446,9 @@
     for (const mirrored of state.whole || turns ? [false, true] : [false]) {
       const half = mirrored ? body.beyond : body;
       gl.uniform3f(uniforms.flip, 1, 1, mirrored ? -1 : 1);
-      gl.uniform1i(uniforms.flipped, mirrored ? 1 : 0);
+      gl.frontFace(mirrored ? gl.CW : gl.CCW);
       gl.uniform1f(uniforms.cut, section ?? NEVER);
+      if (section === null && blocks === null) gl.enable(gl.CULL_FACE); // else what is inside is seen
       gl.uniform3f(uniforms.shift, 0, 0, along + (mirrored ? pitch(body) : 0));
       place(half.low_mm, half.size_mm, half.sides_mm);
       gl.uniform3fv(uniforms.beyond, journal);
@@ -444,6 +460,7 @@
         place(steps.origin_mm, steps.cell_mm);
         paint(blocks, THIN, WEB);
       }
+      gl.disable(gl.CULL_FACE);
     }
   }
 

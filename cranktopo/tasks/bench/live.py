@@ -25,7 +25,7 @@ from cranktopo.engine.plan.planning import has_vibration, left_off, plan_for_str
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad, web_lever_mm
 from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT, few_throws
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
-from cranktopo.report.shading import SHARP_DEGREES, web_sides_mm
+from cranktopo.report.shading import SHARP_DEGREES, sharp_edges, web_sides_mm
 from cranktopo.report.viewer.scene3d import PARTNERS, Arrays, scaled
 from cranktopo.tasks.bench.bearing_forces import largest_bearing_force_N, polars
 from cranktopo.tasks.bench.front_view import front_view
@@ -169,6 +169,8 @@ def _shown(arrays: Arrays, half: Scene, partner: int) -> dict[str, Any]:
     mesh = shown_half(half).calculate_normals(0, SHARP_DEGREES).to_mesh64(0)
     table, faces = np.asarray(mesh.vert_properties), np.asarray(mesh.tri_verts)
     low, high = table[:, :3].min(axis=0), table[:, :3].max(axis=0)
+    corner_of = np.arange(len(table))  # of those at one place with normals of their own: the first
+    corner_of[np.asarray(mesh.merge_from_vert, np.intp)] = np.asarray(mesh.merge_to_vert, np.intp)
     return {
         "name": half.name,
         "half_pitch_mm": half.pitch_mm / 2,
@@ -178,8 +180,8 @@ def _shown(arrays: Arrays, half: Scene, partner: int) -> dict[str, Any]:
         "sides_mm": web_sides_mm(half.web_z_mm),
         "positions": arrays.add(scaled((table[:, :3] - low) / (high - low), 65535, np.uint16)),
         "normals": arrays.add(scaled(table[:, 3:6], 127, np.int8)),
-        "journal": arrays.add(np.zeros(len(table), np.uint8)),
         "faces": arrays.add(faces.astype(np.uint32)),
+        "edges": arrays.add(sharp_edges(table[:, :3], corner_of[faces])),
         "stress": [],
     }
 

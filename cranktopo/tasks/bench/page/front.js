@@ -5,7 +5,7 @@ import { drag, edit } from "./talk.js";
 
 export function showFront() {
   const svg = $("front"), view = state.front;
-  if (!view || (svg.dataset.held && state.frontDrawn)) return view && moveFront(svg, view);
+  if (!view || ((svg.dataset.held || state.dragging) && state.frontDrawn)) return view && moveFront(svg, view);
   state.frontDrawn = true;
   const points = view.paths.flatMap((path) => path.points).concat(view.circles.flatMap((c) => [[c.at[0] - c.radius, c.at[1] - c.radius], [c.at[0] + c.radius, c.at[1] + c.radius]]));
   const [xs, ys] = [0, 1].map((i) => points.map((p) => p[i]));
@@ -27,9 +27,10 @@ function moveFront(svg, view) {
   const ghosts = ghost && $("ghost").checked ? ghost.paths.filter((p) => p.kind === "web").map((p) => line(p, "ghost")) : [];
   svg.firstChild.replaceChildren(...view.room.map((p) => line(p)), ...view.paths.map((p) => line(p)), ...view.circles.map((c) => round(c)), ...ghosts);
   const byKey = Object.fromEntries(view.handles.map((handle) => [handle.key, handle])), written = [];
+  const scale = Number(svg.dataset.scale), letter = 0.8 * scale * parseFloat(getComputedStyle(document.documentElement).fontSize);
   for (const node of svg.querySelectorAll("[data-handle]")) {
     const handle = byKey[node.dataset.handle];
-    if (handle) placeHandle(node, handle, Number(svg.dataset.scale), written);
+    if (handle) placeHandle(node, handle, scale, letter, written);
   }
 }
 
@@ -50,14 +51,14 @@ function freeLine(start, end, y, letter, written) {
   return found;
 }
 
-function placeHandle(node, handle, scale, written) {
+function placeHandle(node, handle, scale, letter, written) {
   const [dot, text] = node.children, [x, y] = [handle.at[0], -handle.at[1]];
   dot.setAttribute("cx", x);
   dot.setAttribute("cy", y);
   dot.setAttribute("r", 7 * scale);
   dot.setAttribute("aria-valuenow", handle.value.toFixed(2));
   dot.setAttribute("aria-valuetext", `${handle.value.toFixed(2)} ${unitOf(handle.key)}`);
-  const letter = 0.8 * scale * parseFloat(getComputedStyle(document.documentElement).fontSize), name = `${nameOf(handle.key)} ${handle.value.toFixed(1)}`;
+  const name = `${nameOf(handle.key)} ${handle.value.toFixed(1)}`;
   const width = 0.55 * letter * name.length, [start, end] = ["start", "end"].map((edge) => Number($("front").dataset[edge]));
   const right = x + 10 * scale + width > end, neither = right && x - 10 * scale - width < start;
   const at = neither ? Math.max(start, end - width) : x + (right ? -10 : 10) * scale, from = right && !neither ? at - width : at;
