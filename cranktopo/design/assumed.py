@@ -10,7 +10,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.table import SceneTable
 from cranktopo.base.units import plain_number
 from cranktopo.design.goal.quantities import QUANTITIES
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ROTORS, Rotor
 
@@ -120,7 +120,7 @@ def assumed_json(found: Sequence[Assumption]) -> list[dict[str, Any]]:
 
 
 def _limits(scene: Scene) -> Iterator[Assumption]:
-    goal = wanted(scene)
+    goal = goal_of(scene)
     for limit in goal.limits if goal is not None else ():
         if limit.assumed:
             signed = ", with its sign" if QUANTITIES[limit.quantity].signed else ""

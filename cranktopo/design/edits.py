@@ -30,16 +30,16 @@ def changed_text(text: str, changes: Mapping[str, Any], source: str) -> str:
     import tomlkit
 
     document: Any = tomlkit.parse(text)
-    wanted = changed_data(parse_toml(text, source), changes)
+    changed = changed_data(parse_toml(text, source), changes)
     try:
         for key, value in changes.items():
             _put(document, key, value)
         new = tomlkit.dumps(document)
-        if parse_toml(new, source) == wanted:
+        if parse_toml(new, source) == changed:
             return new
     except (KeyError, ValueError, TypeError, AttributeError, tomlkit.exceptions.TOMLKitError):
         pass  # a layout of tables that the comment-keeping writer cannot follow
-    return tomlkit.dumps(wanted)
+    return tomlkit.dumps(changed)
 
 
 def difference_words(before: Mapping[str, Any], after: Mapping[str, Any], most: int = 8) -> str:

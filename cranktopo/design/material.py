@@ -238,7 +238,7 @@ class Fatigue(SceneTable):
         """The surface treatment with its source in words; empty where there is none."""
         if self.hardened:
             alike = len(self.hardened) == 2 and self.journal_hardening is None
-            reported = {fillet: one.told for fillet, one in self.hardened.items()}
+            reported = {fillet: one.words for fillet, one in self.hardened.items()}
             each = (
                 reported["pin"]
                 if alike

@@ -204,7 +204,7 @@ def template(
         origin: where the values are from, for the heading; a paragraph a line.
         sized: gives examples for another size of engine than that of the schema.
     """
-    given = {"name": name, **(values or {})}
+    values_by_key = {"name": name, **(values or {})}
     lines = [*_HEADING.format(name=name).splitlines(), *filter(None, origin.splitlines())]
     heading = "\n".join(map(_prose, lines))
     off: set[str] = set()
@@ -212,10 +212,10 @@ def template(
     for path, group in groupby(_sized_reference(sized), key=lambda table: table.path):
         tables = list(group)
         first = tables[0]
-        wanted = any(key.startswith(f"{path}.") for key in given)
-        if not wanted and (first.path.rpartition(".")[0] in off or not (first.required or first.empty)):
+        has_values = any(key.startswith(f"{path}.") for key in values_by_key)
+        if not has_values and (first.path.rpartition(".")[0] in off or not (first.required or first.empty)):
             off.add(path)
-        blocks += _blocks(tables, given, "#" if path in off else "")
+        blocks += _blocks(tables, values_by_key, "#" if path in off else "")
     return "\n\n".join(blocks) + "\n"
 
 

@@ -142,9 +142,9 @@ def _check_throw(option: str, scene: Scene, half: Scene) -> None:
         one, other = getattr(scene.throw, name), getattr(half.throw, name)
         keys = [key for key in Journal.model_fields if key != "length_mm"]
         pairs |= {f"{name}.{key}": (getattr(one, key), getattr(other, key)) for key in keys}
-    for key, (found, wanted) in pairs.items():
-        if found != wanted:
+    for key, (found, expected) in pairs.items():
+        if found != expected:
             raise CranktopoError(
-                f"{option}: its throw.{key} is {found}, that of the design {wanted}.",
+                f"{option}: its throw.{key} is {found}, that of the design {expected}.",
                 hint="A web goes onto the journals that it was found for.",
             )

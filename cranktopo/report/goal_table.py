@@ -72,14 +72,14 @@ def evaluated_changes(goal: GoalOutcome | None) -> str:
 
     Empty where it says nothing of them.
     """
-    told = [
+    changes = [
         f"{limit.quantity} {change_text(limit.evaluation.reached_percent - 100)}"
         for limit in (goal.limits if goal else ())
         if limit.quantity in ("torsion", "bending")
         and limit.evaluation is not None
         and limit.evaluation.reached_percent is not None
     ]
-    return f"by the evaluation {', '.join(dict.fromkeys(told))}" if told else ""
+    return f"by the evaluation {', '.join(dict.fromkeys(changes))}" if changes else ""
 
 
 def unknown_limits(goal: GoalOutcome) -> list[str]:

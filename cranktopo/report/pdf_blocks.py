@@ -126,9 +126,9 @@ def _sizes(columns: Sequence[_Column]) -> tuple[float, list[float]]:
     natural = [column.natural(size) for column in columns]
     if sum(natural) <= room:
         return size, natural
-    wanted = [most - width for most, width in zip(natural, least, strict=True)]
-    share = max(0.0, room - sum(least)) / (sum(wanted) or 1.0)
-    return size, [width + share * more for width, more in zip(least, wanted, strict=True)]
+    stretch = [most - width for most, width in zip(natural, least, strict=True)]
+    share = max(0.0, room - sum(least)) / (sum(stretch) or 1.0)
+    return size, [width + share * more for width, more in zip(least, stretch, strict=True)]
 
 
 def _head(columns: Sequence[_Column], widths: Sequence[float], size: float) -> Block:

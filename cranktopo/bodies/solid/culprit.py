@@ -21,7 +21,7 @@ _SHRINK, _TRIES = 0.9, 4
 class Culprit:
     """A feature at which the kernel departs: its key path and value as a message names them, what to do."""
 
-    told: str
+    feature: str
     hint: str
 
 
@@ -29,7 +29,7 @@ class Culprit:
 class _BuildStep:
     """A half throw with a feature and all before it."""
 
-    told: str
+    feature: str
     scene: Scene
     rounded: int | None = None
     """Number of the drilling whose outlets it rounds."""
@@ -42,8 +42,8 @@ def culprit(scene: Scene, misfit: Misfit) -> Culprit:
     found = next((step for step in before if misfit(step.scene) > 1), last)
     if found.rounded is None:
         hint = "Change one of its dimensions, or its distance from what it touches, by 0.1 mm."
-        return Culprit(found.told, hint)
-    return Culprit(found.told, _smaller_rounding(found.scene, found.rounded, misfit))
+        return Culprit(found.feature, hint)
+    return Culprit(found.feature, _smaller_rounding(found.scene, found.rounded, misfit))
 
 
 def _smaller_rounding(scene: Scene, number: int, misfit: Misfit) -> str:

@@ -78,9 +78,9 @@ def check_room_of_free_dimensions(scene: Scene) -> None:
     try:
         check_plain_bearings(with_dimensions(scene, greatest))
     except CranktopoError as error:
-        told = ", ".join(f"{name}_mm = {value:g}" for name, value in greatest.items())
+        dimensions = ", ".join(f"{name}_mm = {value:g}" for name, value in greatest.items())
         raise scene.invalid(
             f"shape.free.{next(reversed(greatest))}_mm",
-            f"with the greatest, {told}, {error.message.rstrip('.')}",
+            f"with the greatest, {dimensions}, {error.message.rstrip('.')}",
             "Narrow the range, or leave the width out: then a bearing is as wide as its room.",
         ) from None

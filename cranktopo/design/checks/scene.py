@@ -15,7 +15,7 @@ from cranktopo.design.checks.hardening import check_hardening
 from cranktopo.design.checks.plain_bearings import check_plain_bearings, check_room_of_free_dimensions
 from cranktopo.design.clearance import check_clearance
 from cranktopo.design.free_dimensions import check_free_dimensions
-from cranktopo.design.goal.wanted import check_goal
+from cranktopo.design.goal.scene_goal import check_goal
 from cranktopo.design.halves import halves, of_second
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.bore import DrillBore

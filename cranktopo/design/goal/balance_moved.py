@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from cranktopo.base.result import Result
 from cranktopo.base.units import plain_number
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Scene
 
 FELT_PERCENT = 2.0
@@ -66,7 +66,7 @@ def balance_moved(
 
 def _held(scene: Scene, *, rose: bool) -> bool:
     """Tell whether the goal or a limit keeps the factor from that; an unbalance is its opposite."""
-    goal = wanted(scene)
+    goal = goal_of(scene)
     if goal is None:
         return False
     sides = {(_FACTOR, "<=" if rose else ">="), (_UNBALANCE, ">=" if rose else "<=")}

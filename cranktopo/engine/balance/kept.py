@@ -5,7 +5,7 @@ from __future__ import annotations
 from cranktopo.base.notes import note
 from cranktopo.base.units import plain_number
 from cranktopo.design.balance_factor import rods_kg_mm, unbalance_at_kg_mm
-from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 

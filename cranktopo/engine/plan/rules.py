@@ -112,9 +112,9 @@ def fillets(context: PlanningContext) -> Estimate:
     torsion = 100 * (sharp.torsion_rad_per_Nmm / rounded.torsion_rad_per_Nmm - 1)
     bending = 100 * (sharp.bending_mm_per_N / rounded.bending_mm_per_N - 1)
     because = f"bending stiffness {signed_percent(bending)}, torsional {signed_percent(torsion)}"
-    wanted = context.scene.effects.fatigue
+    switch = context.scene.effects.fatigue
     needed = (
-        "fatigue needs them" if wanted == "on" or (wanted == "auto" and not _fatigue_absent(context)) else ""
+        "fatigue needs them" if switch == "on" or (switch == "auto" and not _fatigue_absent(context)) else ""
     )
     return Estimate(
         max(torsion, bending),

@@ -92,8 +92,8 @@ _WEBS = (
 
 
 def _counterweights_words(data: Balance) -> str:
-    told = _WEBS, counterweight_words(data), balance_factor_words(data), crank_words(data.crank)
-    return " ".join(filter(None, told))
+    sentences = _WEBS, counterweight_words(data), balance_factor_words(data), crank_words(data.crank)
+    return " ".join(filter(None, sentences))
 
 
 def _proposed(found: ProposedCounterweight | None) -> list[tuple[str, ResultTable]]:
@@ -151,8 +151,8 @@ def _free_fact(data: Balance, name: Vector, state: str, fits: bool) -> Fact:
         status = "neutral" if status == "good" else "bad"
     elif others and fits and status == "neutral":
         status = "good"
-    told = "".join(f"; order {one.order} from {one.words}" for one in others)
-    return Fact(f"Free {name}", f"{number_text(before)} {unit}", f"{note}{told}", status)
+    other_orders = "".join(f"; order {one.order} from {one.words}" for one in others)
+    return Fact(f"Free {name}", f"{number_text(before)} {unit}", f"{note}{other_orders}", status)
 
 
 def _against(state: str, before: float, after: float, unit: str, fits: bool) -> tuple[str, FactStatus]:

@@ -253,9 +253,9 @@ def _check_range(scene: Scene, number: int, range_mm: tuple[float, float]) -> No
 
 def _limits(part: BalancerPart, before: BalancerStrength, after: BalancerStrength) -> Iterator[KeptLimit]:
     """Yield what a shaft has to keep, with its values before and after."""
-    wanted = part.redesign.deflection_mm if part.redesign else None
+    target_mm = part.redesign.deflection_mm if part.redesign else None
     for own, found in zip(before.probes, after.probes, strict=True):
-        most = wanted or own.permitted_mm or own.deflection_mm
+        most = target_mm or own.permitted_mm or own.deflection_mm
         yield _limit(f"deflection of {own.name}", "mm", "<=", own.deflection_mm, found.deflection_mm, most)
     lives = [
         min((b.life_h for b in one.bearings if b.life_h is not None), default=None) for one in (before, after)

@@ -61,14 +61,14 @@ def live_numbers(data: dict[str, Any], stiffness_factors: Sequence[float] = ()) 
         data: tables of the design, file names absolute.
         stiffness_factors: of each throw, elements over closed form, at a web that has settled.
     """
-    return _of_sound(data, lambda scene: told_numbers(scene, stiffness_factors))
+    return _of_sound(data, lambda scene: gauge_numbers(scene, stiffness_factors))
 
 
-def told_numbers(scene: Scene, stiffness_factors: Sequence[float] = ()) -> dict[str, Any]:
+def gauge_numbers(scene: Scene, stiffness_factors: Sequence[float] = ()) -> dict[str, Any]:
     """Return gauges, what those rest on that are not exact, marks of the rule, notes and warnings."""
     resting = of_stiffness_names(scene)
-    shown = with_stiffness(scene, stiffness_factors) if resting and stiffness_factors else scene
-    gauges = exact_values(shown)
+    corrected = with_stiffness(scene, stiffness_factors) if resting and stiffness_factors else scene
+    gauges = exact_values(corrected)
     resting = [name for name in resting if name in gauges]
     words = dict.fromkeys(resting, _AS_SETTLED) if stiffness_factors else _CLOSED_FORM
     rings = {**_of_gas(scene), **{name: words[name] for name in resting}}
@@ -82,7 +82,7 @@ def told_numbers(scene: Scene, stiffness_factors: Sequence[float] = ()) -> dict[
         "marks": {name: LEAST_FACTOR for name in gauges if name.startswith("m53_")},
         "polars": _polars(scene),
         "notes": notes(scene),
-        "warnings": warnings(shown),
+        "warnings": warnings(corrected),
     }
 
 
@@ -159,13 +159,13 @@ def _picture(scene: Scene) -> str:
     pair, arrays = halves(scene), Arrays()
     alike = pair[0] is pair[1]
     bodies = [
-        _shown(arrays, half, partner)
+        _arrays_of_half(arrays, half, partner)
         for half, partner in zip(pair[:1] if alike else pair, PARTNERS[1 if alike else 2], strict=True)
     ]
     return arrays.packed_with({"bodies": bodies, "first": 0, "stress": None, "steps": None}, quick=True)
 
 
-def _shown(arrays: Arrays, half: Scene, partner: int) -> dict[str, Any]:
+def _arrays_of_half(arrays: Arrays, half: Scene, partner: int) -> dict[str, Any]:
     mesh = shown_half(half).calculate_normals(0, SHARP_DEGREES).to_mesh64(0)
     table, faces = np.asarray(mesh.vert_properties), np.asarray(mesh.tri_verts)
     low, high = table[:, :3].min(axis=0), table[:, :3].max(axis=0)

@@ -25,7 +25,7 @@ from cranktopo.design.toml_text import parse_toml
 from cranktopo.design.writing import design_name
 from cranktopo.runs.destination import locked
 from cranktopo.tasks.bench.design_files import changed_files, check_files_inside
-from cranktopo.tasks.bench.limits import told_limits
+from cranktopo.tasks.bench.limits import gauge_limits
 
 _BEGINNINGS = ("cranktopo designs new ", "cranktopo import ")
 """Commands that make the design that a session began with."""
@@ -300,7 +300,7 @@ class Project:
             "compared": self._compared(),
             "made": [file.as_json() for file in self.made],
             "data": self.data(),
-            "limits": told_limits(self.data()),
+            "limits": gauge_limits(self.data()),
             "commands": self.commands(),
             "diff": list(
                 unified_diff(self.text_of(0).splitlines(), self._text.splitlines(), n=1, lineterm="")

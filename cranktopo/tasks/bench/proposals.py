@@ -54,21 +54,21 @@ def nearest_sound(data: dict[str, Any], changes: dict[str, float]) -> dict[str, 
     To a hundredth; sound is what lies before the first rule that is broken on the way. Nothing where the
     next hundredth breaks one.
     """
-    ((key, wanted),) = changes.items()
+    ((key, target),) = changes.items()
     begun = float(value_at(data, key))
-    sound, broken = 0.0, 1.0
+    sound, unsound = 0.0, 1.0
     for _ in range(_HALVINGS):
-        middle = (sound + broken) / 2
-        kept = not broken_rules_of(changed_data(data, {key: _on_way(begun, wanted, middle)}))
-        sound, broken = (middle, broken) if kept else (sound, middle)
-    found = _on_way(begun, wanted, sound)
+        middle = (sound + unsound) / 2
+        kept = not broken_rules_of(changed_data(data, {key: _on_way(begun, target, middle)}))
+        sound, unsound = (middle, unsound) if kept else (sound, middle)
+    found = _on_way(begun, target, sound)
     return {} if found == begun else {key: found}
 
 
-def _on_way(begun: float, wanted: float, share: float) -> float:
+def _on_way(begun: float, target: float, share: float) -> float:
     """Return the value at a share of the way, rounded to a hundredth back to where that begins."""
-    steps = (begun + share * (wanted - begun)) * _STEPS
-    back = math.floor if wanted > begun else math.ceil
+    steps = (begun + share * (target - begun)) * _STEPS
+    back = math.floor if target > begun else math.ceil
     return begun if share == 0 else back(round(steps, 6)) / _STEPS
 
 

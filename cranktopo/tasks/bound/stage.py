@@ -18,7 +18,7 @@ from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.outcome import stated_goal
 from cranktopo.design.goal.quantities import QUANTITIES, QuantityName
-from cranktopo.design.goal.wanted import require_goal
+from cranktopo.design.goal.scene_goal import require_goal
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.cost import bound_cell_mm

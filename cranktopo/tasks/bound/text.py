@@ -88,13 +88,13 @@ def _claim(found: BoundResult) -> str:
         return f"NO WEB of this envelope keeps these limits: {_ABOUT}"
     best = "at most" if found.goal.maximise else "not below"
     change = bound.percent_of_original - 100
-    told = f"{value_text(bound.value, bound.unit)}, {change:+z.1f} % of the original"
-    return f"{best} {told}: {_ABOUT}"
+    value = f"{value_text(bound.value, bound.unit)}, {change:+z.1f} % of the original"
+    return f"{best} {value}: {_ABOUT}"
 
 
 def _error(found: BoundResult) -> str:
-    told = ", ".join(f"{name} {value:.1f} %" for name, value in found.model_error_percent.items())
-    return f"cells of {found.resolution_mm:g} mm; their own error against exact solids: {told}"
+    errors = ", ".join(f"{name} {value:.1f} %" for name, value in found.model_error_percent.items())
+    return f"cells of {found.resolution_mm:g} mm; their own error against exact solids: {errors}"
 
 
 def _table(found: BoundResult) -> ResultTable:
@@ -116,12 +116,12 @@ _COLOURS = {"original": "0.6", "result": "C0", "bound": "C3"}
 
 def bound_sections(bound: AnyBound | BoundStatement | None, model: str) -> tuple[Section, ...]:
     """Return one section, none where no bound was asked for; `model` judged original and result."""
-    told = _statements(bound)
-    if not told:
+    statements = _statements(bound)
+    if not statements:
         return ()
-    known = [entry for entry in told if isinstance(entry, BoundStatement) and entry.value is not None]
+    known = [entry for entry in statements if isinstance(entry, BoundStatement) and entry.value is not None]
     outside = bound.outside_envelope if isinstance(bound, BoundStatements) else None
-    lines = [*map(_statement_line, told), *filter(None, [outside_words(outside)])]
+    lines = [*map(_statement_line, statements), *filter(None, [outside_words(outside)])]
     if known:
         lines.append(
             f"original and result are those of {model}; the bound is a change against the original in the "
@@ -143,9 +143,9 @@ def bound_sections(bound: AnyBound | BoundStatement | None, model: str) -> tuple
 
 def bound_picture(table: ResultTable, quantity: QuantityName) -> Picture:
     """Draw bars of the webs of a table with columns `web` and `percent`."""
-    told = ", ".join(f"{name} {percent:.1f} %" for name, percent in _rows(table))
+    percents = ", ".join(f"{name} {percent:.1f} %" for name, percent in _rows(table))
     name = QUANTITIES[quantity].label
-    return picture(f"bound-{quantity}", f"{name} of the original: {told}", _draw, table, name)
+    return picture(f"bound-{quantity}", f"{name} of the original: {percents}", _draw, table, name)
 
 
 def _rows(table: ResultTable) -> list[tuple[str, float]]:

@@ -173,11 +173,11 @@ def _stiffest(comparison: Comparison) -> str:
     row, baseline = comparison.leading(TORSION_PER_MASS), comparison.base.name
     if row == comparison.baseline:
         others = [other for other in range(len(comparison.entries)) if other != row][:_TOLD]
-        told = " ".join(
+        sentences = " ".join(
             comparison_sentence(comparison.entries[other].name, _changes(comparison, other), baseline)
             for other in others
         )
-        return f"None is stiffer in torsion per kilogram than {baseline}. {told}".rstrip()
+        return f"None is stiffer in torsion per kilogram than {baseline}. {sentences}".rstrip()
     level = comparison.level(TORSION_PER_MASS)
     names = " and ".join(comparison.entries[other].name for other in level)
     doubt = f" ({names} within the error estimate)" if level else ""
@@ -195,8 +195,8 @@ _TOLD = 3
 
 def _changes(comparison: Comparison, row: int) -> dict[Quantity, float]:
     """Changes against the baseline that are larger than the bound of their error, %."""
-    told = (MASS, TORSION, BENDING)
-    known = [quantity for quantity in told if comparison.differ(row, comparison.baseline, quantity)]
+    quantities = (MASS, TORSION, BENDING)
+    known = [quantity for quantity in quantities if comparison.differ(row, comparison.baseline, quantity)]
     return {quantity: comparison.percent(row, quantity) - 100 for quantity in known}
 
 

@@ -14,8 +14,7 @@ from cranktopo.bodies.cells.outside import outside_envelope, outside_words
 from cranktopo.bodies.solid.files import coarse_facet_mm
 from cranktopo.bodies.undercuts import half_throw_undercuts
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
-from cranktopo.design.goal.wanted import asks_for
-from cranktopo.design.goal.wanted import wanted as wanted_goal
+from cranktopo.design.goal.scene_goal import asks_for, goal_of
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.loading import builtin_designs
 from cranktopo.design.pitch import SAME_PITCH_MM
@@ -116,7 +115,7 @@ class ComparedTargets:
 def compare_targets(
     names: Sequence[TargetLike],
     baseline: TargetLike,
-    wanted: MeshRequest | None = None,
+    request: MeshRequest | None = None,
     fatigue: FatigueMethod | Sequence[FatigueMethod] | None = None,
     design: str | None = None,
     align: bool = False,
@@ -152,7 +151,7 @@ def compare_targets(
     if methods:
         filleted = resolve_targets(every, design, fillets=True, align=align, whole=True, throw=throw)
         fatigues, loaded = judge(filleted, methods, index, loads)
-    found = evaluate_targets(targets, wanted)
+    found = evaluate_targets(targets, request)
     judged = (one for by in fatigues for one in by.result.fatigue if isinstance(one, FieldFatigue))
     stresses = {one.target: one.largest_stress_MPa for one in judged}
     worlds = _both_worlds(fatigues[:1])
@@ -206,7 +205,7 @@ def balanced_kg_mm(scene: Scene) -> float:
 
     A goal that minimises the unbalance of the throw alone wants 0.
     """
-    goal, balance = wanted_goal(scene), throw_balance(scene)
+    goal, balance = goal_of(scene), throw_balance(scene)
     if goal is not None and goal.quantity == "unbalance":
         return 0.0
     return balance.throw_unbalance_kg_mm - balance.counterweight_kg_mm
@@ -234,7 +233,7 @@ def _evaluated_goals(
     others = [target for row, target in enumerate(targets) if row != baseline]
     swings = any(asks_for(target.scene, "natural_frequency") for target in others)
     values = [_values(*pair, swings=swings) for pair in zip(targets, entries, strict=True)]
-    goals = {row: wanted_goal(target.scene) for row, target in enumerate(targets) if row != baseline}
+    goals = {row: goal_of(target.scene) for row, target in enumerate(targets) if row != baseline}
     return {
         targets[row].name: goal_outcome(goal, values[row], values[baseline])
         for row, goal in goals.items()

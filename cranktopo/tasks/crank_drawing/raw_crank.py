@@ -86,8 +86,8 @@ def raw_crank_figure(
 
 
 def _notes(scene: Scene, shape: CrankShape) -> list[str]:
-    told = parting_text([throw.angle_deg for throw in shape.throws])
-    return [f"Parting: {told}.", *flash_notes(scene), "Dashed: the finished crank."]
+    parting = parting_text([throw.angle_deg for throw in shape.throws])
+    return [f"Parting: {parting}.", *flash_notes(scene), "Dashed: the finished crank."]
 
 
 def _lines(scene: Scene, raw: CrankShape) -> list[str]:

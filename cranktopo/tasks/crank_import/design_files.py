@@ -40,14 +40,14 @@ class DesignFiles:
         throws: designs of the throws that differ from the first one's.
         same_as: of each throw the index of the first one that is alike.
         volume_mm3: of the crank of the designs; None where they are no whole crank.
-        told: what the designs do not say, in words.
+        omissions: what the designs do not say, in words.
     """
 
     design: str
     throws: tuple[str, ...]
     same_as: tuple[int, ...]
     volume_mm3: float | None
-    told: tuple[str, ...]
+    omissions: tuple[str, ...]
 
 
 def half_names(webs: Sequence[ImportedWeb], crank: FoundCrank, name: str) -> list[str]:

@@ -47,7 +47,7 @@ def result_of(
     crank, taken = found.crank, found.taken
     x, y, z = (float(v) for v in crank.origin_mm)
     along = tuple(float(v) for v in crank.axis)
-    reported = (*crank.unread, *files.told, *volume_words(taken.volume_mm3, files, webs))
+    reported = (*crank.unread, *files.omissions, *volume_words(taken.volume_mm3, files, webs))
     lacks = [ImportedLack(where="crank", what=line) for line in reported]
     lacks += [ImportedLack(where=f"half {half.number}", what=line) for half in halves for line in half.unread]
     return CrankImport(
@@ -191,7 +191,7 @@ def _numbers(data: Any, key: str) -> Iterator[tuple[str, float]]:
 def _unread(web: ImportedWeb) -> Iterator[str]:
     """Yield what a body has that its design does not say."""
     scene, faces = web.read.scene, web.body.faces
-    yield from web.read.told_of(web.body)
+    yield from web.read.differences_from(web.body)
     for key, name in (("main_journal", "main journal"), ("crankpin", "crankpin")):
         if not getattr(scene.throw, key).fillet_mm:
             yield f"no round fillet was found at the {name}: its corner is sharp in the design"

@@ -15,7 +15,7 @@ from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.goal.constraint import Constraint, minimum_scale, scale_of
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.quantities import quantity_named
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Optimise, Scene
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.numerics.filters.density_filter import ConeFilter, boundary_correction
@@ -54,7 +54,7 @@ def build_problem(
     model = build_model(scene, domain, cases, incompatible_modes=solving.incompatible_modes)
     density_chain = build_chain(scene, domain)
     weights = tuple(float(getattr(settings.weights, case.kind)) for case in cases)
-    goal = wanted(scene)
+    goal = goal_of(scene)
     original = None if goal is None else assess_original(model, scene, domain)
     optimisation = (
         _of_volume(density_chain, model, weights, settings)

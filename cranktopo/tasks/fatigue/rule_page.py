@@ -146,8 +146,8 @@ def _headline(checks: Sequence[RuleCheck]) -> str:
 
 def _barred(study: VibrationStudy | None) -> list[str]:
     """Return that the engine runs at a barred speed, which the rule's factors say nothing of."""
-    told = "" if study is None else runs_barred(study.scene, study.barred_rpm or ())
-    return [f"But {told}."] if told else []
+    sentence = "" if study is None else runs_barred(study.scene, study.barred_rpm or ())
+    return [f"But {sentence}."] if sentence else []
 
 
 def _strength(record: RuleRecord) -> list[str]:

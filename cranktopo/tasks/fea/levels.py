@@ -138,7 +138,7 @@ class ErrorTarget:
 
 
 def evaluate_to(
-    target: Target, wanted: ErrorTarget, measured: StoredStudy | None = None
+    target: Target, error_target: ErrorTarget, measured: StoredStudy | None = None
 ) -> tuple[Evaluation, bool]:
     """Return the last evaluation on ever finer meshes, and whether it has the accuracy.
 
@@ -150,31 +150,31 @@ def evaluate_to(
     began = time.perf_counter()
     solved: dict[EvaluationMesh, MeshResult] = {}
     found: Evaluation | None = None
-    for fine in LEVELS[first_level(wanted, measured, target.triangles) :]:
+    for fine in LEVELS[first_level(error_target, measured, target.triangles) :]:
         meshes = _meshes(fine, target.triangles)
         todo = [mesh for mesh in meshes if mesh not in solved]
-        if found is not None and _too_long(wanted, time.perf_counter() - began, todo, solved):
+        if found is not None and _too_long(error_target, time.perf_counter() - began, todo, solved):
             break
         for mesh in todo:
             size = mesh.size_mm(target)
             solved[mesh] = evaluate_on_mesh(target, size, graded=mesh.graded)
         coarse = solved[meshes[0]] if target.triangles else None
         found = evaluation(solved[fine], coarse, time.perf_counter() - began)
-        if wanted.percent is not None and found.error_percent <= wanted.percent:
+        if error_target.percent is not None and found.error_percent <= error_target.percent:
             return found, True
     assert found is not None, "the first level is always solved"
-    return found, wanted.percent is None
+    return found, error_target.percent is None
 
 
-def first_level(wanted: ErrorTarget, measured: StoredStudy | None, triangles: bool) -> int:
+def first_level(error_target: ErrorTarget, measured: StoredStudy | None, triangles: bool) -> int:
     """Return the number of the level to start on."""
     first_levels = []
-    if wanted.percent is not None:
-        enough = [n for n in range(len(LEVELS)) if _expected_percent(n, measured) <= wanted.percent]
+    if error_target.percent is not None:
+        enough = [n for n in range(len(LEVELS)) if _expected_percent(n, measured) <= error_target.percent]
         first_levels.append(enough[0] if enough else len(LEVELS) - 1)
-    if wanted.budget_s is not None:
+    if error_target.budget_s is not None:
         seconds = [expected_seconds(level, measured, triangles) for level in LEVELS]
-        fit = [n for n, s in enumerate(seconds) if s is not None and s <= wanted.budget_s]
+        fit = [n for n, s in enumerate(seconds) if s is not None and s <= error_target.budget_s]
         first_levels.append(fit[-1] if fit else 0)
     return min(first_levels, default=0)
 
@@ -204,10 +204,13 @@ def _stored_level(mesh: EvaluationMesh, measured: StoredStudy | None) -> LevelRe
 
 
 def _too_long(
-    wanted: ErrorTarget, spent: float, todo: list[EvaluationMesh], solved: dict[EvaluationMesh, MeshResult]
+    error_target: ErrorTarget,
+    spent: float,
+    todo: list[EvaluationMesh],
+    solved: dict[EvaluationMesh, MeshResult],
 ) -> bool:
-    if wanted.budget_s is None:
+    if error_target.budget_s is None:
         return False
     mesh, last = list(solved.items())[-1]
     rate = last.seconds / mesh.relative_cost
-    return spent + sum(rate * mesh.relative_cost for mesh in todo) > wanted.budget_s
+    return spent + sum(rate * mesh.relative_cost for mesh in todo) > error_target.budget_s

@@ -12,7 +12,7 @@ from typing import Literal
 
 from cranktopo.base.units import number_text, stem_and_unit
 from cranktopo.design.balance_factor import balance_factor_percent
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.states import load_cases
@@ -46,7 +46,7 @@ def goal_values(scene: Scene, found: EvaluationResult) -> dict[str, float]:
 def _motions(scene: Scene, torsion: float, bending: float) -> dict[str, float]:
     if scene.engine is None:
         return {}
-    cases = {case.kind: case for case in load_cases(scene, plan(scene, goal=wanted(scene)).enabled)}
+    cases = {case.kind: case for case in load_cases(scene, plan(scene, goal=goal_of(scene)).enabled)}
     motions = {}
     if "bending" in cases:
         motions["pin_displacement"] = abs(cases["bending"].radial_N) / bending

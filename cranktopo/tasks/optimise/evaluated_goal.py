@@ -17,7 +17,7 @@ from cranktopo.base.progress import Json, StageMemory
 from cranktopo.design.goal.constraint import TOLERANCE, Constraint, bound_in_model
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.outcome import GoalOutcome, LimitOutcome, LimitRound, goal_outcome
-from cranktopo.design.goal.wanted import judged_by_evaluation, wanted
+from cranktopo.design.goal.scene_goal import goal_of, judged_by_evaluation
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import strip_features
@@ -114,7 +114,7 @@ def evaluated_goal(
     scene: Scene, prepared: Prepared, problem: DensityProblem, work: StageMemory
 ) -> EvaluatedGoal | None:
     """Return the goal of a scene whose limits are to hold by the evaluation; None where none are."""
-    goal = wanted(scene)
+    goal = goal_of(scene)
     if goal is None or not judged_by_evaluation(scene):
         return None
     return EvaluatedGoal(goal, scene, prepared, problem, work)

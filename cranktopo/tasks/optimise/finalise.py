@@ -12,7 +12,7 @@ from cranktopo.base.notes import redirected
 from cranktopo.base.side_by_side import LazyFuture, side_by_side
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import CompileClock, double_precision
 from cranktopo.numerics.surfaces.files import write_stl
@@ -43,7 +43,7 @@ def cells_of_bound(run: RunStore, prepared: Prepared) -> Cells | None:
     """Return what gives the cells of the bound, begun in a thread; None where the plan leaves it out."""
     if prepared.plan["bound"].state != "on":
         return None
-    cells = LazyFuture(lambda: model_for_result(prepared.scene, wanted(prepared.scene)))
+    cells = LazyFuture(lambda: model_for_result(prepared.scene, goal_of(prepared.scene)))
     with redirected(run.log):
         cells.begin()
     return cells.result
@@ -142,14 +142,14 @@ def _bound(
     own = original.quantities
     reached = {name: 100 * value / own[name] for name, value in result.quantities.items() if own[name]}
     with redirected(run.log):
-        return bounds_for_result(scene, reached, wanted(scene), cells)
+        return bounds_for_result(scene, reached, goal_of(scene), cells)
 
 
 def _goal(
     scene: Scene, judged: _Judgement, case: EvaluatedGoal | None, state: State, failure: str
 ) -> GoalOutcome | None:
     """Return what became of the goal, by the evaluation where the run has one; None without a goal."""
-    goal = wanted(scene)
+    goal = goal_of(scene)
     if goal is None:
         return None
     in_cells = goal_outcome(goal, judged.result.quantities, judged.original.quantities)
@@ -193,7 +193,7 @@ def _surface(prepared: Prepared, design: loop.WebDensities) -> CheckedSurface | 
 
 
 def _title(scene: Scene) -> str:
-    goal = wanted(scene)
+    goal = goal_of(scene)
     volume = f"volume fraction {scene.optimise.volume_fraction:g}"
     return f"{scene.name}, {volume if goal is None else f'{goal.sense} {goal.quantity}'}"
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from cranktopo.bodies.cells.outside import outside_words
 from cranktopo.design.goal.limit import goal_text
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.effect import Effect
 from cranktopo.report.result_table import text_table
@@ -15,7 +15,7 @@ from cranktopo.tasks.plan.result import DesignPlan
 
 def plan_text(found: DesignPlan, scene: Scene) -> str:
     """Return threshold, goal, what evaluations it takes and what lies outside; then the effects."""
-    goal, todo = wanted(scene), found.evaluations
+    goal, todo = goal_of(scene), found.evaluations
     lines = [f"{found.design}, threshold {100 * scene.effects.threshold:g} %"]
     if goal is not None:
         lines.append(goal_text(goal, "density"))

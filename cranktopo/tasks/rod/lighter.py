@@ -54,8 +54,8 @@ def lighten_rod(
     lighter = search.rod_at(search.best())
     after = check_rod_strength(lighter, method)
     if not search.is_better(lighter, after):
-        raise search.nothing_found()
-    reported = search.told(lighter, after)
+        raise search.no_lighter_rod()
+    reported = search.result_of(lighter, after)
     if not any(eye.permitted_um for eye in after.eyes):
         return lighter, reported
     return lighter, reported.model_copy(update={"result_without_limits_kg": search.unlimited_kg()})
@@ -135,7 +135,7 @@ class RodSearch:
         free = replace(self, limited=False)
         return check_rod_strength(free.rod_at(free.best()), self.method).masses.total_kg
 
-    def nothing_found(self, judge: str = "") -> CranktopoError:
+    def no_lighter_rod(self, judge: str = "") -> CranktopoError:
         """Return the error that tells that the search ended without a better rod."""
         limits = [eye for eye in self.before.eyes if eye.permitted_um]
         kept = " within the permitted ovalisation" * bool(limits)
@@ -150,7 +150,7 @@ class RodSearch:
             hint="Change rod.shank, or give dimensions that are farther from the limits.",
         )
 
-    def told(self, lighter: Scene, after: RodStrength) -> LighterRod:
+    def result_of(self, lighter: Scene, after: RodStrength) -> LighterRod:
         """Return what was found."""
         before, scene = self.before, self.scene
         dimensions = tuple(

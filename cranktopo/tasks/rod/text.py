@@ -105,14 +105,14 @@ def least_safety(rod: RodStrength) -> str:
     every = [(one.section, one) for one in rod.sections] + places
     yielding = [(name, one.yield_safety) for name, one in every]
     yielding += [(f"shank buckling, {one.plane}", one.yield_safety) for one in rod.buckling]
-    told = {
+    worst = {
         "yield": min(yielding, key=lambda one: one[1]),
         f"fatigue by {rod.method}": min(
             ((name, one.fatigue_safety) for name, one in every), key=lambda one: one[1]
         ),
     }
-    words = "; ".join(f"{what} {safety:.2f} ({place})" for what, (place, safety) in told.items())
-    return f"{'' if min(safety for _, safety in told.values()) >= 1 else 'NOT SAFE: '}least safety: {words}"
+    words = "; ".join(f"{what} {safety:.2f} ({place})" for what, (place, safety) in worst.items())
+    return f"{'' if min(safety for _, safety in worst.values()) >= 1 else 'NOT SAFE: '}least safety: {words}"
 
 
 def _too_oval(rod: RodStrength) -> Iterator[str]:

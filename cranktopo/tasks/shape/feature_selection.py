@@ -96,7 +96,7 @@ class FeatureSelection:
         """
         best = self._with_features(best)
         if best.violation > DOUBT:
-            reached = ", ".join(_reached(one, best.told, self._original) for one in self._goal.limits)
+            reached = ", ".join(_reached(one, best.quantities, self._original) for one in self._goal.limits)
             raise CranktopoError(
                 "shape: no web found that keeps all limits. The nearest, in percent of the original: "
                 f"{reached}.",
@@ -189,13 +189,15 @@ class FeatureSelection:
         if found is None:
             return None, solved
         values = found.responses.values
-        reported = {name: self._told(name, values[name], errors) for name in values if name in self._original}
+        reported = {
+            name: self._as_evaluated(name, values[name], errors) for name in values if name in self._original
+        }
         objective = merit(goal, values)
         return WebCandidate(
             layout, found.values, objective, doubtful(found.violation), reported, errors
         ), solved
 
-    def _told(self, name: str, value: float, errors: Mapping[str, float]) -> float:
+    def _as_evaluated(self, name: str, value: float, errors: Mapping[str, float]) -> float:
         """Return a quantity of the cells in the numbers of the evaluation."""
         reported = without_error(
             name, value, model_error(name, self.model.original[name], self._original[name])
@@ -229,7 +231,7 @@ class FeatureSelection:
         violation = doubtful(float(self._goal.violations(truth).max(initial=0.0)))
         cells = self.model.responses(self.model.web(web.layout), values, ()).values
         errors = {
-            name: model_error(name, self._told(name, cells[name], {}), truth[name])
+            name: model_error(name, self._as_evaluated(name, cells[name], {}), truth[name])
             for name in set(self._cells_goal.quantities)
         }
         found = web.layout, values, kept["objective"], violation, truth, errors
@@ -257,9 +259,9 @@ class FeatureSelection:
         note(_trial_text(trial))
 
 
-def _reached(limit: Constraint, told: Mapping[str, float], original: Mapping[str, float]) -> str:
+def _reached(limit: Constraint, quantities: Mapping[str, float], original: Mapping[str, float]) -> str:
     whole = original[limit.quantity]
     unit, size = (" %", 100 / whole) if whole > 0 else ("", 1.0)
-    required, reached = size * limit.bound, size * told[limit.quantity]
+    required, reached = size * limit.bound, size * quantities[limit.quantity]
     name = limit.quantity.replace("_", " ")
     return f"{name} {limit.sense} {required:.4g}{unit}: {reached:.1f}{unit} reached"

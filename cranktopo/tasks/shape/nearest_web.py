@@ -61,7 +61,7 @@ def _by_slopes(exact: Quantities, at: Array, values: Array) -> Quantities:
     return Quantities(by_name, exact.gradients)
 
 
-def asked_again(
+def search_with_corrections(
     goal: SearchGoal, search: Callable[[SearchGoal], Step], known: Callable[[Array], Mapping[str, float]]
 ) -> Step:
     """Return the web of a search whose limits hold by what is known of it, else the nearest of some tries.

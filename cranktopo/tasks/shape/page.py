@@ -63,7 +63,7 @@ def shape_page(
             release_fact(found),
         ),
         sections=(
-            _wanted(found),
+            _goal_section(found),
             *bound_sections(found.bound, "the body-fitted evaluation"),
             _dimensions(found),
             *clearance_sections(scene, bodies),
@@ -129,7 +129,7 @@ def _change_error_percent(found: ShapeResult, key: str) -> float:
     return difference_bound_percent(one, other, triangles=triangles)
 
 
-def _wanted(found: ShapeResult) -> Section:
+def _goal_section(found: ShapeResult) -> Section:
     goal, doubt = found.goal, multiplier_doubt(found)
     sense = "minimise" if goal.minimise else "maximise"
     said = [found.stop_reason.capitalize(), safety_places(found), stress_loads(found)]

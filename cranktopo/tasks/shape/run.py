@@ -24,7 +24,7 @@ from cranktopo.design.assumed import (
     assumptions,
 )
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.goal.wanted import require_goal
+from cranktopo.design.goal.scene_goal import require_goal
 from cranktopo.design.halves import usual_scale
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.named import DesignLike, as_scene

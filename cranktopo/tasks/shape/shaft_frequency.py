@@ -10,7 +10,7 @@ from collections.abc import Collection, Mapping
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.goal.quantities import QuantityName
-from cranktopo.design.goal.wanted import asks_for
+from cranktopo.design.goal.scene_goal import asks_for
 from cranktopo.design.schema import Scene
 from cranktopo.engine.vibration.first_frequency import FirstFrequency, first_frequency
 

@@ -38,7 +38,7 @@ from cranktopo.tasks.shape.evaluated_web import (
 )
 from cranktopo.tasks.shape.feature_selection import FeatureSelection
 from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
-from cranktopo.tasks.shape.nearest_web import asked_again, nearest_of, nearest_web
+from cranktopo.tasks.shape.nearest_web import nearest_of, nearest_web, search_with_corrections
 from cranktopo.tasks.shape.refining import SHORTER, CorrectedSurrogate, Step, merit, stepped
 from cranktopo.tasks.shape.result import FeatureTrial
 from cranktopo.tasks.shape.search import HELD, SearchBudget, prices_of, shaped_scene, worst_violation
@@ -326,10 +326,10 @@ class _LocalRefinement:
         near = _farther(effort, before, farthest)
         cells, exact = self._cells.webs(), self.anchored(before)
 
-        def by_cells(asked: SearchGoal) -> Step:
-            return stepped(cells, self._layout, before.values, exact, asked, self._work, near)
+        def by_cells(corrected: SearchGoal) -> Step:
+            return stepped(cells, self._layout, before.values, exact, corrected, self._work, near)
 
-        step = asked_again(goal, by_cells, lambda values: self._masses(goal, values))
+        step = search_with_corrections(goal, by_cells, lambda values: self._masses(goal, values))
         if before.met or worst_violation(self._goal, step.found) == 0:
             return step
         reaches = near.reach, max(near.reach, farthest * effort.reach)
@@ -346,10 +346,10 @@ class _LocalRefinement:
             return {**matched.responses(web, values, goal.quantities).values, **self._masses(goal, values)}
 
         def within(reach: float) -> Step:
-            def by_slopes(asked: SearchGoal) -> Step:
-                return nearest_web(self._scene, web, at, exact, asked, reach)
+            def by_slopes(corrected: SearchGoal) -> Step:
+                return nearest_web(self._scene, web, at, exact, corrected, reach)
 
-            return asked_again(goal, by_slopes, known)
+            return search_with_corrections(goal, by_slopes, known)
 
         here = Step(at, exact, merit(goal, exact.values), 0)
         first = min(here, step, key=lambda one: worst_violation(goal, one.found))
@@ -363,11 +363,11 @@ class _LocalRefinement:
         requested = _BY_MASSES & {limit.quantity for limit in goal.limits}
         if not requested:
             return {}
-        told = throw_balance(shaped_scene(self._scene, self._layout, values))
+        balance = throw_balance(shaped_scene(self._scene, self._layout, values))
         known = {
-            "inertia": told.inertia_kg_mm2,
-            "unbalance": told.throw_unbalance_kg_mm,
-            "balance_factor": told.balance_factor_percent or 0.0,
+            "inertia": balance.inertia_kg_mm2,
+            "unbalance": balance.throw_unbalance_kg_mm,
+            "balance_factor": balance.balance_factor_percent or 0.0,
         }
         return {name: known[name] for name in requested}
 
@@ -378,8 +378,8 @@ class _LocalRefinement:
             self._on_coarse_mesh(values).begin()
         web = evaluated_web(scene, self._stressed, size, name, self._work, self._settings.judging)
         found = ShapeRound(web, values, tuple(100 * self._goal.violations(web.values)), solved)
-        told = f"finish {number}" if number else _FIRST[self._settings.features]
-        note(_round_text(told, found, self._original, self._goal))
+        label = f"finish {number}" if number else _FIRST[self._settings.features]
+        note(_round_text(label, found, self._original, self._goal))
         return found
 
 
@@ -396,7 +396,7 @@ def _best(rounds: Sequence[ShapeRound], goal: SearchGoal) -> int:
     return min(range(len(rounds)), key=lambda i: (round(100 * rounds[i].violation, 4), i))
 
 
-def _round_text(told: str, found: ShapeRound, original: EvaluatedWeb, goal: SearchGoal) -> str:
+def _round_text(label: str, found: ShapeRound, original: EvaluatedWeb, goal: SearchGoal) -> str:
     changes = ", ".join(
         f"{name} {100 * (found.web.values[name] / original.values[name] - 1):+z.2f} %"
         for name in TOLD_FIRST
@@ -408,4 +408,4 @@ def _round_text(told: str, found: ShapeRound, original: EvaluatedWeb, goal: Sear
         if excess > 100 * HELD
     }
     limits = f"limits missed: {', '.join(missed.values())}" if missed else "limits kept"
-    return f"{told}: {changes} by the evaluation; {limits}"
+    return f"{label}: {changes} by the evaluation; {limits}"

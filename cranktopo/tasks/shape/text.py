@@ -216,12 +216,12 @@ def _failing(found: ShapeResult) -> str:
 
 def safety_places(found: ShapeResult) -> str:
     """Return the least safety of result and original with their places; empty where none is known."""
-    told = [
+    places = [
         f"{web}{of.fatigue_safety:.{SAFETY.digits}f} at {of.fatigue_place}"
         for web, of in (("", found.result), ("of the original ", found.original))
         if of.fatigue_safety is not None and of.fatigue_place
     ]
-    return f"least {SAFETY.label} {'; '.join(told)}" if told else ""
+    return f"least {SAFETY.label} {'; '.join(places)}" if places else ""
 
 
 def shape_summary(found: ShapeResult, folder: Path) -> str:
@@ -258,7 +258,9 @@ def shape_summary(found: ShapeResult, folder: Path) -> str:
 
 def stress_loads(found: ShapeResult) -> str:
     """Return the load states of what stresses tell in words; empty for joined extremes, the default."""
-    told = [QUANTITIES_TOLD[key].label for key in ("fatigue_safety", "stress") if key in found.values.result]
+    labels = [
+        QUANTITIES_TOLD[key].label for key in ("fatigue_safety", "stress") if key in found.values.result
+    ]
     where = {"cycle": "", "shaft": ", as the shaft on all its bearings loads these webs"}.get(
         found.loads or ""
     )
@@ -266,7 +268,7 @@ def stress_loads(found: ShapeResult) -> str:
         return ""
     shaft = found.in_shaft
     judged = "" if shaft is None else f"; solved again the shaft has {shaft.result:.3f} (web {shaft.web})"
-    return f"{' and '.join(told)} over every angle of the cycle{where}{judged}"
+    return f"{' and '.join(labels)} over every angle of the cycle{where}{judged}"
 
 
 def _going_on(found: ShapeResult, folder: Path) -> list[str]:

@@ -15,7 +15,7 @@ from cranktopo.report.result_table import ResultTable
 from cranktopo.report.typeset import typeset
 from cranktopo.report.viewer.scene3d import SCRIPT
 from cranktopo.tasks.sweep.result import COARSE, ERRORS, PointResult, SweepResult
-from cranktopo.tasks.sweep.text import condition_words, fillet_words, safety_words, shown_name, shown_number
+from cranktopo.tasks.sweep.text import condition_words, fillet_words, reader_name, reader_number, safety_words
 
 _FOLDER = Path(__file__).parent
 _TEMPLATES, _SCRIPT = _FOLDER / "template", _FOLDER / "sweep.js"
@@ -131,7 +131,7 @@ def _columns(data: SweepResult) -> list[str]:
 
 
 def _column(name: str, names: Sequence[str], data: SweepResult) -> dict[str, Any]:
-    label, unit = ResultTable({}, ()).head(name if name in data.varied else shown_name(name))
+    label, unit = ResultTable({}, ()).head(name if name in data.varied else reader_name(name))
     error, sense = ERRORS.get(name), _SENSES.get(name, 0)
     bounds = [bound for row in data.points if (bound := row.number(f"bound_{name}")) is not None]
     return {
@@ -141,13 +141,13 @@ def _column(name: str, names: Sequence[str], data: SweepResult) -> dict[str, Any
         "varied": name in data.varied,
         "sense": sense,
         "error": names.index(error) if error in names else None,
-        "bound": _cell(shown_number(name, (min if sense < 0 else max)(bounds))) if bounds else None,
+        "bound": _cell(reader_number(name, (min if sense < 0 else max)(bounds))) if bounds else None,
     }
 
 
 def _value(point: PointResult, name: str) -> Any:
     if name in _SENSES:
-        return shown_number(name, point.number(name))
+        return reader_number(name, point.number(name))
     return point.varied.get(name, point.row().get(name))
 
 

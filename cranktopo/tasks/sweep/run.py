@@ -108,8 +108,8 @@ def _note_what_differs(plan: SweepPlan, points: Sequence[SweepPoint]) -> None:
     """Tell what the table does not: throws farther apart, what strength and pressure hold for."""
     for line in filter(None, (pitch_line(plan, points), balance_line(plan, points))):
         note(f"sweep: {line}")
-    for told in left_off_lines(points):
-        note(f"sweep: {told}")
+    for missing_loads in left_off_lines(points):
+        note(f"sweep: {missing_loads}")
     if {"fatigue", "shape"} & set(plan.stages):
         note_strength(plan.original.name, plan.original)
     if {"fatigue", "shape", "optimise"} & set(plan.stages):
@@ -127,12 +127,12 @@ def resume_sweep(reference: str, place: Workplace = ALL_CORES) -> SweptRun:
     require_kind(run, SWEEP)
     run.require_same_inputs()
     options = run.manifest()["options"]
-    wanted = options.get("function")
-    if wanted != place.settings.get("function"):
+    function = options.get("function")
+    if function != place.settings.get("function"):
         hint = "Continue it in Python: resume=DIR with that function."
         raise CranktopoError(
-            f"run '{run.path}': was started with {wanted or 'no function'}.",
-            hint=hint if wanted else "Leave the function out.",
+            f"run '{run.path}': was started with {function or 'no function'}.",
+            hint=hint if function else "Leave the function out.",
         )
     plan = SweepPlan.of_json(options[SWEEP], f"run '{run.path}'")
     run.resume()

@@ -119,7 +119,13 @@ def _optimised(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     metrics = _densities(scene, folder)
     surface = Target(scene.name, planned_scene(scene), folder / RUN / metrics.files["stl"], folder / RUN)
     judged = _judged(surface, fineness)
-    return {**judged, **_limits(metrics.goal), **_told(metrics), "target": RUN, VIEW: web_view(surface)}
+    return {
+        **judged,
+        **_limits(metrics.goal),
+        **_optimiser_columns(metrics),
+        "target": RUN,
+        VIEW: web_view(surface),
+    }
 
 
 def _densities(scene: Scene, folder: Path) -> RunMetrics:
@@ -147,30 +153,30 @@ def _remodelled(scene: Scene, folder: Path, fineness: Fineness) -> Json:
         refit = remodel_run(str(folder / RUN), folder / REMODEL, evaluated=False)
     file = f"{REMODEL}/{refit.files['design']}"
     web = Target(scene.name, simulated(load_scene(str(folder / file))))
-    return {**_judged(web, fineness), **_told(metrics), "target": file, VIEW: web_view(web)}
+    return {**_judged(web, fineness), **_optimiser_columns(metrics), "target": file, VIEW: web_view(web)}
 
 
 def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
-    from cranktopo.design.goal.wanted import with_goal
+    from cranktopo.design.goal.scene_goal import with_goal
     from cranktopo.tasks.shape.result import ShapeResult
     from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
 
-    run, wanted = folder / RUN, scene if scene.goal is not None else with_goal(scene, minimise="mass")
+    run, stated = folder / RUN, scene if scene.goal is not None else with_goal(scene, minimise="mass")
     status = _status(run)
     if status == "done":
         data = ShapeResult.read(run / RESULT_FILES[SHAPE])
     elif status:
         data = resume_shape(str(run)).result
     else:
-        settings = fineness.shape_settings(shape_settings(wanted), wanted)
-        data = shape_design(wanted, settings, run, command=COMMAND).result
+        settings = fineness.shape_settings(shape_settings(stated), stated)
+        data = shape_design(stated, settings, run, command=COMMAND).result
     file = f"{RUN}/{data.files['design']}"
     shaped = load_scene(str(folder / file))
     return {
         **_columns_of(data.result),
         **_limits(data.goal),
         **_bound(data.bound),
-        **_told(data),
+        **_optimiser_columns(data),
         "target": file,
         VIEW: web_view(Target(shaped.name, simulated(shaped, fillets=True))),
     }
@@ -194,7 +200,7 @@ def _status(run: Path) -> str:
     return str(open_run(str(run)).manifest()["status"]) if (run / "manifest.json").is_file() else ""
 
 
-def _told(result: RunMetrics | ShapeResult) -> Json:
+def _optimiser_columns(result: RunMetrics | ShapeResult) -> Json:
     return {"optimiser_status": result.status, "iterations": result.iterations}
 
 
@@ -202,9 +208,9 @@ def _limits(goal: GoalOutcome | None) -> Json:
     """Tell whether every limit of the goal, if any, holds; a web that breaks one is no answer to it."""
     if not goal:
         return {}
-    if not (broken := broken_limits(goal)):
+    if not (violated := broken_limits(goal)):
         return {"limits_hold": True}
-    reason = f"no web found that holds {'; '.join(broken)}"
+    reason = f"no web found that holds {'; '.join(violated)}"
     return {"limits_hold": False, "status": IMPOSSIBLE, "reason": reason}
 
 

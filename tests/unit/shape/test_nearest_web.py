@@ -13,7 +13,7 @@ from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.loading import load_scene
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.shape.mesh_model import MeshedWebs
-from cranktopo.tasks.shape.nearest_web import asked_again, nearest_of, nearest_web
+from cranktopo.tasks.shape.nearest_web import nearest_of, nearest_web, search_with_corrections
 from cranktopo.tasks.shape.refining import Step
 from cranktopo.tasks.shape.rules import EnvelopeClearance, rules_of
 from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
@@ -74,7 +74,7 @@ class Asked:
 def test_a_window_stays_as_wide_when_one_side_of_it_is_missed() -> None:
     """Both sides came nearer to each other at each try, until no web was left between them."""
     asked = Asked(0.8)
-    step = asked_again(window(49.0, 51.0), asked.search, asked.known)
+    step = search_with_corrections(window(49.0, 51.0), asked.search, asked.known)
     assert asked.bounds == [(49.0, 51.0), pytest.approx((49.8, 51.8))]
     assert step.found.values["balance_factor"] == pytest.approx(49.0)
     assert step.solved == 6
@@ -82,7 +82,7 @@ def test_a_window_stays_as_wide_when_one_side_of_it_is_missed() -> None:
 
 def test_what_is_as_the_search_tells_it_is_not_asked_again() -> None:
     asked = Asked(0.0)
-    asked_again(window(49.0, 48.0), asked.search, asked.known)  # no web keeps both
+    search_with_corrections(window(49.0, 48.0), asked.search, asked.known)  # no web keeps both
     assert len(asked.bounds) == 1
 
 

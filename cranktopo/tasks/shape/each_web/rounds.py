@@ -14,7 +14,7 @@ from pathlib import Path
 from cranktopo.base.notes import Pace, indented, note
 from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.constraint import TOLERANCE
-from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import WebLoads
@@ -74,14 +74,14 @@ class Searched:
 class SearchedCrank:
     """A crank with the webs that its searches found, and its shaft."""
 
-    told: CrankVariant
-    found: tuple[Searched, ...]
+    variant: CrankVariant
+    searches: tuple[Searched, ...]
     shaft: LoadedShaft
 
     @property
     def safety_decides(self) -> bool:
         """True where it decides one of the webs."""
-        return any(one.safety_decides for one in self.found)
+        return any(one.safety_decides for one in self.searches)
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ class CrankSearch:
         crank = CrankVariant(
             design=f"{folder.name}/{MAIN}",
             shaft=shaft.figures,
-            groups=tuple(self._told(one) for one in found),
+            groups=tuple(self._group_search(one) for one in found),
             rounds=tuple(
                 CrankRound(
                     mass_kg=shaft.figures.mass_kg,
@@ -172,8 +172,8 @@ class CrankSearch:
         self, group: WebGroup, number: int, limit: str, loads: WebLoads, begun: Scene | None
     ) -> Searched:
         folder = self.folder / (group.name if number == 1 else f"{group.name}-{number}")
-        told = "" if number == 1 else ", second round"
-        self.pace.begin(f"{group.words}{told}: safety >= {limit}")
+        round_words = "" if number == 1 else ", second round"
+        self.pace.begin(f"{group.words}{round_words}: safety >= {limit}")
         scene = with_goal(self.scene, limits=[f"fatigue_safety >= {limit}"])
         scene = scene.model_copy(update={"name": f"{scene.name}-{folder.name}"})
         with indented():
@@ -194,11 +194,11 @@ class CrankSearch:
                 return loaded_shaft(str(folder / MAIN), self.settings.fillet_fraction).as_json()
 
         kept = LoadedShaft.of_json(self.work.once(folder.name, solved))
-        told = ", ".join(f"{safety:.3f}" for safety in kept.figures.safeties)
-        note(f"{folder.name}: {kept.figures.mass_kg:.3f} kg; safety of the webs {told}")
+        safeties = ", ".join(f"{safety:.3f}" for safety in kept.figures.safeties)
+        note(f"{folder.name}: {kept.figures.mass_kg:.3f} kg; safety of the webs {safeties}")
         return kept
 
-    def _told(self, one: Searched) -> GroupSearch:
+    def _group_search(self, one: Searched) -> GroupSearch:
         result, values, before = one.result, one.result.values.result, one.result.values.original
         return GroupSearch(
             webs=one.group.webs,

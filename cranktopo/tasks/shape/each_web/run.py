@@ -227,8 +227,8 @@ def _without_bound(scene: Scene) -> Scene:
 
 def _tell(scene: Scene, original: LoadedShaft, groups: Sequence[WebGroup]) -> None:
     safeties = original.figures.safeties
-    told = "; ".join(f"{group.words} at least {group.least(safeties):.3f}" for group in groups)
-    note(f"{scene.name}: safety in the shaft on all its bearings: {told}")
+    least_safeties = "; ".join(f"{group.words} at least {group.least(safeties):.3f}" for group in groups)
+    note(f"{scene.name}: safety in the shaft on all its bearings: {least_safeties}")
     if len(groups) == 1:
         raise CranktopoError(
             f"{scene.name}: all webs are to be equal: their least safeties in the shaft differ by less than "

@@ -67,7 +67,7 @@ def limits_by_quantity(texts: Sequence[str]) -> dict[str, str | tuple[str, ...]]
     return {name: rest[0] if len(rest) == 1 else rest for name, rest in found.items()}
 
 
-def wanted(scene: Scene) -> Goal | None:
+def goal_of(scene: Scene) -> Goal | None:
     """Return the goal of a scene, if any, with its limits: those given, then those that the goal brings.
 
     By default nothing gets worse: mass stays at most, both stiffnesses and the fatigue safety at least 100 %
@@ -87,7 +87,7 @@ def wanted(scene: Scene) -> Goal | None:
 
 def require_goal(scene: Scene, task: str, example: str) -> Goal:
     """Return the goal of a scene for a task that needs one; the refusal names an example to maximise."""
-    goal = wanted(scene)
+    goal = goal_of(scene)
     if goal is None:
         raise CranktopoError(
             f"goal: a {task} needs one.",
@@ -99,13 +99,13 @@ def require_goal(scene: Scene, task: str, example: str) -> Goal:
 
 def asks_for(scene: Scene, *quantities: QuantityName) -> bool:
     """Tell whether the goal of a scene, or one of its limits, is of one of some quantities."""
-    goal = wanted(scene)
+    goal = goal_of(scene)
     return goal is not None and not goal.quantities.isdisjoint(quantities)
 
 
 def judged_by_evaluation(scene: Scene) -> bool:
     """Tell whether a density optimisation has limits that are to hold by the evaluation of its surface."""
-    goal = wanted(scene)
+    goal = goal_of(scene)
     if goal is None or not scene.optimise.limits_by_evaluation:
         return False
     return any("density" in QUANTITIES[limit.quantity].optimisers for limit in goal.limits)
@@ -156,7 +156,7 @@ def _no_fillets(scene: Scene) -> str:
 
 def check_goal(scene: Scene) -> None:
     """Check that the limits leave the goal its sense and that the scene can tell every quantity."""
-    goal = wanted(scene)
+    goal = goal_of(scene)
     if goal is None:
         return
     problems = [*_goal_problems(scene, goal), *_limit_problems(scene, goal)]
