@@ -75,7 +75,7 @@ class _Stderr(logging.Handler):
                 last, wait = self.last_record_s, quiet_s
                 continue
             took = time.monotonic() - last
-            if not _bar_is_shown():
+            if not _has_progress_bar():
                 self.last_line_s = time.monotonic()
                 click.echo(f"{running() or command}: {waited(took)} so far", err=True)
             wait = took + min(took, _LONGEST_S)
@@ -98,7 +98,7 @@ class _Stderr(logging.Handler):
         ):
             assert process.stdin is not None
             while True:
-                now, name = time.monotonic(), "" if _bar_is_shown() else running() or command
+                now, name = time.monotonic(), "" if _has_progress_bar() else running() or command
                 process.stdin.write(
                     f"{now - self.last_line_s:.1f} {now - self.last_record_s:.1f} {name}\n".encode()
                 )
@@ -106,7 +106,7 @@ class _Stderr(logging.Handler):
                     break
 
 
-def _bar_is_shown() -> bool:
+def _has_progress_bar() -> bool:
     """Tell whether a progress bar shows that the work goes on."""
     bars: Any = sys.modules.get("tqdm")
     return bool(bars and getattr(bars.tqdm, "_instances", None))

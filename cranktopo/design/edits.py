@@ -46,7 +46,7 @@ def difference_words(before: Mapping[str, Any], after: Mapping[str, Any], most: 
     """Return what differs between the tables of two designs, key by key; empty where nothing does."""
     old, new = dict(_values(before)), dict(_values(after))
     keys = [key for key in dict.fromkeys((*old, *new)) if old.get(key) != new.get(key)]
-    lines = [f"{key}: {_shown(old.get(key))} to {_shown(new.get(key))}" for key in keys[:most]]
+    lines = [f"{key}: {_value_text(old.get(key))} to {_value_text(new.get(key))}" for key in keys[:most]]
     return "; ".join([*lines, *([f"and {len(keys) - most} more"] if len(keys) > most else [])])
 
 
@@ -62,7 +62,7 @@ def _values(tables: Any, path: str = "") -> Iterator[tuple[str, Any]]:
         yield path, tables
 
 
-def _shown(value: Any) -> str:
+def _value_text(value: Any) -> str:
     return "none" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
 
 

@@ -62,7 +62,7 @@ def limits_table(goal: GoalOutcome) -> ResultTable:
     return tabulate((*_COLUMNS[:-1], *_EVALUATED, _COLUMNS[-1]) if evaluated else _COLUMNS, goal.limits)
 
 
-def broken_limits(goal: GoalOutcome) -> list[str]:
+def violated_limits(goal: GoalOutcome) -> list[str]:
     """Return the limits that do not hold, with what was reached, by the evaluation where there is one."""
     return [f"{_limit(limit)}: reached {_judged(limit)}" for limit in goal.limits if limit.holds is False]
 

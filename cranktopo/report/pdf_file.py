@@ -28,11 +28,11 @@ def write_pdf(page: Page, path: Path, document: str) -> None:
 
     parted = sheets(list(blocks(page)))
     with replacing(path) as temporary:
-        made = io.BytesIO()
-        with PdfPages(made, metadata={"Title": page.title, "CreationDate": None}) as pdf:
+        buffer = io.BytesIO()
+        with PdfPages(buffer, metadata={"Title": page.title, "CreationDate": None}) as pdf:
             for number, own in enumerate(parted, start=1):
                 pdf.savefig(_sheet(own, f"{document}, page {number} of {len(parted)}"))
-        temporary.write_bytes(made.getvalue())
+        temporary.write_bytes(buffer.getvalue())
 
 
 def blocks(page: Page) -> Iterator[Block]:
@@ -132,12 +132,12 @@ def _side_by_side(pictures: Sequence[Picture]) -> Iterator[Block]:
     yield Block(max(heights) + 8.0, draw)
 
 
-def _paste(axes: Any, shown: Picture, dpi: float, turns: int = 0) -> None:
+def _paste(axes: Any, pasted: Picture, dpi: float, turns: int = 0) -> None:
     """Paste a picture as pixels, turned to the left by right angles."""
     from matplotlib.image import imread
     from numpy import rot90
 
-    axes.imshow(rot90(imread(io.BytesIO(png(shown.figure, dpi, "white"))), turns), aspect="auto")
+    axes.imshow(rot90(imread(io.BytesIO(png(pasted.figure, dpi, "white"))), turns), aspect="auto")
     axes.axis("off")
 
 

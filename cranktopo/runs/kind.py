@@ -47,7 +47,7 @@ def read_result(run: RunStore) -> dict[str, Any] | None:
 
 
 @contextmanager
-def shown_results(run: RunStore) -> Iterator[None]:
+def reading_results(run: RunStore) -> Iterator[None]:
     """Show stored results in the block: what they lack is damage, a CranktopoError, and no defect here."""
     try:
         yield

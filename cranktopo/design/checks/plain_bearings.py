@@ -24,12 +24,12 @@ def check_plain_bearings(scene: Scene) -> None:
     _check_viscosity(scene, bearings)
     rooms = {"width_mm": own_main_room_mm(scene), "big_end_width_mm": big_end_room_mm(scene)}
     for key, room in rooms.items():
-        given = getattr(bearings, key)
-        if given is not None and given > room:
+        own_width = getattr(bearings, key)
+        if own_width is not None and own_width > room:
             raise scene.invalid(
                 f"bearings.{key}", f"must be at most {room:.4g} mm, the room between the fillets"
             )
-        if given is None and room <= 0:
+        if own_width is None and room <= 0:
             raise scene.invalid(
                 f"bearings.{key}", "the fillets leave no room for it", "Give a width above 0 mm."
             )

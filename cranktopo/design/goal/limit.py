@@ -153,7 +153,7 @@ def read_limits(quantity: GoalQuantity, value: Any) -> tuple[Limit, ...]:
     limits = tuple(_read(quantity, text) for text in texts)
     if not limits:
         raise refused("no limit is given", f"Write {_example(quantity)}, or leave the key out.")
-    _check_together(limits)
+    _check_range(limits)
     return limits
 
 
@@ -225,7 +225,7 @@ def _in_unit(quantity: GoalQuantity, value: float, unit: str, sense: LimitSense)
     return value * size
 
 
-def _check_together(limits: tuple[Limit, ...]) -> None:
+def _check_range(limits: tuple[Limit, ...]) -> None:
     quantity = QUANTITIES[limits[0].quantity]
     upper = [limit for limit in limits if limit.sense == "<="]
     lower = [limit for limit in limits if limit.sense == ">="]

@@ -79,10 +79,10 @@ def goal_of(scene: Scene) -> Goal | None:
     if scene.goal is None:
         return None
     quantity = scene.goal.quantity
-    given = _given(scene.goal.limits)
+    stated = _stated_limits(scene.goal.limits)
     said = {name for name in QUANTITIES if getattr(scene.goal.limits, name) is not None}
     more = tuple(limit for limit in _default(scene, quantity) if limit.quantity not in said)
-    return Goal("minimise" if scene.goal.minimise else "maximise", quantity, (*given, *more))
+    return Goal("minimise" if scene.goal.minimise else "maximise", quantity, (*stated, *more))
 
 
 def require_goal(scene: Scene, task: str, example: str) -> Goal:
@@ -111,7 +111,7 @@ def judged_by_evaluation(scene: Scene) -> bool:
     return any("density" in QUANTITIES[limit.quantity].optimisers for limit in goal.limits)
 
 
-def _given(table: LimitsTable) -> tuple[Limit, ...]:
+def _stated_limits(table: LimitsTable) -> tuple[Limit, ...]:
     texts = ((quantity, getattr(table, name)) for name, quantity in QUANTITIES.items())
     return tuple(limit for what, text in texts if text is not None for limit in read_limits(what, text))
 

@@ -107,8 +107,8 @@ def gear_forces(gear: Gear, speed_rad_s: float) -> GearForces:
 
 
 def _turn_of(shaft: BalancerShaft) -> int:
-    given = shaft.unbalance_kg_mm is not None and shaft.phase_deg is not None
-    return 0 if given else 1 if shaft.balances == "force" else 2
+    fixed = shaft.unbalance_kg_mm is not None and shaft.phase_deg is not None
+    return 0 if fixed else 1 if shaft.balances == "force" else 2
 
 
 def _size(

@@ -239,8 +239,8 @@ def _inertia(context: PlanningContext, name: str, what: str) -> Estimate:
         absent = "engine.max_gas_force_N is taken as it is"
         return Estimate(None, "", "the pull at overspeed", absent=absent)
     full = context.state("bending").case.radial_N
-    without = extreme_states(context.scene, INERTIA_EFFECTS - {name})
-    other = next(s for s in without if s.name == "max_radial").case.radial_N
+    states_without = extreme_states(context.scene, INERTIA_EFFECTS - {name})
+    other = next(s for s in states_without if s.name == "max_radial").case.radial_N
     percent = 100 * abs(other - full) / abs(full)
     because = f"{what}: peak radial force {full:,.0f} N with it, {other:,.0f} N without"
     changes = f"radial force {other:,.0f} N in place of {full:,.0f} N"

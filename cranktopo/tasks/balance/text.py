@@ -152,8 +152,8 @@ def counterweights_caption(data: Balance) -> str:
     assumed = {item.key for item in data.assumed}
     engine = "; one cylinder, which is assumed" if "engine.cylinders" in assumed else ""
     missing = [name for key, name in _MASSES.items() if f"engine.masses.{key}" in assumed]
-    without = f"; without {' and '.join(missing)}, whose masses are not given" if missing else ""
-    return f"Counterweights that the webs need for the rotating{oscillating or ' masses'}{engine}{without}"
+    exception = f"; without {' and '.join(missing)}, whose masses are not given" if missing else ""
+    return f"Counterweights that the webs need for the rotating{oscillating or ' masses'}{engine}{exception}"
 
 
 def balance_factor_words(data: Balance) -> str:
@@ -210,8 +210,10 @@ def _proposal_refusals(data: Balance, found: ProposedCounterweight) -> list[str]
 
 def shafts_caption(data: Balance) -> str:
     """Tell whether the balancer shafts are those of the scene."""
-    given = any(shaft.in_scene for shaft in data.balancer_shafts)
-    return "Balancer shafts" if given else "Balancer shafts that would leave nothing in the first two orders"
+    in_scene = any(shaft.in_scene for shaft in data.balancer_shafts)
+    return (
+        "Balancer shafts" if in_scene else "Balancer shafts that would leave nothing in the first two orders"
+    )
 
 
 def bearings_caption(data: Balance) -> str:

@@ -69,7 +69,7 @@ class Answers:
 
     async def checked(self, data: Data) -> list[dict[str, str]]:
         """Return the rules that a design breaks, each with its key; none where it is sound."""
-        found: list[dict[str, str]] = await self._workers["live"].ask("live.broken_rules_of", data)
+        found: list[dict[str, str]] = await self._workers["live"].ask("live.violated_rules_of", data)
         return found
 
     async def proposed(self, name: str, data: Data, argument: Any) -> dict[str, Any]:

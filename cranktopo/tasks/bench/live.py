@@ -11,7 +11,7 @@ import numpy as np
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.units import NMM_PER_NM
-from cranktopo.bodies.shown_solid import shown_half
+from cranktopo.bodies.shown_solid import display_half
 from cranktopo.design.checks.engine import shaft_warnings
 from cranktopo.design.clearance import clearances_mm
 from cranktopo.design.halves import halves
@@ -135,19 +135,19 @@ def _of_sound(data: dict[str, Any], answer: Callable[[Scene], dict[str, Any]]) -
     try:
         return answer(scene_from_dict(data, "design", whole=True))
     except CranktopoError as error:
-        return {"broken": broken_rules(error)}
+        return {"broken": violated_rules(error)}
 
 
-def broken_rules_of(data: dict[str, Any]) -> list[dict[str, str]]:
+def violated_rules_of(data: dict[str, Any]) -> list[dict[str, str]]:
     """Return the rules that the tables of a design break."""
     try:
         scene_from_dict(data, "design", whole=True)
     except CranktopoError as error:
-        return broken_rules(error)
+        return violated_rules(error)
     return []
 
 
-def broken_rules(error: CranktopoError) -> list[dict[str, str]]:
+def violated_rules(error: CranktopoError) -> list[dict[str, str]]:
     """Return each line of a refusal with the key that it names."""
     lines = [line.strip() for line in str(error).splitlines()]
     lines = lines[1:] if len(lines) > 1 else lines
@@ -166,7 +166,7 @@ def _picture(scene: Scene) -> str:
 
 
 def _arrays_of_half(arrays: Arrays, half: Scene, partner: int) -> dict[str, Any]:
-    mesh = shown_half(half).calculate_normals(0, SHARP_DEGREES).to_mesh64(0)
+    mesh = display_half(half).calculate_normals(0, SHARP_DEGREES).to_mesh64(0)
     table, faces = np.asarray(mesh.vert_properties), np.asarray(mesh.tri_verts)
     low, high = table[:, :3].min(axis=0), table[:, :3].max(axis=0)
     return {

@@ -263,13 +263,13 @@ class Project:
         self._write(variants=tuple(variant for variant in self.variants if variant.id != id_))
 
     @property
-    def made(self) -> tuple[MadeFile, ...]:
+    def files(self) -> tuple[MadeFile, ...]:
         """Files that were written, each once, the newest last."""
         return self._state.made
 
-    def note_made(self, name: str, command: str) -> None:
+    def record_file(self, name: str, command: str) -> None:
         """Record a file that was written."""
-        others = (file for file in self.made if file.name != name)
+        others = (file for file in self.files if file.name != name)
         self._write(made=(*others, MadeFile(name=name, command=command)))
 
     def _compared(self) -> str:
@@ -298,7 +298,7 @@ class Project:
             "steps": [step.as_json() for step in self._state.steps],
             "variants": [variant.as_json() for variant in self.variants],
             "compared": self._compared(),
-            "made": [file.as_json() for file in self.made],
+            "made": [file.as_json() for file in self.files],
             "data": self.data(),
             "limits": gauge_limits(self.data()),
             "commands": self.commands(),

@@ -10,7 +10,7 @@ from cranktopo.design.loading import scene_from_dict, value_at
 from cranktopo.design.pitch import lengths_at_pitch
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.tasks.balance.proposal import ProposedCounterweight, propose_counterweight
-from cranktopo.tasks.bench.live import broken_rules_of
+from cranktopo.tasks.bench.live import violated_rules_of
 from cranktopo.throw.envelope import BoxEnvelope
 
 _HALVINGS, _STEPS = 12, 100
@@ -59,7 +59,7 @@ def nearest_sound(data: dict[str, Any], changes: dict[str, float]) -> dict[str, 
     sound, unsound = 0.0, 1.0
     for _ in range(_HALVINGS):
         middle = (sound + unsound) / 2
-        kept = not broken_rules_of(changed_data(data, {key: _on_way(begun, target, middle)}))
+        kept = not violated_rules_of(changed_data(data, {key: _on_way(begun, target, middle)}))
         sound, unsound = (middle, unsound) if kept else (sound, middle)
     found = _on_way(begun, target, sound)
     return {} if found == begun else {key: found}

@@ -189,7 +189,7 @@ class _Made(_Guarded):
 
     def get(self, token: str, name: str) -> None:
         try:
-            path = self.server.bench.made(name)
+            path = self.server.bench.written_file(name)
         except CranktopoError:
             raise HTTPError(404) from None
         self.set_header("Content-Type", "application/octet-stream")

@@ -51,7 +51,7 @@ class Bench:
     folder: Path
     project: Project | None = None
     _pages: list[Tell] = field(default_factory=list)
-    _made: set[str] = field(default_factory=set)
+    _written_names: set[str] = field(default_factory=set)
     _tasks: set[asyncio.Task[None]] = field(default_factory=set)
     _watch: asyncio.Task[None] | None = None
     _seen: str = ""
@@ -132,9 +132,9 @@ class Bench:
             self.open_text(text, source, f"dropped {name}", shlex.join(command))
         return {"opened": name, "told": remarks_of(text) if text and path.suffix != ".toml" else ""}
 
-    def made(self, name: str) -> Path:
+    def written_file(self, name: str) -> Path:
         """Return a file that the bench wrote; raises CranktopoError for any other."""
-        if name not in {file.name for file in self._required.made}:
+        if name not in {file.name for file in self._required.files}:
             raise CranktopoError("file: was not made here.")
         return file_in(self.folder, name, _GIVEN)
 
@@ -301,32 +301,34 @@ class Bench:
         """Have a file written, beside whatever else is asked meanwhile."""
         kind = WRITTEN[str(message["kind"])]
         path = self._target(message, kind.ending)
-        words, shown = write_lines(self._required, kind, path)
+        words, command = write_lines(self._required, kind, path)
         tell({"type": "busy", "what": f"writing {path.name}"})
-        task = asyncio.get_running_loop().create_task(self._write_by(words, kind.printed, path, shown, tell))
+        task = asyncio.get_running_loop().create_task(
+            self._write_by(words, kind.printed, path, command, tell)
+        )
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 
-    async def _write_by(self, words: list[str], printed: bool, path: Path, shown: str, tell: Tell) -> None:
+    async def _write_by(self, words: list[str], printed: bool, path: Path, command: str, tell: Tell) -> None:
         try:
             warned = await written_by(words, printed, path)
         except CranktopoError as error:
             tell({"type": "error", "message": str(error)})
         else:
-            self._tell_made(path, shown, warned)
+            self._announce_file(path, command, warned)
 
     def _save(self, message: Mapping[str, Any], tell: Tell) -> None:
         path = self._target(message)
         project = self._required
         write_text(path, project.text)
         words = ["cranktopo", "designs", "copy", project.runnable(project.at), path.name, "--force"]
-        self._tell_made(path, shlex.join(words))
+        self._announce_file(path, shlex.join(words))
 
     def _script(self, message: Mapping[str, Any], tell: Tell) -> None:
         """Write a Python script that repeats the session as far as the step in hand."""
         path, project = self._target(message, SCRIPT_ENDING), self._required
         write_text(path, session_script(project))
-        self._tell_made(path, shlex.join(["python", path.name]))
+        self._announce_file(path, shlex.join(["python", path.name]))
 
     def _start(self, message: Mapping[str, Any], tell: Tell) -> None:
         text, name, command, assumed = new_design(dict(message["answers"]))
@@ -366,13 +368,13 @@ class Bench:
 
     def _target(self, message: Mapping[str, Any], ending: str = "") -> Path:
         path = file_in(self.folder, f"{message['name']}{ending}", ENDINGS if ending else (".toml",))
-        if path.exists() and path.name not in self._made and not message.get("replace"):
+        if path.exists() and path.name not in self._written_names and not message.get("replace"):
             raise CranktopoError(f"'{path.name}': is in the folder already.", hint="Choose another name.")
         return path
 
-    def _tell_made(self, path: Path, command: str, warned: list[str] | None = None) -> None:
-        self._made.add(path.name)
-        self._required.note_made(path.name, command)
+    def _announce_file(self, path: Path, command: str, warned: list[str] | None = None) -> None:
+        self._written_names.add(path.name)
+        self._required.record_file(path.name, command)
         self._tell_all({"type": "made", "name": path.name, "command": command, "warnings": warned or []})
         self._tell_state()
 

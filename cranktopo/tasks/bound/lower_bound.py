@@ -79,7 +79,7 @@ def next_densities(
         above, below = np.tensordot(normal[:cases], gains, 1), np.tensordot(normal[cases:], amounts, 1)
         ratio = np.where(below > 0, above / np.where(below > 0, below, 1.0), 1.0)
         found = np.where((above <= 0) & (below <= 0), density, np.sqrt(np.maximum(ratio, 0.0)))
-        return np.clip(underestimator.webs.made(found, above, below), low, high), normal
+        return np.clip(underestimator.webs.makeable(found, above, below), low, high), normal
 
     def loss(y: Array) -> tuple[float, Array]:
         found, normal = densities(y)

@@ -123,8 +123,8 @@ def bound_for_goal(
     try:
         model = _model(scene, goal, cell_mm)
         limits = tuple(limit_on_cells(limit, model.original.quantities, judged) for limit in goal.limits)
-        given = dict(zip(limits, goal.limits, strict=True))
-        return _statement(model, prove(model, replace(goal, limits=limits)), given)
+        original_limits = dict(zip(limits, goal.limits, strict=True))
+        return _statement(model, prove(model, replace(goal, limits=limits)), original_limits)
     except CranktopoError as error:
         return NoBound(none=error.message)
 
@@ -201,14 +201,16 @@ def _model(scene: Scene, goal: Goal | None, cell_mm: float) -> BoundModel:
     return bound_model(scene.with_optimise(process="free", draft_deg=0.0), cell_mm, goal)
 
 
-def _statement(model: BoundModel, bound: Bound, given: Mapping[Limit, Limit] | None = None) -> BoundStatement:
-    """Return a bound as it is told; limits that are left out by the words of `given`, where it has them."""
+def _statement(
+    model: BoundModel, bound: Bound, original_limits: Mapping[Limit, Limit] | None = None
+) -> BoundStatement:
+    """Return a bound as it is told; limits left out by the words of `original_limits`, where it has them."""
     scene, problem = model.scene, bound.problem
     error = model_error_percent(scene, model.domain.grid.largest_edge_mm)
     return BoundStatement(
         quantity=problem.goal.quantity,
         value=bound.value,
         percent_of_original=bound.percent,
-        dropped=tuple(str((given or {}).get(limit, limit)) for limit, _ in problem.dropped),
+        dropped=tuple(str((original_limits or {}).get(limit, limit)) for limit, _ in problem.dropped),
         model=BoundCells(cell_mm=scene.optimise.resolution_mm, error_percent=error),
     )

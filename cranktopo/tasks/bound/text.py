@@ -58,7 +58,7 @@ def _statement_line(bound: BoundStatement | NoBound) -> str:
         return "bound: no web of the envelope keeps these limits in the cells of the bound"
     quantity, most = QUANTITIES[bound.quantity], percent - 100
     name, at = quantity.label, "" if bound.at_mass_percent is None else " at this mass"
-    cell = f"cells of {bound.model.cell_mm:.3g} mm{_without(bound.dropped)}"
+    cell = f"cells of {bound.model.cell_mm:.3g} mm{_dropped_words(bound.dropped)}"
     if (reached - 100 - most) * (1 if quantity.better == "high" else -1) > 0:
         return (
             f"{name} {reached - 100:+z.1f} %{at}: beyond {most:+z.1f} %, the best that {cell} can hold; what "
@@ -70,7 +70,7 @@ def _statement_line(bound: BoundStatement | NoBound) -> str:
     )
 
 
-def _without(dropped: Sequence[str]) -> str:
+def _dropped_words(dropped: Sequence[str]) -> str:
     """Return the limits that a proof leaves out in words."""
     return f" without the limit{'s' * (len(dropped) > 1)} {', '.join(dropped)}" if dropped else ""
 

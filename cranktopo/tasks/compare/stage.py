@@ -31,7 +31,7 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh, shell_volumes_mm3
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
 from cranktopo.runs.directories import RunStore, open_run, runs_named
-from cranktopo.runs.kind import SWEEP, kind_of, read_result, resume_command, shown_results
+from cranktopo.runs.kind import SWEEP, kind_of, read_result, reading_results, resume_command
 from cranktopo.runs.manifest import file_hash, settings_hash, timestamp, versions
 from cranktopo.tasks.bound.result import AnyBound
 from cranktopo.tasks.bound.stage import bounds_for_result
@@ -47,7 +47,7 @@ from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, TORSION_PER_M
 from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
 from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_targets
 from cranktopo.tasks.fea.unit_fields import case_stress
-from cranktopo.tasks.importing.imported_body import shown_halves
+from cranktopo.tasks.importing.imported_body import half_surfaces
 from cranktopo.tasks.shaft.stage import with_throw_stiffness
 from cranktopo.tasks.sweep.result import SweepResult
 from cranktopo.tasks.sweep.text import condition_words
@@ -83,7 +83,7 @@ def _picked(run: RunStore) -> list[str]:
         raise CranktopoError(
             f"run '{run.path}': is not finished.", hint=f"Continue it: {resume_command(run)}"
         )
-    with shown_results(run):
+    with reading_results(run):
         result = SweepResult.of_json(data, f"run '{run.path}'")
         points = {point.id: point for point in result.points}
         picked = [points[one] for one in result.picks.values()]
@@ -136,8 +136,8 @@ def compare_targets(
     Raises:
         CranktopoError: no such target, different supports, a method that can judge none, or a failed solve.
     """
-    given = with_picks(names)
-    every = given if baseline in given else [baseline, *given]
+    picked = with_picks(names)
+    every = picked if baseline in picked else [baseline, *picked]
     index = every.index(baseline)
     targets = _like_for_like(resolve_targets(every, design, align=align, whole=True, throw=throw))
     check_same_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)
@@ -160,10 +160,10 @@ def compare_targets(
         printed = None if target.file else target.scene.published
         safeties = {one.result.method: one.safeties[row] for one in fatigues}
         first = safeties.pop(methods[0]) if methods else None
-        further = {method: safety for method, safety in safeties.items() if safety is not None}
+        others = {method: safety for method, safety in safeties.items() if safety is not None}
         fillets, stress = _fillets(target, bool(bare)), stresses.get(target.name)
         entries.append(
-            Entry(evaluation, printed, first, further, fillets, stress, worlds.get(target.name, {}))
+            Entry(evaluation, printed, first, others, fillets, stress, worlds.get(target.name, {}))
         )
     comparison = compare(entries, entries[index].name, fatigues[0] if fatigues else None, fatigues[1:])
     comparison = replace(
@@ -303,11 +303,11 @@ def report_comparison(
     if stresses and refused:
         note(f"no stresses: {refused}")
     solved = cases if stresses and not refused else ()
-    shown = [half for target in found.targets for half in half_throws(target)]
+    half_bodies = [half for target in found.targets for half in half_throws(target)]
     record = ComparisonRecord(
         comparison=found.comparison,
-        bodies=tuple(_body(half, mesh, partner, solved) for half, mesh, partner in shown),
-        undercuts=tuple(design_undercuts(half.name, mesh, half.scene) for half, mesh, _ in shown),
+        bodies=tuple(_body(half, mesh, partner, solved) for half, mesh, partner in half_bodies),
+        undercuts=tuple(design_undercuts(half.name, mesh, half.scene) for half, mesh, _ in half_bodies),
         effects=effects,
         cases=cases,
         loads=analyse(scene, effects.enabled) if scene.engine else None,
@@ -353,7 +353,7 @@ def _without_fillets(effects: PhysicsPlan) -> PhysicsPlan:
 def half_throws(target: Target) -> list[tuple[Target, SurfaceMesh, int]]:
     """Return half throws, surfaces and partners in the view; one half where it stands for both."""
     scene = target.scene
-    meshes = shown_halves(scene, target.file, coarse_facet_mm(scene), target.align)
+    meshes = half_surfaces(scene, target.file, coarse_facet_mm(scene), target.align)
     parts = [target]
     if len(meshes) > 1:
         names = (f"{target.name}, {web} web" for web in ("first", "second"))

@@ -123,7 +123,7 @@ def read_web(body: HalfBody, throw: Mapping[str, Any], material: Mapping[str, An
     Raises:
         CranktopoError: no web of the family fits the throw.
     """
-    solid, exact_mm = solid_of(body.shown, name), max(_EXACT * throw["radius_mm"], body.near.outline_mm)
+    solid, exact_mm = solid_of(body.mesh, name), max(_EXACT * throw["radius_mm"], body.near.outline_mm)
     found: list[tuple[tuple[float, float], tuple[float, int], str, Scene]] = []
     refusals: list[CranktopoError] = []
     start = throw["main_journal"]["length_mm"] / 2
@@ -174,7 +174,7 @@ def _with_features(body: HalfBody, read: ReadWeb) -> ReadWeb:
         tried = {**data, table: {**data[table], key: changed}}
         try:
             scene = scene_from_dict(tried, read.scene.name)
-            found = replace(read, scene=scene, shown=_scene_solid(scene))
+            found = replace(read, scene=scene, scene_solid=_scene_solid(scene))
         except CranktopoError:
             continue
         if found.differs_mm3 < read.differs_mm3:
@@ -182,5 +182,5 @@ def _with_features(body: HalfBody, read: ReadWeb) -> ReadWeb:
     outlets = with_outlet_radius(body, read.scene) if read.scene.throw.drilling else None
     if outlets is None:
         return read
-    found = replace(read, scene=outlets, shown=_scene_solid(outlets))
+    found = replace(read, scene=outlets, scene_solid=_scene_solid(outlets))
     return found if found.differs_mm3 < _OUTLETS * read.differs_mm3 else read

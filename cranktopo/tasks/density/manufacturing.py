@@ -73,8 +73,8 @@ def projection_for(scene: Scene, radius_mm: float) -> Projection:
 
 def filter_radius_mm(scene: Scene, domain: Domain) -> float:
     """Return the filter radius: the scene's own, the usual one, or what its least member and gap need."""
-    given = scene.optimise.filter_radius_mm
-    return given or max(_usual_filter_radius_mm(domain), _needed_filter_radius_mm(scene))
+    radius_mm = scene.optimise.filter_radius_mm
+    return radius_mm or max(_usual_filter_radius_mm(domain), _needed_filter_radius_mm(scene))
 
 
 def _usual_filter_radius_mm(domain: Domain) -> float:

@@ -52,9 +52,9 @@ class ResponseConstraint:
     percent: bool = False
 
     def __str__(self) -> str:
-        return f"{self.response.name} {self.constraint.sense} {self.shown(self.constraint.bound)}"
+        return f"{self.response.name} {self.constraint.sense} {self.value_text(self.constraint.bound)}"
 
-    def shown(self, value: float) -> str:
+    def value_text(self, value: float) -> str:
         """Return a value of the response with its unit, as in messages."""
         if self.percent:
             return f"{100 * value / self.constraint.original:.4g} %"

@@ -188,7 +188,7 @@ def new_command(
     check_file(file, "file", (".toml",), replace=force)
     title = name or design_name(file)
     reported: tuple[str, ...] = ()
-    if all(given is None for given in (layout, cylinders, bore_mm, stroke_mm, *known.values())):
+    if all(value is None for value in (layout, cylinders, bore_mm, stroke_mm, *known.values())):
         text = template(title)
         parse_scene(text, str(file))
     else:

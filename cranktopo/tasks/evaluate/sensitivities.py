@@ -16,7 +16,7 @@ from cranktopo.design.named import DesignLike
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
-from cranktopo.runs.kind import LOOP, SHAPE, kind_of, shown_results
+from cranktopo.runs.kind import LOOP, SHAPE, kind_of, reading_results
 from cranktopo.tasks.designs.run_webs import REMODEL, WebTarget, parametric_scene, web_target
 from cranktopo.tasks.evaluate.result import WebSensitivities
 from cranktopo.tasks.fatigue.needs import check_inputs
@@ -119,7 +119,7 @@ def _limits(target: WebTarget, scene: Scene) -> ManufacturingLimits:
     if run is None or file is None:
         return usual_limits(scene)
     options = run.manifest()["options"]
-    with shown_results(run):
+    with reading_results(run):
         if (file.parent / REMODEL).is_file():
             return ManufacturingLimits(**read_json(file.parent / REMODEL).get("rules", {}))
         if kind_of(run) == LOOP:

@@ -92,8 +92,8 @@ def write_dossier(found: FatigueAssessment, path: Path, command: Sequence[str] =
 
 def _vibration(target: Target) -> VibrationStudy | None:
     engine = target.scene.engine
-    given = target.scene.shaft is not None and engine is not None and engine.gas is not None
-    if not given:
+    computable = target.scene.shaft is not None and engine is not None and engine.gas is not None
+    if not computable:
         return None
     several = engine is not None and engine.cylinders > 1
     return shaft_vibration(target, misfire="worst" if several else ())

@@ -215,7 +215,7 @@ def _governs(check: RuleCheck) -> str:
         f"{by or 'neither set'} at the {fillet} fillet" for fillet, by in check.governing.items()
     )
     differ = "".join(f" The sets differ at the {line}." for line in check.departures)
-    return f"Factors that govern (fatigue.m53_factors = '{check.wanted_factors}'): {chosen}.{differ}"
+    return f"Factors that govern (fatigue.m53_factors = '{check.m53_factors}'): {chosen}.{differ}"
 
 
 def _input(record: RuleRecord) -> Section:

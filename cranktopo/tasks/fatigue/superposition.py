@@ -103,5 +103,5 @@ def signed_von_mises(stress_MPa: Array) -> Array:
 def _related_gradient(stress: Array, depth: Array) -> Array:
     """Fall of the von Mises stress into the depth over its surface value, 1/mm; zero where it rises."""
     squared = np.einsum("ni,ij,nj->n", stress, DEVIATOR, stress)
-    fall = -np.einsum("ni,ij,nj->n", stress, DEVIATOR, depth)
-    return np.asarray(np.maximum(fall / np.maximum(squared, 1e-30), 0.0))
+    gradient = -np.einsum("ni,ij,nj->n", stress, DEVIATOR, depth)
+    return np.asarray(np.maximum(gradient / np.maximum(squared, 1e-30), 0.0))

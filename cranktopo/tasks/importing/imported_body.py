@@ -288,7 +288,7 @@ def _placed(body: Manifold, scene: Scene, path: Path, align: bool) -> tuple[Plac
     return motion, f"moved to where the journals are: it {motion.words}" if motion else lacking
 
 
-def shown_halves(scene: Scene, file: Path | None, facet_mm: float, align: bool = False) -> list[SurfaceMesh]:
+def half_surfaces(scene: Scene, file: Path | None, facet_mm: float, align: bool = False) -> list[SurfaceMesh]:
     """Return the surface of a half throw, of the scene or the file, or of both where they differ."""
     if difference(scene):
         throw = solid_of(surface_of(scene, "throw", facet_mm), "throw")

@@ -22,7 +22,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.numerics.surfaces.files import write_stl
-from cranktopo.report.goal_table import broken_limits, percent_line, unknown_limits
+from cranktopo.report.goal_table import percent_line, unknown_limits, violated_limits
 from cranktopo.tasks.density import loop
 from cranktopo.tasks.density.loop import with_bounds
 from cranktopo.tasks.density.problem import DensityProblem
@@ -185,7 +185,7 @@ def enforce_limits_by_fea(
 def _verdict(outcome: GoalOutcome, rounds: int) -> str:
     after = f"after the limits in the cells were moved {'once' if rounds == 1 else f'{rounds} times'}"
     after = f" {after}" if rounds else ""
-    violated = broken_limits(outcome)
+    violated = violated_limits(outcome)
     if violated:
         return f"not met by the evaluation{after}: {'; '.join(violated)}"
     unknown = unknown_limits(outcome)

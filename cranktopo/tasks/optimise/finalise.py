@@ -68,7 +68,7 @@ def finalise_run(
     design = loop.final_design(problem, state)
     rows = _history_rows(problem, state.history)
     (surface, half_throw, files), judged = side_by_side(
-        lambda: _shown(run, prepared, design, rows),
+        lambda: _write_design(run, prepared, design, rows),
         lambda: _judged(run, prepared, problem, state, design.physical, cells),
     )
     now = time.perf_counter()
@@ -162,7 +162,7 @@ def _beside_goal(bound: BoundStatements | NoBound, goal: GoalOutcome | None) -> 
     return bound.with_reached(goal.reached_percent)
 
 
-def _shown(
+def _write_design(
     run: RunStore, prepared: Prepared, design: loop.WebDensities, rows: Sequence[Mapping[str, Any]]
 ) -> tuple[RunSurface | NoSurface, SurfaceMesh | None, dict[str, str]]:
     """Return what the surface measures, or why there is none, its half throw, and the files of the design."""

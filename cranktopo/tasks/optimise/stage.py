@@ -175,11 +175,11 @@ def _optimise(job: _Job, resume: bool = False) -> OptimisedRun:
             run.resume()
         LazyFuture(lambda: _compiled(problem)).begin()
         end = LazyFuture(lambda: _ready_for_the_end(job))
-        shown = _checked(job.progress, check, end)
-        kept = _kept(run, shown)
+        progress = _checked(job.progress, check, end)
+        kept = _kept(run, progress)
         prepared, work = job.prepared, StageMemory(StageCache(run.path / EVALUATIONS), check)
         state = (_saved_state(job) if resume else None) or first_state(
-            problem, prepared.scene, prepared.domain, prepared.cases, shown
+            problem, prepared.scene, prepared.domain, prepared.cases, progress
         )
         state = iterate(problem, state, kept)
         case = evaluated_goal(job.scene, prepared, problem, work)

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cranktopo.report.goal_table import (
-    broken_limits,
     evaluated_changes,
     evaluation_note,
     goal_line,
@@ -15,6 +14,7 @@ from cranktopo.report.goal_table import (
     limits_table,
     unjudged_line,
     unknown_limits,
+    violated_limits,
 )
 from cranktopo.report.page import Fact, FactStatus
 from cranktopo.report.result_table import terminal, text_table
@@ -135,7 +135,7 @@ def _limits(metrics: RunMetrics) -> list[Fact]:
         return []
     if goal.not_evaluated is not None:
         return [Fact("Limits", "not judged", unjudged_line(goal), "bad")]
-    violated, unknown, count = broken_limits(goal), unknown_limits(goal), len(goal.limits)
+    violated, unknown, count = violated_limits(goal), unknown_limits(goal), len(goal.limits)
     note = "; ".join(violated) if violated else f"{goal_words(goal)} within them"
     note += f"; not assessed: {', '.join(unknown)}" if unknown else ""
     value = f"{count - len(violated) - len(unknown)} of {count} hold"

@@ -41,8 +41,8 @@ def process_limits(scene: Scene, limits: ManufacturingLimits) -> ProcessLimits:
         "bevel_draft_deg": draft if lateral else 0.0,
         "depth_share": 1.0 if lateral or settings.process == "cast" else 0.5,
     }
-    made = ProcessLimits(**{**own, **requested})
-    return made if lateral else _with_floors(scene, made)
+    adjusted = ProcessLimits(**{**own, **requested})
+    return adjusted if lateral else _with_floors(scene, adjusted)
 
 
 def _with_floors(scene: Scene, limits: ProcessLimits) -> ProcessLimits:

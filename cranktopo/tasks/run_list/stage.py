@@ -10,7 +10,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import as_path
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.runs.directories import RUNS, RunStore, list_runs, remove_run
-from cranktopo.runs.kind import EACH_WEB, LOOP, SHAPE, SWEEP, RunKind, kind_of, read_result, shown_results
+from cranktopo.runs.kind import EACH_WEB, LOOP, SHAPE, SWEEP, RunKind, kind_of, read_result, reading_results
 from cranktopo.tasks.fea.quantities import PER_MASS, STIFFNESS
 from cranktopo.tasks.iterate.result import LoopResult
 from cranktopo.tasks.optimise.result import RunMetrics
@@ -74,7 +74,7 @@ def _entry(run: RunStore) -> RunEntry:
     kind, manifest = kind_of(run), run.manifest()
     known = {"command": kind, "design": manifest["design"], "started": manifest["started"]}
     try:
-        with shown_results(run):
+        with reading_results(run):
             result = run_result(run)
             reported = {} if result is None else _KINDS[kind][1](result)
     except CranktopoError:  # one damaged run does not hide the others

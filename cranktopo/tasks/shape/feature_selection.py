@@ -214,15 +214,15 @@ class FeatureSelection:
 
         def make() -> Json:
             cells, start = self.model.webs(), web.values
-            made = refined(
+            step = refined(
                 cells, self._elements, web.layout, start, self._goal, self._work, _REFINED, required_merit
             )
             return {
-                "values": made.values.tolist(),
-                "objective": made.merit,
-                "quantities": made.found.values,
-                "slopes": {name: slope.tolist() for name, slope in made.found.gradients.items()},
-                "solved": made.solved,
+                "values": step.values.tolist(),
+                "objective": step.merit,
+                "quantities": step.quantities.values,
+                "slopes": {name: slope.tolist() for name, slope in step.quantities.gradients.items()},
+                "solved": step.solved,
             }
 
         kept = self._work.once(name, make)

@@ -183,7 +183,7 @@ class _Net:
 
     def slide(self, nodes: Index, rules: _Rules) -> Array:
         """Return the motion of nodes, (n, 3, k), that keeps the rules and stretches the springs least."""
-        first = rules.minimum_motion(np.zeros_like(rules.asked))
+        first = rules.minimum_motion(np.zeros_like(rules.prescribed))
         directions, free = rules.free
         matrix = sp.kron(self._matrix[nodes][:, nodes], sp.eye(3)).tocsr()
         count = len(nodes)

@@ -85,13 +85,13 @@ def quantity_fact(found: ShapeResult, key: str) -> Fact:
     note = f"{value} against the original's {f'{original} {unit}'.rstrip()}"
     if quantity is SAFETY and found.result.fatigue_place:
         note = f"{note}; least at {found.result.fatigue_place}"
-    shown = change_text(change, error)
+    change_words = change_text(change, error)
     if quantity is SAFETY and found.values.result[key] < 1:
-        return Fact(label, shown, f"{note}; below 1: it fails", "bad")
+        return Fact(label, change_words, f"{note}; below 1: it fails", "bad")
     if abs(change) <= error:
-        return Fact(label, shown, f"{note}, less than the error estimate", "neutral")
+        return Fact(label, change_words, f"{note}, less than the error estimate", "neutral")
     status: FactStatus = "good" if quantity.better * change > 0 else "bad"
-    return Fact(label, shown, note, status)
+    return Fact(label, change_words, note, status)
 
 
 def page_headline(found: ShapeResult) -> str:

@@ -166,7 +166,7 @@ def refined(
     for _ in range(extent.steps):
         pace.begin()
         effort = SearchBudget(extent.evaluations, reach, nearest=True)
-        step = stepped(cells, layout, best.values, best.found, goal, work, effort)
+        step = stepped(cells, layout, best.values, best.quantities, goal, work, effort)
         solved += step.solved
         promised = best.merit - step.merit
         if promised < extent.settled or best.merit - kept_share * promised > required_merit:

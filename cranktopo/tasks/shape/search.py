@@ -167,8 +167,8 @@ def best_values(
         task = _WebSearch(model, layout, goal, pace)
         _minimise(task, start, effort, work)
         best = task.best
-        broken = None if best else rules_at(model.scene, task.web, task.sound).violation_text
-        why = refused(model.scene, layout, best[2]) if best else broken
+        violation = None if best else rules_at(model.scene, task.web, task.sound).violation_text
+        why = refused(model.scene, layout, best[2]) if best else violation
         if why and best is not None:
             note(f"left out: {why}")
         kept = best is not None and not why and (effort.nearest or best[0] == 0)

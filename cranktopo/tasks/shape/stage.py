@@ -330,7 +330,7 @@ class _LocalRefinement:
             return stepped(cells, self._layout, before.values, exact, corrected, self._work, near)
 
         step = search_with_corrections(goal, by_cells, lambda values: self._masses(goal, values))
-        if before.met or worst_violation(self._goal, step.found) == 0:
+        if before.met or worst_violation(self._goal, step.quantities) == 0:
             return step
         reaches = near.reach, max(near.reach, farthest * effort.reach)
         return self._nearest(goal, before.values, exact, step, reaches)
@@ -352,7 +352,7 @@ class _LocalRefinement:
             return search_with_corrections(goal, by_slopes, known)
 
         here = Step(at, exact, merit(goal, exact.values), 0)
-        first = min(here, step, key=lambda one: worst_violation(goal, one.found))
+        first = min(here, step, key=lambda one: worst_violation(goal, one.quantities))
         return nearest_of(self._goal, goal, within, first, reaches)
 
     def _masses(self, goal: SearchGoal, values: Array) -> dict[str, float]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from cranktopo.base.units import change_text, plain_number
 from cranktopo.design.goal.constraint import TOLERANCE, Constraint
-from cranktopo.report.goal_table import broken_limits, limits_table, short_percent
+from cranktopo.report.goal_table import limits_table, short_percent, violated_limits
 from cranktopo.report.result_table import Column, ResultTable, Row, tabulate, terminal
 from cranktopo.tasks.bound.text import bound_lines
 from cranktopo.tasks.extraction.text import release_text, release_verdict
@@ -162,7 +162,7 @@ def named_first(found: ShapeResult) -> tuple[str, ...]:
 def shape_headline(found: ShapeResult) -> str:
     """Return the result in one sentence; what cannot be made and limits that are missed come first."""
     change, names = found.change_percent, named_first(found)
-    missed = [*broken_limits(found.goal), *_missed_in_shaft(found)]
+    missed = [*violated_limits(found.goal), *_missed_in_shaft(found)]
     said = ", ".join(f"{name.replace('_', ' ')} {change_text(change[name])}" for name in names)
     nearly = f" within {100 * TOLERANCE:g} %" if any(map(short_percent, found.goal.limits)) else ""
     judged = f"NOT MET: {'; '.join(missed)};" if missed else f"Every limit holds{nearly}:"

@@ -33,7 +33,7 @@ class _Progress:
     def __init__(self, points: int, kept: int) -> None:
         self._points, self._done = points, kept
         self._ends: Counter[str] = Counter()
-        self._told = time.perf_counter()
+        self._last_note_s = time.perf_counter()
         self._first = 0.0
         if kept:
             note(f"{kept} of {points} points need no computing")
@@ -44,8 +44,8 @@ class _Progress:
         self._ends[status] += 1
         now = time.perf_counter()
         self._first = self._first or now
-        if now - self._told >= _EVERY_S or self._done == self._points:
-            self._told = now
+        if now - self._last_note_s >= _EVERY_S or self._done == self._points:
+            self._last_note_s = now
             bad = [f"{count} {end}" for end, count in sorted(self._ends.items()) if end != DONE]
             note(", ".join([f"{self._done} of {self._points} points", *bad, *self._time_left(now)]))
 

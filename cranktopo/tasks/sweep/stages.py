@@ -16,7 +16,7 @@ from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.engine.plan.planning import planned_scene
-from cranktopo.report.goal_table import broken_limits
+from cranktopo.report.goal_table import violated_limits
 from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
 from cranktopo.report.viewer.small_web import packed_web
 from cranktopo.runs.directories import open_run
@@ -24,7 +24,7 @@ from cranktopo.runs.kind import RESULT_FILES, SHAPE
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.fea.targets import Target, simulated
-from cranktopo.tasks.importing.imported_body import shown_halves
+from cranktopo.tasks.importing.imported_body import half_surfaces
 from cranktopo.tasks.optimise.result import RunMetrics, read_metrics
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.plan import Stage
@@ -40,12 +40,12 @@ _COARSER = 2
 def web_view(target: Target) -> str:
     """Return the half throw of a target, or both where they differ, as text that a browser draws."""
     scene = target.scene
-    meshes = shown_halves(scene, target.file, _COARSER * coarse_facet_mm(scene))
-    shown = zip(meshes, halves(scene), PARTNERS[len(meshes)], strict=False)
+    meshes = half_surfaces(scene, target.file, _COARSER * coarse_facet_mm(scene))
+    half_meshes = zip(meshes, halves(scene), PARTNERS[len(meshes)], strict=False)
     return packed_web(
         *(
             ShownBody(target.name, mesh, half.web_z_mm, half.pitch_mm / 2, partner=partner)
-            for mesh, half, partner in shown
+            for mesh, half, partner in half_meshes
         )
     )
 
@@ -208,7 +208,7 @@ def _limits(goal: GoalOutcome | None) -> Json:
     """Tell whether every limit of the goal, if any, holds; a web that breaks one is no answer to it."""
     if not goal:
         return {}
-    if not (violated := broken_limits(goal)):
+    if not (violated := violated_limits(goal)):
         return {"limits_hold": True}
     reason = f"no web found that holds {'; '.join(violated)}"
     return {"limits_hold": False, "status": IMPOSSIBLE, "reason": reason}

@@ -12,8 +12,8 @@ from tests.unit.engine.plan_cases import MIKRON, with_effects, with_part
 
 
 def goal_plan(scene=MIKRON, **options):
-    wanted_scene = with_goal(scene, **options)
-    return plan(wanted_scene, goal=goal_of(wanted_scene))
+    goal_scene = with_goal(scene, **options)
+    return plan(goal_scene, goal=goal_of(goal_scene))
 
 
 @pytest.mark.parametrize(

@@ -38,7 +38,7 @@ def test_the_web_by_slopes_keeps_rules_and_comes_as_near_as_it_can(reach: float,
     moved = step.values - START
     assert np.abs(moved).max() <= reach + 1e-9
     assert rules_of(web, EnvelopeClearance(scene), step.values)[0].max() < 5e-3
-    safety = step.found.values["fatigue_safety"]
+    safety = step.quantities.values["fatigue_safety"]
     assert safety == pytest.approx(0.97 + SAFETY @ moved, rel=1e-12)
     if not kept:
         assert 0.98 < safety <= 0.97 + reach * np.abs(SAFETY).sum()
@@ -76,7 +76,7 @@ def test_a_window_stays_as_wide_when_one_side_of_it_is_missed() -> None:
     asked = Asked(0.8)
     step = search_with_corrections(window(49.0, 51.0), asked.search, asked.known)
     assert asked.bounds == [(49.0, 51.0), pytest.approx((49.8, 51.8))]
-    assert step.found.values["balance_factor"] == pytest.approx(49.0)
+    assert step.quantities.values["balance_factor"] == pytest.approx(49.0)
     assert step.solved == 6
 
 

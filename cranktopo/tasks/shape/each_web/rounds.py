@@ -141,7 +141,7 @@ class CrankSearch:
         self, name: str, groups: Sequence[WebGroup], begun: SearchedCrank | None
     ) -> Iterator[tuple[Path, tuple[Searched, ...], LoadedShaft]]:
         found: tuple[Searched, ...] = tuple(
-            self._from_design(group) if begun is None else self._on(group, begun.found[0], begun.shaft, 1)
+            self._from_design(group) if begun is None else self._on(group, begun.searches[0], begun.shaft, 1)
             for group in groups
         )
         for number in range(1, _ROUNDS + 1):

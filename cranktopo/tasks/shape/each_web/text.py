@@ -141,9 +141,9 @@ def each_web_headline(found: EachWebResult) -> str:
 
 def grouping_text(found: EachWebResult) -> str:
     """Return which webs are equal, and why."""
-    given = "; ".join(WebGroup(webs).words for webs in found.same_webs)
+    same_webs = "; ".join(WebGroup(webs).words for webs in found.same_webs)
     rest = [group.webs for group in found.each_web.groups if group.webs not in found.same_webs]
-    named = f"Equal by shape.same_webs: {given}. " if given else ""
+    named = f"Equal by shape.same_webs: {same_webs}. " if same_webs else ""
     if not rest:
         return named.rstrip()
     pairs = "Mirror pairs are equal, and webs" if found.mirrored else "Webs are equal"
