@@ -218,14 +218,14 @@ def _work_J(scene: Scene) -> float:
 
 
 def _peak_that_does(
-    scene: Scene, mean: float, peak: float, found: _Range, ratios: Sequence[float]
+    scene: Scene, mean: float, peak: float, pressure_range: _Range, ratios: Sequence[float]
 ) -> float | None:
     """Return a peak of three digits in proportion to the mean pressure that is wanted, or a little beyond.
 
     None where no such one is accepted: each takes a second to try.
     """
-    more = mean > found.most_MPa
-    near = found.most_MPa if more else found.least_MPa
+    more = mean > pressure_range.most_MPa
+    near = pressure_range.most_MPa if more else pressure_range.least_MPa
     for beyond in _BEYOND if near else ():
         tried = float(f"{peak * mean / near * (beyond if more else 1 / beyond):.3g}")
         within = _PEAK_MPA[0] <= tried <= _PEAK_MPA[1]
@@ -238,7 +238,7 @@ def _refused(
     scene: Scene,
     target_kW: float,
     mean: float,
-    found: _Range,
+    pressure_range: _Range,
     peak: float | None,
     ratios: Sequence[float],
 ) -> CranktopoError:
@@ -254,12 +254,13 @@ def _refused(
         assumed += f", burn duration {_BURN_DEG[-1]:g} to {_BURN_DEG[0]:g} deg"
         at = f"the peak pressure of {peak:g} MPa"
         hint = f"It is indicated, before friction: that at the shaft over 0.8 to 0.9. {hint}"
-        if needed := _peak_that_does(scene, mean, peak, found, ratios):
+        if needed := _peak_that_does(scene, mean, peak, pressure_range, ratios):
             hint += f" A peak pressure of {needed:g} MPa would do; or leave it out."
     return invalid(
         "power_kW",
         target_kW,
         f"it needs an indicated mean pressure of {plain_number(mean, 3)} MPa; with {at} and "
-        f"{assumed} this engine has {found.least_MPa * per_MPa:.0f} to {found.most_MPa * per_MPa:.0f} kW",
+        f"{assumed} this engine has "
+        f"{pressure_range.least_MPa * per_MPa:.0f} to {pressure_range.most_MPa * per_MPa:.0f} kW",
         hint,
     )

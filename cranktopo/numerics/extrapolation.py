@@ -98,13 +98,13 @@ def _safe_band(sizes: Sequence[float], values: Sequence[float]) -> float:
     return max(index, max(recent) - min(recent))
 
 
-def _bounded(found: Extrapolation, fine: float, bound_percent: float, asymptotic: bool) -> Extrapolation:
+def _bounded(limit: Extrapolation, fine: float, bound_percent: float, asymptotic: bool) -> Extrapolation:
     """Return a limit within the bound of the finest value, with a band that holds what the bound leaves."""
     room = abs(fine) * bound_percent / 100
-    value = min(max(found.value, fine - room), fine + room)
+    value = min(max(limit.value, fine - room), fine + room)
     whole = 100 * (abs(value - fine) + room) / abs(value)
-    trusted = asymptotic and value == found.value
-    return Extrapolation(value, min(found.uncertainty_percent, whole) if trusted else whole, found.order)
+    trusted = asymptotic and value == limit.value
+    return Extrapolation(value, min(limit.uncertainty_percent, whole) if trusted else whole, limit.order)
 
 
 def _richardson_factor(sizes: Sequence[float], order: float) -> float:

@@ -91,15 +91,15 @@ class _Column:
         return max(longest, min(self.natural(size), max(_WORDS, inside)))
 
 
-def table(found: ResultTable) -> Iterator[Block]:
+def table(result_table: ResultTable) -> Iterator[Block]:
     """Yield a table row by row under rules; its head stands again on each page, and no last row alone."""
-    columns = [_column(found, name) for name in found.columns]
-    headless = list(found.columns) == ["what", "value"]
+    columns = [_column(result_table, name) for name in result_table.columns]
+    headless = list(result_table.columns) == ["what", "value"]
     size, widths = _sizes(columns)
     head = None if headless else _head(columns, widths, size)
     rows = [
         _row(columns, [column.cells[row] for column in columns], widths, size, head)
-        for row in range(len(found.rows))
+        for row in range(len(result_table.rows))
     ]
     if head is not None:
         yield replace(head, keep=sum(row.height for row in rows[:_TOGETHER]))
@@ -109,11 +109,11 @@ def table(found: ResultTable) -> Iterator[Block]:
         yield replace(row, keep=sum(other.height for other in after)) if unparted else row
 
 
-def _column(found: ResultTable, name: str) -> _Column:
-    label, unit = found.head(name)
-    cells = tuple(typeset(found.page_cell(row, name)) for row in range(len(found.rows)))
-    first = name == next(iter(found.columns))
-    return _Column(label, typeset(unit), cells, not first and not found.is_text(name))
+def _column(result_table: ResultTable, name: str) -> _Column:
+    label, unit = result_table.head(name)
+    cells = tuple(typeset(result_table.page_cell(row, name)) for row in range(len(result_table.rows)))
+    first = name == next(iter(result_table.columns))
+    return _Column(label, typeset(unit), cells, not first and not result_table.is_text(name))
 
 
 def _sizes(columns: Sequence[_Column]) -> tuple[float, list[float]]:

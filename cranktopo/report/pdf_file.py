@@ -77,9 +77,9 @@ def _start(text: Sequence[Block], below: Sequence[Block]) -> float:
     return start if fits else 0.0
 
 
-def _table(caption: str, found: ResultTable) -> Iterator[Block]:
+def _table(caption: str, result_table: ResultTable) -> Iterator[Block]:
     """Yield a table below its caption: a short one is not parted."""
-    rows = list(table(found))
+    rows = list(table(result_table))
     height = sum(row.height for row in rows)
     start = height if height < _SHORT else rows[0].height + rows[0].keep
     yield gap(8)

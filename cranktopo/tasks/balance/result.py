@@ -176,9 +176,9 @@ def _factor_percent(scene: Scene) -> float | None:
     return sum(factors) / len(factors) if factors else None
 
 
-def _forces(found: FreeForce) -> dict[str, Any]:
-    values: dict[str, Any] = {"order": found.order}
-    for name, unit, ellipse in (("force", "N", found.force), ("moment", "Nm", found.moment)):
+def _forces(force: FreeForce) -> dict[str, Any]:
+    values: dict[str, Any] = {"order": force.order}
+    for name, unit, ellipse in (("force", "N", force.force), ("moment", "Nm", force.moment)):
         values[f"{name}_{unit}"] = ellipse.largest
         values[f"{name}_min_{unit}"] = ellipse.smallest
         values[f"{name}_axis_deg"] = ellipse.axis_deg

@@ -184,11 +184,11 @@ def proposal_words(data: Balance) -> str:
     )
 
 
-def share_words(found: ProposedCounterweight) -> str:
+def share_words(proposed: ProposedCounterweight) -> str:
     """Return what a proposed counterweight is to balance."""
-    if not found.share_percent:
+    if not proposed.share_percent:
         return "the rotating masses alone"
-    return f"the rotating and {found.share_percent:g} % of the oscillating mass"
+    return f"the rotating and {proposed.share_percent:g} % of the oscillating mass"
 
 
 def proposal_refused(data: Balance) -> str:
@@ -199,12 +199,12 @@ def proposal_refused(data: Balance) -> str:
     return f"The proposed counterweight does not fit: {found.refused}"
 
 
-def _proposal_refusals(data: Balance, found: ProposedCounterweight) -> list[str]:
+def _proposal_refusals(data: Balance, proposed: ProposedCounterweight) -> list[str]:
     first, last, step = OTHER_ANGLES_DEG
-    if found.refused:
+    if proposed.refused:
         others = f"Nor does one with another half-angle ({first:g} to {last:g} deg by {step:g})."
         return [proposal_refused(data), others]
-    why = found.own_angle_refused
+    why = proposed.own_angle_refused
     return [f"The half-angle of the web (60 deg without a counterweight) does not fit: {why}"] if why else []
 
 

@@ -98,16 +98,16 @@ def redesign_balancer(design: DesignLike) -> tuple[Scene, BalancerStrength]:
     return found, after.model_copy(update={"redesign": reported})
 
 
-def changes_of(scene: Scene, found: BalancerStrength) -> dict[str, Any]:
+def changes_of(scene: Scene, strength: BalancerStrength) -> dict[str, Any]:
     """Return what a redesign changes in the text of its design, by key path; None takes a table away."""
-    assert found.redesign is not None
+    assert strength.redesign is not None
     bearings = _part(scene).bearing
-    added = range(len(bearings) - found.redesign.added_bearings, len(bearings))
+    added = range(len(bearings) - strength.redesign.added_bearings, len(bearings))
     changes: dict[str, Any] = {
         f"balancer.bearing[{number}]": bearings[number].model_dump(mode="json", exclude_unset=True)
         for number in added
     }
-    changes |= {d.key: d.value_mm for d in found.redesign.dimensions if d.start_mm is not None}
+    changes |= {d.key: d.value_mm for d in strength.redesign.dimensions if d.start_mm is not None}
     return {**changes, "balancer.redesign.bearing": None} if added else changes
 
 

@@ -172,9 +172,9 @@ class BenchJob:
                 with suppress(psutil.Error):
                     child.send_signal(signal.SIGINT)
 
-    def note_result(self, variant: str, found: Sequence[str], gauges: Mapping[str, float]) -> None:
+    def note_result(self, variant: str, lines: Sequence[str], gauges: Mapping[str, float]) -> None:
         """Record that its result was kept as a variant, or `-`, and what it found, in words and numbers."""
-        kept = {"variant": variant, "found": tuple(found), "gauges": dict(gauges)}
+        kept = {"variant": variant, "found": tuple(lines), "gauges": dict(gauges)}
         self.known = self.known.model_copy(update=kept)
         write_json(self.place / _JOB, self.known.as_json())
 

@@ -81,8 +81,8 @@ def with_pitch_kept(data: dict[str, Any], changes: dict[str, Any]) -> dict[str, 
     )
 
 
-def _room(box: BoxEnvelope, found: ProposedCounterweight) -> dict[str, Any]:
-    radius, turn = found.outer_radius_mm, math.radians(min(found.half_angle_deg, 90.0))
+def _room(box: BoxEnvelope, proposed: ProposedCounterweight) -> dict[str, Any]:
+    radius, turn = proposed.outer_radius_mm, math.radians(min(proposed.half_angle_deg, 90.0))
     room = {
         "envelope.half_width_mm": (box.half_width_mm, radius * math.sin(turn)),
         "envelope.y_min_mm": (-box.y_min_mm, radius),

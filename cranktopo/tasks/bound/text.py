@@ -20,19 +20,19 @@ if TYPE_CHECKING:
 _ABOUT = "proven for every web in the envelope, whatever its topology, in the cells of the optimiser's model"
 
 
-def bound_summary(found: BoundResult) -> str:
+def bound_summary(result: BoundResult) -> str:
     """Return what `cranktopo bound` prints."""
-    head = f"{found.design}: {goal_words(found.goal)}"
-    lines = [head, "", terminal(_table(found)), "", _claim(found), _error(found)]
-    lines += [f"left out, so that the bound is looser: {d.limit}: {d.reason}" for d in found.goal.dropped]
-    if found.process != "free":
+    head = f"{result.design}: {goal_words(result.goal)}"
+    lines = [head, "", terminal(_table(result)), "", _claim(result), _error(result)]
+    lines += [f"left out, so that the bound is looser: {d.limit}: {d.reason}" for d in result.goal.dropped]
+    if result.process != "free":
         lines.append(
             "the web comes from a die; its draft is left out"
-            if found.die
-            else f"process {found.process!r}: what it excludes is left out, so that the bound is looser"
+            if result.die
+            else f"process {result.process!r}: what it excludes is left out, so that the bound is looser"
         )
     outside = OutsideEnvelope(
-        volume_mm3=found.original_outside_envelope_mm3, percent=found.original_outside_envelope_percent
+        volume_mm3=result.original_outside_envelope_mm3, percent=result.original_outside_envelope_percent
     )
     lines += filter(None, [outside_words(outside)])
     return "\n".join(lines)
@@ -82,25 +82,25 @@ def bound_table(bound: BoundStatement) -> ResultTable:
     return ResultTable({"web": 0, "percent": 1}, rows)
 
 
-def _claim(found: BoundResult) -> str:
-    bound = found.bound
+def _claim(result: BoundResult) -> str:
+    bound = result.bound
     if bound.percent_of_original is None:
         return f"NO WEB of this envelope keeps these limits: {_ABOUT}"
-    best = "at most" if found.goal.maximise else "not below"
+    best = "at most" if result.goal.maximise else "not below"
     change = bound.percent_of_original - 100
     value = f"{value_text(bound.value, bound.unit)}, {change:+z.1f} % of the original"
     return f"{best} {value}: {_ABOUT}"
 
 
-def _error(found: BoundResult) -> str:
-    errors = ", ".join(f"{name} {value:.1f} %" for name, value in found.model_error_percent.items())
-    return f"cells of {found.resolution_mm:g} mm; their own error against exact solids: {errors}"
+def _error(result: BoundResult) -> str:
+    errors = ", ".join(f"{name} {value:.1f} %" for name, value in result.model_error_percent.items())
+    return f"cells of {result.resolution_mm:g} mm; their own error against exact solids: {errors}"
 
 
-def _table(found: BoundResult) -> ResultTable:
-    bound, relaxed = found.bound, found.variable_stiffness
+def _table(result: BoundResult) -> ResultTable:
+    bound, relaxed = result.bound, result.variable_stiffness
     webs = (
-        ("original", found.original[bound.quantity], 100.0),
+        ("original", result.original[bound.quantity], 100.0),
         ("cells of any stiffness", relaxed.value, relaxed.percent_of_original),
         ("bound", bound.value, bound.percent_of_original),
     )

@@ -144,14 +144,14 @@ def _of(base: str, section: Section) -> Section:
     return replace(section, title=f"{section.title}: {base}", text=f"{whose} {section.text}")
 
 
-def undercut_fact(found: Sequence[DesignUndercuts], designs: int) -> Fact:
-    """Return how many designs their process can make; `found` are those that have a surface to look at."""
-    caught = [one.name for one in found if not one.free]
-    unknown = designs - len(found)
+def undercut_fact(undercuts: Sequence[DesignUndercuts], designs: int) -> Fact:
+    """Return how many designs their process can make; `undercuts` are those that have a surface."""
+    caught = [one.name for one in undercuts if not one.free]
+    unknown = designs - len(undercuts)
     status: FactStatus = "bad" if caught else "unknown" if unknown else "good"
     note = f"hollows or undercuts in {', '.join(caught)}" if caught else "each by its own process"
     note += "; STEP files were not examined" * bool(unknown)
-    return Fact("Released by a die", f"{len(found) - len(caught)} of {designs}", note, status)
+    return Fact("Released by a die", f"{len(undercuts) - len(caught)} of {designs}", note, status)
 
 
 def _change(comparison: Comparison, row: int, quantity: Quantity) -> str:

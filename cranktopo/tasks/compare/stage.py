@@ -262,16 +262,16 @@ def _frequency_Hz(target: Target) -> float | None:
         return None
 
 
-def comparison_bound(found: ComparedTargets) -> AnyBound | None:
+def comparison_bound(compared: ComparedTargets) -> AnyBound | None:
     """Return what no web of the envelope can beat, beside the web that is stiffest in torsion per mass.
 
     None where the baseline is no design with an envelope, the targets have other throws or envelopes, the
     halves of one differ, or the design's effects leave the bound out.
     """
-    comparison, base = found.comparison, found.targets[found.comparison.baseline]
+    comparison, base = compared.comparison, compared.targets[compared.comparison.baseline]
     scene = base.scene
-    alike = all((t.scene.throw, t.scene.envelope) == (scene.throw, scene.envelope) for t in found.targets)
-    alike = alike and not any(difference(t.scene) for t in found.targets)
+    alike = all((t.scene.throw, t.scene.envelope) == (scene.throw, scene.envelope) for t in compared.targets)
+    alike = alike and not any(difference(t.scene) for t in compared.targets)
     if base.file is not None or not alike or plan(scene)["bound"].state == "off":
         return None
     best = comparison.leading(TORSION_PER_MASS)
@@ -282,7 +282,7 @@ def comparison_bound(found: ComparedTargets) -> AnyBound | None:
 
 
 def report_comparison(
-    found: ComparedTargets,
+    compared: ComparedTargets,
     path: Path | str,
     command: Sequence[str] = (),
     stresses: bool = False,
@@ -294,24 +294,24 @@ def report_comparison(
     """
     path = as_path(path)
     check_report_path(path)
-    scene, effects = _loaded(found)
-    effects = with_own_reasons(effects, found.targets[found.comparison.baseline].design)
+    scene, effects = _loaded(compared)
+    effects = with_own_reasons(effects, compared.targets[compared.comparison.baseline].design)
     cases = load_cases(scene, effects.enabled)
-    if found.comparison.bare:
+    if compared.comparison.bare:
         effects = _without_fillets(effects)
-    refused = _no_stresses(found.targets)
+    refused = _no_stresses(compared.targets)
     if stresses and refused:
         note(f"no stresses: {refused}")
     solved = cases if stresses and not refused else ()
-    half_bodies = [half for target in found.targets for half in half_throws(target)]
+    half_bodies = [half for target in compared.targets for half in half_throws(target)]
     record = ComparisonRecord(
-        comparison=found.comparison,
+        comparison=compared.comparison,
         bodies=tuple(_body(half, mesh, partner, solved) for half, mesh, partner in half_bodies),
         undercuts=tuple(design_undercuts(half.name, mesh, half.scene) for half, mesh, _ in half_bodies),
         effects=effects,
         cases=cases,
         loads=analyse(scene, effects.enabled) if scene.engine else None,
-        hashes=_hashes(found.targets),
+        hashes=_hashes(compared.targets),
         command=" ".join(command),
         written=timestamp(),
         versions=versions(),
@@ -329,11 +329,11 @@ def _no_stresses(targets: Sequence[Target]) -> str:
     return f"both halves of a throw must be alike, and those of {' and of '.join(unlike)}."
 
 
-def _loaded(found: ComparedTargets) -> tuple[Scene, PhysicsPlan]:
+def _loaded(compared: ComparedTargets) -> tuple[Scene, PhysicsPlan]:
     """Return the baseline's scene with the stiffness that its shaft vibrates with, and its plan."""
-    if found.loaded is not None:
-        return found.loaded, plan_for_stress(found.loaded)
-    scene = with_throw_stiffness(found.targets[found.comparison.baseline]).scene
+    if compared.loaded is not None:
+        return compared.loaded, plan_for_stress(compared.loaded)
+    scene = with_throw_stiffness(compared.targets[compared.comparison.baseline]).scene
     return scene, plan(scene)
 
 

@@ -109,9 +109,9 @@ def _read(text: str, scene: Scene, limits: ManufacturingLimits) -> WebRead:
     return found
 
 
-def _with_free(found: WebRead, scene: Scene) -> tuple[Any, Any]:
+def _with_free(web_read: WebRead, scene: Scene) -> tuple[Any, Any]:
     names = tuple(name for name in free_dimensions(scene) if own_dimension_mm(scene, name))
-    return with_free(found.layout, found.values, scene, names)
+    return with_free(web_read.layout, web_read.values, scene, names)
 
 
 def _limits(target: WebTarget, scene: Scene) -> ManufacturingLimits:

@@ -37,21 +37,22 @@ _COLUMNS: tuple[Column[DesignUndercuts], ...] = (
 )
 
 
-def undercut_table(found: Sequence[DesignUndercuts]) -> ResultTable:
+def undercut_table(undercuts: Sequence[DesignUndercuts]) -> ResultTable:
     """Return the hollows and undercuts of each design."""
-    return tabulate(_COLUMNS, found)
+    return tabulate(_COLUMNS, undercuts)
 
 
-def undercut_text(found: UndercutMeasures) -> str:
+def undercut_text(undercuts: UndercutMeasures) -> str:
     """Tell whether a die, mould or mill leaves the web as it is, and what it would have to leave behind."""
-    if not found.caught_rays:
-        return f"none: {released_text(found.by)} the web"
-    lateral = found.by == LATERAL_DIE.text
-    missed = "no such die releases the web" if lateral else f"{found.by} misses some of it"
-    verdict = f"{released_text(found.by)} the web" if found.released else missed
+    if not undercuts.caught_rays:
+        return f"none: {released_text(undercuts.by)} the web"
+    lateral = undercuts.by == LATERAL_DIE.text
+    missed = "no such die releases the web" if lateral else f"{undercuts.by} misses some of it"
+    verdict = f"{released_text(undercuts.by)} the web" if undercuts.released else missed
     return (
-        f"{found.volume_mm3:.1f} mm3{' along x' * lateral}, behind {found.caught_rays} of {found.rays} rays, "
-        f"{found.deepest_mm:.1f} mm deep at most: {verdict}"
+        f"{undercuts.volume_mm3:.1f} mm3{' along x' * lateral}, behind {undercuts.caught_rays} of "
+        f"{undercuts.rays} rays, "
+        f"{undercuts.deepest_mm:.1f} mm deep at most: {verdict}"
     )
 
 

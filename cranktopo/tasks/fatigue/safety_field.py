@@ -126,15 +126,15 @@ def _safety(
     model: StressModel,
     method: str,
     cycles: list[Array],
-    found: list[SignedVonMisesRange],
+    ranges: list[SignedVonMisesRange],
     webs: list[NDArray[np.bool_]],
 ) -> Array:
     """Return the safety of every node of every image."""
     chosen = safety_method(method)
     if not isinstance(chosen, PlaneCriterion):
-        return np.stack([point_safety(model, method, extremes.local) for extremes in found])
+        return np.stack([point_safety(model, method, extremes.local) for extremes in ranges])
     parts = [model.judged, model.sharp, model.on_journal, model.on_pin, model.judged_outlet, *webs]
-    strength = np.stack([_reversed_strength_MPa(model, extremes.local) for extremes in found])
+    strength = np.stack([_reversed_strength_MPa(model, extremes.local) for extremes in ranges])
     stress = model.stress.stress_MPa
     return least_safety(stress, cycles, strength, parts, chosen, model.scene)
 
@@ -157,13 +157,13 @@ def judge(scene: Scene, method: str) -> Judge:
 
 
 def _hardening(
-    model: StressModel, method: str, found: list[SignedVonMisesRange], safety: Array
+    model: StressModel, method: str, ranges: list[SignedVonMisesRange], safety: Array
 ) -> dict[str, HardenedFillet]:
     """Return the treated fillets of a model, each at its point of least safety."""
     reported: dict[str, HardenedFillet] = {}
     for one in treated_fillets(model):
         image, node = np.unravel_index(int(np.where(one.nodes, safety, np.inf).argmin()), safety.shape)
-        here = fillet_result(judge(model.scene, method), one, at_nodes(found[image].local, np.array([node])))
+        here = fillet_result(judge(model.scene, method), one, at_nodes(ranges[image].local, np.array([node])))
         reported[one.fillet] = min(reported.get(one.fillet, here), here, key=lambda fillet: fillet.safety)
     return reported
 

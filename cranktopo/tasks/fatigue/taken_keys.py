@@ -18,10 +18,10 @@ def taken_keys(methods: Sequence[str]) -> set[str]:
     return {key for name in methods for key in safety_method(name).takes}
 
 
-def assumed_by(found: Sequence[Assumption], methods: Sequence[str]) -> tuple[Assumption, ...]:
+def assumed_by(assumptions: Sequence[Assumption], methods: Sequence[str]) -> tuple[Assumption, ...]:
     """Return the assumptions without those of `[fatigue]` that none of the methods takes."""
     taken = taken_keys(methods)
-    paths = [(item, item.key.split(".")) for item in found]
+    paths = [(item, item.key.split(".")) for item in assumptions]
     return tuple(item for item, (table, key, *_) in paths if table != FATIGUE or key in taken)
 
 

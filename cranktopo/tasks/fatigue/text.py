@@ -80,7 +80,7 @@ class FatigueComparison:
 
 
 def compare_fatigue(
-    results: Sequence[FatigueOutcome], baseline: int | None, found: FatigueResult
+    results: Sequence[FatigueOutcome], baseline: int | None, fatigue_result: FatigueResult
 ) -> FatigueComparison:
     """Return what a comparison shows of the fatigue of its targets; no verdicts without a baseline."""
     safeties = tuple(summary(result).safety for result in results)
@@ -90,11 +90,11 @@ def compare_fatigue(
     remarks += field_remarks(fields)
     remarks += dict.fromkeys(
         f"{entry.target}: material: {remark}."
-        for entry in found.fatigue
+        for entry in fatigue_result.fatigue
         for remark in entry.strength_remarks or ()
     )
     sentences = [] if baseline is None else verdicts(results, baseline)
-    return FatigueComparison(safeties, (*remarks, *sentences), found)
+    return FatigueComparison(safeties, (*remarks, *sentences), fatigue_result)
 
 
 def _acceptance(check: RuleCheck) -> str:

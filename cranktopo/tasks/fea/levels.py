@@ -101,18 +101,18 @@ def _solve(target: Target, mesh: EvaluationMesh) -> Level:
     )
 
 
-def stiffnesses(found: MeshResult) -> dict[str, float]:
+def stiffnesses(level: MeshResult) -> dict[str, float]:
     """Return both stiffnesses with the supports of the design, by the names of the tables."""
-    supports = found.target.scene.supports
-    torsion, bending = found.stiffness.torsion[supports.torsion], found.stiffness.bending[supports.bending]
+    supports = level.target.scene.supports
+    torsion, bending = level.stiffness.torsion[supports.torsion], level.stiffness.bending[supports.bending]
     return {name: v for name, v in ((TORSION, torsion), (BENDING, bending)) if v is not None}
 
 
-def _own_bounds(found: MeshResult) -> dict[str, float]:
+def _own_bounds(level: MeshResult) -> dict[str, float]:
     """Return the bounds by the mesh itself; none for triangles, whose surface the mesh moves."""
-    if found.target.triangles:
+    if level.target.triangles:
         return {}
-    supports, stiffness = found.target.scene.supports, found.stiffness
+    supports, stiffness = level.target.scene.supports, level.stiffness
     bounds = (
         (TORSION, stiffness.torsion_error_percent.get(supports.torsion)),
         (BENDING, stiffness.bending_error_percent.get(supports.bending)),

@@ -21,19 +21,23 @@ from cranktopo.tasks.fea.evaluation import Evaluation
 from cranktopo.tasks.fea.result import EvaluationResult
 
 
-def goal_values(scene: Scene, found: EvaluationResult) -> dict[str, float]:
+def goal_values(scene: Scene, evaluation: EvaluationResult) -> dict[str, float]:
     """Return the quantities of a goal that an evaluation tells, each in its internal unit."""
-    mass, torsion, bending = found.mass_kg.throw, found.torsion_Nm_per_rad, found.bending_N_per_mm
+    mass, torsion, bending = (
+        evaluation.mass_kg.throw,
+        evaluation.torsion_Nm_per_rad,
+        evaluation.bending_N_per_mm,
+    )
     reported = {
-        "balance_factor": balance_factor_percent(scene, found.unbalance_kg_mm),
-        "natural_frequency": found.natural_frequency_Hz,
-        "fatigue_safety": found.fatigue_safety,
-        "stress": found.stress_MPa,
+        "balance_factor": balance_factor_percent(scene, evaluation.unbalance_kg_mm),
+        "natural_frequency": evaluation.natural_frequency_Hz,
+        "fatigue_safety": evaluation.fatigue_safety,
+        "stress": evaluation.stress_MPa,
     }
     return {
         "mass": mass,
-        "inertia": found.inertia_kg_mm2,
-        "unbalance": found.unbalance_kg_mm,
+        "inertia": evaluation.inertia_kg_mm2,
+        "unbalance": evaluation.unbalance_kg_mm,
         "torsion": torsion,
         "bending": bending,
         "torsion_per_mass": torsion / mass,

@@ -258,5 +258,5 @@ def model_fill(problem: FitProblem, candidate: Candidate) -> Array:
     return Fit(problem, candidate.layout).fill(candidate.values, sharp)
 
 
-def _trial(found: Candidate, gain: float, kept: bool) -> FitTrial:
-    return FitTrial(found.step, len(found.values), 100 * found.overlap, 100 * gain, kept)
+def _trial(candidate: Candidate, gain: float, kept: bool) -> FitTrial:
+    return FitTrial(candidate.step, len(candidate.values), 100 * candidate.overlap, 100 * gain, kept)

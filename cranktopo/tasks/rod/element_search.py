@@ -178,11 +178,11 @@ class _JudgedRod:
         return {key: float(np.log(self.by_elements[key] / value)) for key, value in closed.items()}
 
 
-def _closed_form(found: RodStrength, keys: Iterable[_Quantity]) -> dict[_Quantity, float]:
+def _closed_form(strength: RodStrength, keys: Iterable[_Quantity]) -> dict[_Quantity, float]:
     """Values of the closed form, as far as it has them."""
-    margins = _margins(found.eyes)
+    margins = _margins(strength.eyes)
     safeties = {
-        (place, kind): getattr(found.section_of(place), kind) for place, kind in keys if kind in _SAFETIES
+        (place, kind): getattr(strength.section_of(place), kind) for place, kind in keys if kind in _SAFETIES
     }
     return safeties | {key: margins[key] for key in keys if key in margins}
 
@@ -220,8 +220,8 @@ def _limits(names: Sequence[str], tried: Sequence[_JudgedRod], at: _JudgedRod) -
     required = _required_values(tried[0])
     least = np.array([required[kind] for _, kind in keys])
 
-    def limits(values: Array, found: RodStrength) -> Array:
-        closed = _closed_form(found, keys)
+    def limits(values: Array, strength: RodStrength) -> Array:
+        closed = _closed_form(strength, keys)
         ratio = here + (np.log(values) - there) @ slopes
         return np.asarray(1 + _KEPT - np.array([closed[key] for key in keys]) * np.exp(ratio) / least)
 
@@ -245,9 +245,9 @@ def _line(own: _JudgedRod, one: _JudgedRod) -> str:
     )
 
 
-def _with_elements(found: LighterRod, own: _JudgedRod, best: _JudgedRod, rods: int) -> LighterRod:
+def _with_elements(lighter: LighterRod, own: _JudgedRod, best: _JudgedRod, rods: int) -> LighterRod:
     against_yield, for_fatigue = zip(own.safeties, best.safeties, strict=True)
-    return found.model_copy(
+    return lighter.model_copy(
         update={
             "elements_yield_safety": against_yield,
             "elements_fatigue_safety": for_fatigue,

@@ -126,9 +126,9 @@ class RodSearch:
         kept = float(self._excess(lighter, after).max()) <= _ROUNDED
         return kept and after.masses.total_kg < self.before.masses.total_kg
 
-    def _excess(self, scene: Scene, found: RodStrength) -> Array:
+    def _excess(self, scene: Scene, strength: RodStrength) -> Array:
         """Values that must stay below 0 of a rod: what it lost, and what its bores change too much."""
-        return np.concatenate([_excess(scene, found, self.before), _too_oval(found) * self.limited])
+        return np.concatenate([_excess(scene, strength, self.before), _too_oval(strength) * self.limited])
 
     def unlimited_kg(self) -> float:
         """Return the mass of the lightest rod of the same search without limits of ovalisation."""
@@ -215,17 +215,17 @@ def _with(scene: Scene, names: tuple[str, ...], values: Array) -> Scene:
     return scene.model_copy(update={"rod": rod})
 
 
-def _safeties(found: RodStrength) -> tuple[list[float], list[float]]:
+def _safeties(strength: RodStrength) -> tuple[list[float], list[float]]:
     """Safeties against yield, of struts too, and for fatigue."""
-    static = [*(s.yield_safety for s in found.sections), *(b.yield_safety for b in found.buckling)]
-    return static, [s.fatigue_safety for s in found.sections]
+    static = [*(s.yield_safety for s in strength.sections), *(b.yield_safety for b in strength.buckling)]
+    return static, [s.fatigue_safety for s in strength.sections]
 
 
-def _excess(scene: Scene, found: RodStrength, before: RodStrength) -> Array:
+def _excess(scene: Scene, strength: RodStrength, before: RodStrength) -> Array:
     """Values that must stay below 0: lost safeties, and dimensions below what the others leave them."""
     lost = [
         1 + _KEPT - value / min(limit)
-        for values, limit in zip(_safeties(found), _safeties(before), strict=True)
+        for values, limit in zip(_safeties(strength), _safeties(before), strict=True)
         for value in values
     ]
     rod = scene.rod
@@ -235,9 +235,9 @@ def _excess(scene: Scene, found: RodStrength, before: RodStrength) -> Array:
     return np.array([*lost, *short, *oblique])
 
 
-def _too_oval(found: RodStrength) -> Array:
+def _too_oval(strength: RodStrength) -> Array:
     """Ovalisation over what is permitted, less 1."""
-    over = [eye.ovalisation_um / eye.permitted_um for eye in found.eyes if eye.permitted_um]
+    over = [eye.ovalisation_um / eye.permitted_um for eye in strength.eyes if eye.permitted_um]
     return np.array(over) + _KEPT - 1
 
 

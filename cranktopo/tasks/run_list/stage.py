@@ -104,9 +104,9 @@ def _sweep_summary(sweep: SweepResult) -> dict[str, Any]:
     return {"result": f"{ends}; {len(sweep.front)} on the front"}
 
 
-def _each_web_summary(found: EachWebResult) -> dict[str, Any]:
-    kept = "limits kept" if found.held else "limits not met"
-    return {"result": f"{kept}; crank {found.each_web.shaft.mass_kg:.3f} kg"}
+def _each_web_summary(result: EachWebResult) -> dict[str, Any]:
+    kept = "limits kept" if result.held else "limits not met"
+    return {"result": f"{kept}; crank {result.each_web.shaft.mass_kg:.3f} kg"}
 
 
 def _web(result: str, mass_kg: float, gains: Mapping[str, float]) -> dict[str, Any]:

@@ -241,7 +241,7 @@ class FeatureSelection:
         self,
         step: str,
         layout: Layout,
-        found: WebCandidate | None,
+        candidate: WebCandidate | None,
         before: WebCandidate | None,
         kept: bool,
         solved: int,
@@ -249,11 +249,11 @@ class FeatureSelection:
         trial = FeatureTrial(
             step=step,
             parameters=len(layout.names),
-            objective=found and found.objective,
-            gain_percent=100 * found.gain_over(before) if found and before else None,
+            objective=candidate and candidate.objective,
+            gain_percent=100 * candidate.gain_over(before) if candidate and before else None,
             kept=kept,
             evaluations=solved,
-            missed_percent=100 * found.violation if found else 0.0,
+            missed_percent=100 * candidate.violation if candidate else 0.0,
         )
         self.trials.append(trial)
         note(_trial_text(trial))

@@ -126,13 +126,15 @@ class CorrectedSurrogate:
             {name: slope for name, (_, slope) in reported.items()},
         )
 
-    def _corrected(self, name: str, found: Quantities, moved: Array) -> tuple[float, Array]:
+    def _corrected(self, name: str, quantities: Quantities, moved: Array) -> tuple[float, Array]:
         value, slope = self._exact.values[name], self._exact.gradients[name]
         if not self._rough.values.get(name):
             return value + float(slope @ moved), slope
         share = value / self._rough.values[name]
         rest = slope - share * self._rough.gradients[name]
-        return share * found.values[name] + float(rest @ moved), share * found.gradients[name] + rest
+        return share * quantities.values[name] + float(rest @ moved), share * quantities.gradients[
+            name
+        ] + rest
 
 
 def merit(goal: SearchGoal, values: dict[str, float]) -> float:

@@ -396,15 +396,15 @@ def _best(rounds: Sequence[ShapeRound], goal: SearchGoal) -> int:
     return min(range(len(rounds)), key=lambda i: (round(100 * rounds[i].violation, 4), i))
 
 
-def _round_text(label: str, found: ShapeRound, original: EvaluatedWeb, goal: SearchGoal) -> str:
+def _round_text(label: str, shape_round: ShapeRound, original: EvaluatedWeb, goal: SearchGoal) -> str:
     changes = ", ".join(
-        f"{name} {100 * (found.web.values[name] / original.values[name] - 1):+z.2f} %"
+        f"{name} {100 * (shape_round.web.values[name] / original.values[name] - 1):+z.2f} %"
         for name in TOLD_FIRST
         if name in original.values
     )
     missed = {
         limit.quantity: f"{limit.quantity} by {excess:.2f} %"
-        for limit, excess in zip(goal.limits, found.excess_percent, strict=True)
+        for limit, excess in zip(goal.limits, shape_round.excess_percent, strict=True)
         if excess > 100 * HELD
     }
     limits = f"limits missed: {', '.join(missed.values())}" if missed else "limits kept"

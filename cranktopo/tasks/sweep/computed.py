@@ -184,8 +184,8 @@ class Session:
         return WorkerPool(workers, max(1, cores // workers))
 
 
-def _webs(found: Mapping[str, PointResult]) -> dict[str, str]:
-    return {one: view for one, result in found.items() if (view := result.number(VIEW))}
+def _webs(results: Mapping[str, PointResult]) -> dict[str, str]:
+    return {one: view for one, result in results.items() if (view := result.number(VIEW))}
 
 
 def _row(point: SweepPoint, result: PointResult, **more: str) -> PointResult:

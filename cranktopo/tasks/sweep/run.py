@@ -154,11 +154,11 @@ def _worked(run: RunStore, plan: SweepPlan, points: Sequence[SweepPoint], place:
     return SweptRun(run.path, result)
 
 
-def _result(run: RunStore, plan: SweepPlan, found: Computed, points: Sequence[SweepPoint]) -> SweepResult:
+def _result(run: RunStore, plan: SweepPlan, computed: Computed, points: Sequence[SweepPoint]) -> SweepResult:
     """Return what `sweep.json` holds, its tables written; coarse numbers have no say in front and picks."""
-    own, rows = plan.original.model_dump(mode="json"), found.rows
+    own, rows = plan.original.model_dump(mode="json"), computed.rows
     varied = {variation.key: value_at(own, variation.key) for variation in plan.vary}
-    original = found.original.model_copy(update={"varied": varied})
+    original = computed.original.model_copy(update={"varied": varied})
     full = [row for row in rows if row.status == DONE and row.number("accuracy") != COARSE]
     front, objectives = front_of(choices_of(full))
     leading = [row for row in full if row.id in set(front)]
@@ -176,7 +176,7 @@ def _result(run: RunStore, plan: SweepPlan, found: Computed, points: Sequence[Sw
         operating_conditions=tuple(conditions_of(varied)) or None,
         balance=balance_line(plan, points) or None,
         left_off=tuple(left_off_lines(points)) or None,
-        undecided=found.undecided if plan.refine == "front" else None,
+        undecided=computed.undecided if plan.refine == "front" else None,
         files=SweepFiles(**write_tables(frame_of(rows, original, front), run.path, TABLE), page=REPORT),
         seconds=SweepSeconds(total=0.0),
     )

@@ -6,6 +6,7 @@ import json
 
 import pytest
 
+from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome, limit_outcome
 from cranktopo.report.goal_table import (
@@ -53,6 +54,20 @@ def test_a_limit_holds_within_half_a_percent_and_is_active_within_one(
     )
     assert found.required == pytest.approx(required)
     assert (found.holds, found.active) == (holds, active)
+
+
+def test_a_written_limit_is_another_number_in_each_model() -> None:
+    share, in_unit = Limit("torsion", ">=", 90.0, percent=True), Limit("mass", "<=", 1.5)
+    assert share.constraint({"torsion": 140e3}) == Constraint("torsion", ">=", 126e3)
+    assert share.constraint({"torsion": 130e3}) == Constraint("torsion", ">=", 117e3)
+    assert share.constraint({"mass": 1.6}) is None
+    assert in_unit.constraint({}) == in_unit.constraint({"mass": 1.6}) == Constraint("mass", "<=", 1.5)
+
+
+def test_a_limit_of_zero_is_measured_by_the_original() -> None:
+    level = Limit("unbalance", "<=", 0.0).constraint({"unbalance": 40.0})
+    assert level is not None
+    assert level.violation(2.0) == pytest.approx(0.05)
 
 
 def test_what_is_missing_of_a_limit_that_counts_as_kept_is_told() -> None:

@@ -182,10 +182,10 @@ class CrankSearch:
         required = next(one.required for one in result.goal.limits if one.quantity == "fatigue_safety")
         return Searched(group, number, folder, required or 0.0, result)
 
-    def _shaft(self, folder: Path, found: Sequence[Searched]) -> LoadedShaft:
+    def _shaft(self, folder: Path, searches: Sequence[Searched]) -> LoadedShaft:
         def solved() -> dict[str, object]:
-            self.pace.begin(f"the shaft with {len(found)} different web{'s' * (len(found) > 1)}")
-            webs = {web: one.scene.web for one in found for web in one.group.webs}
+            self.pace.begin(f"the shaft with {len(searches)} different web{'s' * (len(searches) > 1)}")
+            webs = {web: one.scene.web for one in searches for web in one.group.webs}
             folder.mkdir(exist_ok=True)
             scene = self.scene.model_copy(update={"name": f"{self.scene.name}-{folder.name}"})
             heading = f"Crank of {self.scene.name} with the webs that `cranktopo shape --each-web` found."
