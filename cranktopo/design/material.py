@@ -238,11 +238,11 @@ class Fatigue(SceneTable):
         """The surface treatment with its source in words; empty where there is none."""
         if self.hardened:
             alike = len(self.hardened) == 2 and self.journal_hardening is None
-            reported = {fillet: one.words for fillet, one in self.hardened.items()}
+            words_by_fillet = {fillet: one.words for fillet, one in self.hardened.items()}
             each = (
-                reported["pin"]
+                words_by_fillet["pin"]
                 if alike
-                else "; ".join(f"{key} fillets {one}" for key, one in reported.items())
+                else "; ".join(f"{key} fillets {one}" for key, one in words_by_fillet.items())
             )
             return f"strength of the fillets by hardness and residual stress over depth: {each}"
         factor = self.surface_treatment_factor

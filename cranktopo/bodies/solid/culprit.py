@@ -90,8 +90,8 @@ def _drilled(
     key, sharp = f"throw.drilling[{number}]", drilling.model_copy(update={"outlet_radius_mm": 0.0})
     yield _BuildStep(f"{key}.diameter_mm = {drilling.diameter_mm:g}", _with_drillings(at, (*before, sharp)))
     if drilling.outlet_radius_mm:
-        reported = f"{key}.outlet_radius_mm = {drilling.outlet_radius_mm:g}"
-        yield _BuildStep(reported, _with_drillings(at, (*before, drilling)), number)
+        feature = f"{key}.outlet_radius_mm = {drilling.outlet_radius_mm:g}"
+        yield _BuildStep(feature, _with_drillings(at, (*before, drilling)), number)
 
 
 def _sharp(throw: Any, name: str) -> Any:

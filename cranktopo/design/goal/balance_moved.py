@@ -55,13 +55,13 @@ def balance_moved(
         return None
     bound = f"<= {before + FELT_PERCENT:.0f}" if now > before else f">= {before - FELT_PERCENT:.0f}"
     needed = "lighter" if now > before else "heavier"
-    reported = (
+    sentence = (
         f"the balance factor is {plain_number(now, 3)} % of the oscillating mass, the original web has "
         f"{plain_number(before, 3)} % (unbalance {plain_number(result[_UNBALANCE])} and "
         f"{plain_number(original[_UNBALANCE])} kg mm), and no limit holds it there: a {needed} counterweight "
         f"would do, or with a goal --limit '{_FACTOR} {bound} %'"
     )
-    return MovedBalance(balance_factor_percent=now, original_percent=before, told=reported)
+    return MovedBalance(balance_factor_percent=now, original_percent=before, told=sentence)
 
 
 def _held(scene: Scene, *, rose: bool) -> bool:

@@ -184,11 +184,11 @@ def limit_outcome(
 
 
 def _evaluated(own: LimitOutcome, better: LimitOutcome) -> dict[str, Any]:
-    reported = LimitEvaluation(
+    evaluation = LimitEvaluation(
         required=better.required, reached=better.reached, reached_percent=better.reached_percent
     )
     judged = own if better.holds is None else better
-    return {"holds": judged.holds, "active": judged.active, "evaluation": reported}
+    return {"holds": judged.holds, "active": judged.active, "evaluation": evaluation}
 
 
 def _percent(value: float | None, original: float | None) -> float | None:

@@ -125,8 +125,8 @@ def _default(scene: Scene, goal: QuantityName) -> tuple[Limit, ...]:
     if goal == "unbalance":
         return (*kept, Limit("unbalance", ">=", 0.0, assumed=True))
     balanced = (Limit("unbalance", "<=", 100.0, percent=True, assumed=True),)
-    requested = goal == "balance_factor" or (scene.goal and scene.goal.limits.balance_factor)
-    return (*kept, *balanced) if scene.web.counterweight and not requested else kept
+    own_balance = goal == "balance_factor" or (scene.goal and scene.goal.limits.balance_factor)
+    return (*kept, *balanced) if scene.web.counterweight and not own_balance else kept
 
 
 def _no_safety(scene: Scene) -> str:

@@ -248,10 +248,10 @@ def arrangement_words(data: Balance) -> str:
 
 def balance_headline(data: Balance) -> str:
     """Return the largest free force and moment, state by state, equal states in one sentence."""
-    reported: dict[str, list[str]] = {}
+    states_by_rest: dict[str, list[str]] = {}
     for state in dict.fromkeys(entry.state for entry in data.free):
-        reported.setdefault(_left(data, state), []).append(state)
-    left = [f"{' and '.join(states).capitalize()}: {left}." for left, states in reported.items()]
+        states_by_rest.setdefault(_left(data, state), []).append(state)
+    left = [f"{' and '.join(states).capitalize()}: {left}." for left, states in states_by_rest.items()]
     return " ".join([proposal_refused(data), *left]).strip()
 
 
@@ -263,7 +263,9 @@ def change_sentences(data: Balance) -> list[str]:
             f"free {name} of order {one.order} from {one.words}"
             for name in VECTORS
             for one in order_changes(data, name, state)
-            if any(largest_order(data, name, reported)[0] != one.order for reported in (AS_IT_IS, state))
+            if any(
+                largest_order(data, name, named_state)[0] != one.order for named_state in (AS_IT_IS, state)
+            )
         ]
         if changes:
             found.append(f"{state.capitalize()}: {', '.join(changes)}.")
@@ -275,14 +277,14 @@ def balance_text(data: Balance) -> str:
     first = f"{data.design} at {data.speed_rpm:g} rpm: {arrangement_words(data)}"
     parts = ["\n".join([first, balance_headline(data), *change_sentences(data)])]
     parts += [f"{caption}\n{terminal(table)}" for caption, table in _balance_tables(data)]
-    reported = (
+    sentences = (
         bearings_words(data),
         crank_words(data.crank),
         counterweight_words(data),
         balance_factor_words(data),
         proposal_words(data),
     )
-    return "\n\n".join([*parts, *filter(None, reported), "\n".join(_ANGLES)])
+    return "\n\n".join([*parts, *filter(None, sentences), "\n".join(_ANGLES)])
 
 
 def angle_lines() -> tuple[str, ...]:

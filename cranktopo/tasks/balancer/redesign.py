@@ -88,14 +88,14 @@ def redesign_balancer(design: DesignLike) -> tuple[Scene, BalancerStrength]:
             + f", wanted {worst.sense} {worst.limit:.4g}.",
             hint="Widen the ranges, make more dimensions free, or add a bearing.",
         )
-    reported = Redesign(
+    redesign = Redesign(
         start_kg=before.mass_kg,
         result_kg=after.mass_kg,
         added_bearings=len(after.bearings) - len(before.bearings),
         limits=limits,
         dimensions=tuple(task.dimensions(found)),
     )
-    return found, after.model_copy(update={"redesign": reported})
+    return found, after.model_copy(update={"redesign": redesign})
 
 
 def changes_of(scene: Scene, strength: BalancerStrength) -> dict[str, Any]:

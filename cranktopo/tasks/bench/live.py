@@ -271,8 +271,8 @@ def _polars(scene: Scene) -> list[dict[str, Any]]:
 def notes(scene: Scene) -> list[str]:
     """Return what limits the closed forms: ratios and material outside the rule, throws that differ."""
     found = [f"IACS UR M53, polynomials: {line}" for line in outside_validity(dimensions(scene))]
-    reported = uncovered_material(scene), process_remark(scene)
-    found += [f"IACS UR M53: {line}." for line in reported if line]
+    rule_remarks = uncovered_material(scene), process_remark(scene)
+    found += [f"IACS UR M53: {line}." for line in rule_remarks if line]
     if scene.crank is not None and not scene.crank.uniform:
         found.append("The throws of the crank differ: gauges and pictures are of the throw in this file.")
     return found

@@ -240,8 +240,8 @@ class Project:
         clean = " ".join(name.split())[:60] or f"variant {number}"
         clean += f" ({number})" if any(variant.name == clean for variant in self.variants) else ""
         what = self._words_of_its_own(what, kept)
-        reported: dict[str, Any] = {"what": what, "gauges": dict(gauges), "outlines": outlines}
-        variant = Variant(id=id_, name=clean, file=f"{id_}.toml", **reported)
+        contents: dict[str, Any] = {"what": what, "gauges": dict(gauges), "outlines": outlines}
+        variant = Variant(id=id_, name=clean, file=f"{id_}.toml", **contents)
         write_text(self.place / variant.file, kept)
         self._write(variants=(*self.variants, variant))
         return variant

@@ -389,10 +389,10 @@ class Bench:
             for job in jobs:
                 if job.state == "done" and not job.known.variant:
                     await self._keep_result(job)
-            reported = self._job_states(jobs)
-            if str(reported) != self._seen:
-                self._seen = str(reported)
-                self._tell_all({"type": "jobs", "jobs": reported})
+            states = self._job_states(jobs)
+            if str(states) != self._seen:
+                self._seen = str(states)
+                self._tell_all({"type": "jobs", "jobs": states})
 
     async def _keep_result(self, job: BenchJob) -> None:
         """Keep what a finished job found: a variant, numbers, or both."""
@@ -403,10 +403,10 @@ class Bench:
             text = await asyncio.to_thread(variant_of, job)
             if text is not None:
                 exact = await self.answers.exact(project.data(text))
-                reported = {**self.answers.known(text), **exact, **numbers}
+                gauges = {**self.answers.known(text), **exact, **numbers}
                 name = f"{job.known.kind} {job.known.id}"
                 outlines = await self.answers.outlines(project.data(text))
-                id_ = project.keep(name, reported, text, "; ".join(found[:1]), outlines).id
+                id_ = project.keep(name, gauges, text, "; ".join(found[:1]), outlines).id
         except (CranktopoError, OSError, subprocess.SubprocessError) as error:
             found = [f"its result cannot be kept: {error}"]
         job.note_result(id_, found, numbers)

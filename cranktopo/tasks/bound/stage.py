@@ -177,8 +177,8 @@ def _bounds(model: BoundModel, reached: Mapping[str, float], goal: Goal | None) 
     statements, start = list[BoundStatement](), None
     if goal is not None and goal.quantity in reached:
         bound = prove(model, goal)
-        reported = {"reached_percent": reached[goal.quantity]}
-        statements.append(_statement(model, bound).model_copy(update=reported))
+        reached_values = {"reached_percent": reached[goal.quantity]}
+        statements.append(_statement(model, bound).model_copy(update=reached_values))
         start = bound.density
     mass = reached["mass"]
     masses = np.linspace((1 - _BEYOND) * min(mass, 100.0), (1 + _BEYOND) * max(mass, 100.0), _MASSES).tolist()
@@ -187,8 +187,8 @@ def _bounds(model: BoundModel, reached: Mapping[str, float], goal: Goal | None) 
         bound = prove(model, stiffest(name, mass), start=start)
         start, curves[f"{name}_percent"] = bound.density, stiffness_percent(model, bound, masses)
         if goal is None:
-            reported = {"at_mass_percent": mass, "reached_percent": reached[name]}
-            statements.append(_statement(model, bound).model_copy(update=reported))
+            reached_values = {"at_mass_percent": mass, "reached_percent": reached[name]}
+            statements.append(_statement(model, bound).model_copy(update=reached_values))
     return BoundStatements(
         statements=tuple(statements),
         stiffest={key: tuple(curve) for key, curve in curves.items()},

@@ -243,12 +243,12 @@ def _evaluated_goals(
 
 def _values(target: Target, entry: Entry, *, swings: bool) -> dict[str, float]:
     """Return the quantities of a goal that are known of a target; where it `swings`, with its frequency."""
-    reported = {
+    replaced = {
         "fatigue_safety": entry.safety,
         "stress_MPa": entry.stress_MPa,
         "natural_frequency_Hz": _frequency_Hz(target) if swings else None,
     }
-    return goal_values(target.scene, entry.evaluation.result.model_copy(update=reported))
+    return goal_values(target.scene, entry.evaluation.result.model_copy(update=replaced))
 
 
 def _frequency_Hz(target: Target) -> float | None:
@@ -339,14 +339,14 @@ def _loaded(compared: ComparedTargets) -> tuple[Scene, PhysicsPlan]:
 
 def _without_fillets(effects: PhysicsPlan) -> PhysicsPlan:
     """Return the plan with the fillets off, and that the comparison left them out, not the design."""
-    reported = {
+    off = {
         "state": "off",
         "reason": "left out of this comparison: the surface of a run has none",
         "estimate_percent": None,
         "changes": "mass and stiffness of the designs, which have fillets",
     }
     return PhysicsPlan(
-        tuple(one.model_copy(update=reported) if one.name == "fillets" else one for one in effects.effects)
+        tuple(one.model_copy(update=off) if one.name == "fillets" else one for one in effects.effects)
     )
 
 

@@ -74,8 +74,8 @@ def lengthwise(shape: CrankShape) -> Lengthwise:
 def lengthwise_room(shape: CrankShape, scale: float) -> Room:
     """Return the room of the lengthwise view with its dimensions and callouts."""
     (_, _, low, high), (start, end) = shape.reach_mm, shape.z_mm
-    reported = _CALLOUT_MM[0] * (len(_distinct_mains(shape)) + len(_distinct_pins(shape)))
-    beside = max(2 * _GAP_MM, reported - (end - start) * scale)
+    callouts_mm = _CALLOUT_MM[0] * (len(_distinct_mains(shape)) + len(_distinct_pins(shape)))
+    beside = max(2 * _GAP_MM, callouts_mm - (end - start) * scale)
     under = 2 * _GAP_MM + 3 * _LINE_MM + _under_parts(shape, 1 / scale)
     return Room(shape.z_mm, (low, high), (3 * _GAP_MM, beside, under, _CALLOUT_MM[1] + 2.5 * _GAP_MM))
 

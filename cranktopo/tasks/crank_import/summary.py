@@ -47,8 +47,8 @@ def result_of(
     crank, taken = body.crank, body.taken
     x, y, z = (float(v) for v in crank.origin_mm)
     along = tuple(float(v) for v in crank.axis)
-    reported = (*crank.unread, *files.omissions, *volume_words(taken.volume_mm3, files, webs))
-    lacks = [ImportedLack(where="crank", what=line) for line in reported]
+    losses = (*crank.unread, *files.omissions, *volume_words(taken.volume_mm3, files, webs))
+    lacks = [ImportedLack(where="crank", what=line) for line in losses]
     lacks += [ImportedLack(where=f"half {half.number}", what=line) for half in halves for line in half.unread]
     return CrankImport(
         source=ImportSource(

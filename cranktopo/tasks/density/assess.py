@@ -68,8 +68,8 @@ def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, soli
     values = values_of(tuple(response.value for response in known.values()), design)
     bolted = bolted_mass(scene).volume
     web_kg = float(kg[:, :, first:last].sum()) / 2
-    reported = dict(zip(known, values.tolist(), strict=True))
-    return Assessment(cases, float(kg.sum()) + 2 * bolted, web_kg + bolted, reported)
+    quantities_of_body = dict(zip(known, values.tolist(), strict=True))
+    return Assessment(cases, float(kg.sum()) + 2 * bolted, web_kg + bolted, quantities_of_body)
 
 
 _moduli = jax.jit(relative_moduli)

@@ -170,7 +170,7 @@ def check_fits(problem: DensityProblem, state: State) -> None:
     if any(found is None or found.shape != own.shape for found, own in arrays):
         raise damaged("its arrays are those of another design")
     counted = state.stage_start <= len(rows) and len(state.bounds) in (0, limits)
-    alike = set(rows) in ({(len(problem.model.cases), reported)} for reported in (0, limits))
+    alike = set(rows) in ({(len(problem.model.cases), limit_count)} for limit_count in (0, limits))
     if not counted or not alike:
         raise damaged("its history is that of another design")
 

@@ -85,10 +85,10 @@ def first_state(
             state = loop.step(coarse, state)
         progress(coarse, state)
     x = interpolated(state.x, np.asarray(coarse.density_chain.design_fraction), there, domain)
-    reported = CoarseStart(there.grid.largest_edge_mm, len(state.history), time.perf_counter() - began)
+    coarse_start = CoarseStart(there.grid.largest_edge_mm, len(state.history), time.perf_counter() - began)
     beta = max(schedule.projection_first, schedule.projection_last / 2**_SOFTER)
     start = replace(loop.init(problem), x=x, evaluated=x, beta=beta)
-    return replace(start, initial_N_mm=state.initial_N_mm, coarse_start=reported)
+    return replace(start, initial_N_mm=state.initial_N_mm, coarse_start=coarse_start)
 
 
 def interpolated(x: Array, design: Array, there: Domain, here: Domain) -> Array:

@@ -133,5 +133,5 @@ def _text(assessment: FatigueAssessment) -> str:
         ]
         if any(check.outlets for check in assessment.checks):
             parts.append(terminal(tables.outlet_table(assessment.checks)))
-    reported = [] if baseline is None else verdicts(assessment.results, baseline)
-    return "\n\n".join([*parts, *(["\n".join(reported)] if reported else [])])
+    sentences = [] if baseline is None else verdicts(assessment.results, baseline)
+    return "\n\n".join([*parts, *(["\n".join(sentences)] if sentences else [])])

@@ -164,13 +164,13 @@ def _factors_at(check: RuleCheck, place: str) -> str:
 
 
 def _facts(check: RuleCheck) -> tuple[Fact, ...]:
-    requested, of_web = f"at least {LEAST_FACTOR:g}", _of_web(check)
+    limit, of_web = f"at least {LEAST_FACTOR:g}", _of_web(check)
     facts = [Fact(f"Material{of_web}", "not covered", check.not_covered, "bad")] * bool(check.not_covered)
     facts += [
         Fact(
             f"Q at the {place}{of_web}",
             f"{found.acceptability:.3f}",
-            requested,
+            limit,
             "bad" if not found.accepted else "neutral" if check.not_covered else "good",
         )
         for place, found in check.places.items()

@@ -160,12 +160,12 @@ def _hardening(
     model: StressModel, method: str, ranges: list[SignedVonMisesRange], safety: Array
 ) -> dict[str, HardenedFillet]:
     """Return the treated fillets of a model, each at its point of least safety."""
-    reported: dict[str, HardenedFillet] = {}
+    by_fillet: dict[str, HardenedFillet] = {}
     for one in treated_fillets(model):
         image, node = np.unravel_index(int(np.where(one.nodes, safety, np.inf).argmin()), safety.shape)
         here = fillet_result(judge(model.scene, method), one, at_nodes(ranges[image].local, np.array([node])))
-        reported[one.fillet] = min(reported.get(one.fillet, here), here, key=lambda fillet: fillet.safety)
-    return reported
+        by_fillet[one.fillet] = min(by_fillet.get(one.fillet, here), here, key=lambda fillet: fillet.safety)
+    return by_fillet
 
 
 def _treated_at(model: StressModel, node: int) -> TreatedFillet | None:
@@ -221,7 +221,7 @@ class _Judged:
         terms, rest = self._safety_terms(image, node, one)
         point = model.images[image].points_mm(model.surface.points_mm[:, [node]], model.scene.pitch_mm)[:, 0]
         at, share = place(model.scene, point), float(terms.amplitude_share[0])
-        reported = self._hardened_fillet(node, one)
+        hardened = self._hardened_fillet(node, one)
         return CriticalPoint(
             place=str(at),
             fillet=at.fillet or None,
@@ -233,12 +233,12 @@ class _Judged:
             amplitude_MPa=float(one.amplitude_MPa[0]),
             mean_MPa=float(one.mean_MPa[0]),
             gradient_per_mm=float(one.gradient_per_mm[0]),
-            strength_MPa=float(terms.strength_MPa[0]) * (1.0 if reported is None else reported.gain),
+            strength_MPa=float(terms.strength_MPa[0]) * (1.0 if hardened is None else hardened.gain),
             amplitude_share=share,
             decided_by="amplitude" if share >= 0.5 else rest,
             factors={name: float(value[0]) for name, value in terms.factors.items()},
             states=(self.labels[e.highest[node]], self.labels[e.lowest[node]]),
-            depth_mm=None if reported is None else reported.depth_mm,
+            depth_mm=None if hardened is None else hardened.depth_mm,
         )
 
     def _hardened_fillet(self, node: int, one: LocalStress) -> HardenedFillet | None:

@@ -28,7 +28,7 @@ def goal_values(scene: Scene, evaluation: EvaluationResult) -> dict[str, float]:
         evaluation.torsion_Nm_per_rad,
         evaluation.bending_N_per_mm,
     )
-    reported = {
+    known = {
         "balance_factor": balance_factor_percent(scene, evaluation.unbalance_kg_mm),
         "natural_frequency": evaluation.natural_frequency_Hz,
         "fatigue_safety": evaluation.fatigue_safety,
@@ -43,7 +43,7 @@ def goal_values(scene: Scene, evaluation: EvaluationResult) -> dict[str, float]:
         "torsion_per_mass": torsion / mass,
         "bending_per_mass": bending / mass,
         **_motions(scene, torsion, bending),
-        **{name: value for name, value in reported.items() if value is not None},
+        **{name: value for name, value in known.items() if value is not None},
     }
 
 

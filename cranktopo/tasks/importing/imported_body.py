@@ -178,12 +178,12 @@ def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> _Solid:
     if apart:
         for half in _both(surface, scene):
             _placed(half, scene, path, align=False)
-        motion, reported = None, f"{apart}. The whole throw is taken"
+        motion, remark = None, f"{apart}. The whole throw is taken"
     else:
-        motion, reported = _placed(surface, scene, path, align)
+        motion, remark = _placed(surface, scene, path, align)
     if motion is not None:
         moved_rigidly(occ, body, motion.matrix, motion.shift_mm)
-    return _Solid(body, solid_properties(occ, body), _web_mm3(gmsh, body, scene, path), reported, bool(apart))
+    return _Solid(body, solid_properties(occ, body), _web_mm3(gmsh, body, scene, path), remark, bool(apart))
 
 
 def _web_mm3(gmsh: Any, body: DimTags, scene: Scene, path: Path) -> float:

@@ -52,14 +52,14 @@ def shape_step(
     searched = shape_scene(scene)
     goal = goal_of(searched)
     assert goal is not None
-    requested = GoalWords.model_validate({goal.sense: goal.quantity})
+    goal_words = GoalWords.model_validate({goal.sense: goal.quantity})
     try:
         with indented():
             data = _shaped(run.path / SHAPE, searched, begun, settings)
     except CranktopoError as error:
         if error.code == ExitCode.INTERRUPTED:
             raise
-        return _none(str(error), requested)
+        return _none(str(error), goal_words)
     if not data.makeable:
         return _none(release_text(data.undercuts), data.goal)
     if not data.held:
@@ -101,9 +101,9 @@ def _compared(row: LoopStep, best: LoopStep | None, goal: Goal, data: ShapeResul
     if best is None:
         return ShapeStep(row, _outcome(data, better_than_best_step=True))
     original, shaped, own = data.values.original, data.values.result, _values(best)
-    reported = goal_outcome(goal, own, original, HELD).limits
-    unknown = tuple(dict.fromkeys(o.quantity for o in reported if o.holds is None))
-    violated = any(outcome.holds is False for outcome in reported)
+    outcomes = goal_outcome(goal, own, original, HELD).limits
+    unknown = tuple(dict.fromkeys(o.quantity for o in outcomes if o.holds is None))
+    violated = any(outcome.holds is False for outcome in outcomes)
     name = goal.quantity
     percent = 100 * own[name] / original[name] if name in own else None
     step_wins = not violated and name in own and _clearly_better(own[name], shaped[name], goal)

@@ -119,8 +119,8 @@ def corrected_search(search: RodSearch, judge: Judge) -> tuple[Scene, RodOnEleme
         raise refused
     if found is None or _lost(search, own, best) > 0:
         raise search.no_lighter_rod(" by elements")
-    reported = search.result_of(best.scene, best.strength)
-    return best.scene, found.with_search(_with_elements(reported, own, best, len(tried) - 1))
+    closed_form = search.result_of(best.scene, best.strength)
+    return best.scene, found.with_search(_with_elements(closed_form, own, best, len(tried) - 1))
 
 
 def _of_the_mesh(error: CranktopoError) -> CranktopoError:

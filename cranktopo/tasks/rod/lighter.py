@@ -55,10 +55,10 @@ def lighten_rod(
     after = check_rod_strength(lighter, method)
     if not search.is_better(lighter, after):
         raise search.no_lighter_rod()
-    reported = search.result_of(lighter, after)
+    result = search.result_of(lighter, after)
     if not any(eye.permitted_um for eye in after.eyes):
-        return lighter, reported
-    return lighter, reported.model_copy(update={"result_without_limits_kg": search.unlimited_kg()})
+        return lighter, result
+    return lighter, result.model_copy(update={"result_without_limits_kg": search.unlimited_kg()})
 
 
 @dataclass(frozen=True)

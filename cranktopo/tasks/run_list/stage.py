@@ -76,10 +76,10 @@ def _entry(run: RunStore) -> RunEntry:
     try:
         with reading_results(run):
             result = run_result(run)
-            reported = {} if result is None else _KINDS[kind][1](result)
+            summary = {} if result is None else _KINDS[kind][1](result)
     except CranktopoError:  # one damaged run does not hide the others
-        reported = {"result": "unreadable"}
-    return entry.model_copy(update={**known, **reported})
+        summary = {"result": "unreadable"}
+    return entry.model_copy(update={**known, **summary})
 
 
 def _run_summary(metrics: RunMetrics) -> dict[str, Any]:

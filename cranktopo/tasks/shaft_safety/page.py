@@ -104,12 +104,12 @@ def _films_fact(shaft: ShaftAssessment) -> list[Fact]:
     if not films:
         return []
     thin = min(films, key=lambda one: one.film_um)
-    reported = [f"{thin.bearing} at {thin.speed_rpm:,.0f} rpm", *shaft.beyond_permitted]
+    places = [f"{thin.bearing} at {thin.speed_rpm:,.0f} rpm", *shaft.beyond_permitted]
     status: FactStatus = "neutral"
     if shaft.films_hold is not None:
         status = "good" if shaft.films_hold else "bad"
     return [
-        Fact("Least oil film", f"{film_words(thin.film_um, thin.below_um)} um", "; ".join(reported), status)
+        Fact("Least oil film", f"{film_words(thin.film_um, thin.below_um)} um", "; ".join(places), status)
     ]
 
 

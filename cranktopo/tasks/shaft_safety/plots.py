@@ -99,7 +99,7 @@ def side_picture(shaft: ShaftSafety, journal_z_mm: Sequence[float], shape: Crank
 
 def web_pictures(speed_rpm: float, sections: WebSections) -> tuple[Picture, ...]:
     """Return bending, torque and shear of every web over the crank angle at a speed."""
-    reported = (
+    pictures = (
         ("bending", "Bending moment in the plane of the throw", "N m", sections.bending_Nm),
         ("side-bending", "Bending moment across the throw", "N m", sections.side_bending_Nm),
         ("torque", "Torque", "N m", sections.torque_Nm),
@@ -115,7 +115,7 @@ def web_pictures(speed_rpm: float, sections: WebSections) -> tuple[Picture, ...]
             curves.reshape(-1, curves.shape[2]),
             f"{what.lower()} ({unit})",
         )
-        for name, what, unit, curves in reported
+        for name, what, unit, curves in pictures
     )
 
 

@@ -27,8 +27,8 @@ def shaft_text(shaft: ShaftAssessment) -> str:
     """Return what `cranktopo shaft` prints."""
     error = shaft.error_percent
     errors = f"stiffnesses +-{error:.2g} %, frequencies +-{error / 2:.2g} % at most"
-    reported = shaft.silent, fill(shaft.pressure, WIDTH), fill(shaft.added_words, WIDTH)
-    said = [line for line in reported if line]
+    remarks = shaft.silent, fill(shaft.pressure, WIDTH), fill(shaft.added_words, WIDTH)
+    said = [line for line in remarks if line]
     beyond = ["\n".join(shaft.beyond_permitted)] if shaft.beyond_permitted else []
     left_off = [fill(f"{words}.", WIDTH)] if shaft.safety and (words := shaft.safety.left_off) else []
     parts = [*left_off, *beyond, *_torsion(shaft), *said, *_on_bearings(shaft)]
@@ -41,7 +41,7 @@ def safety_text(shaft: ShaftSafety) -> list[str]:
     """Return what is told of the safety of a shaft, by paragraph."""
     several = len(shaft.speeds) > 1
     at_speeds = f"{len(shaft.speeds)} speeds" if several else f"{shaft.worst.speed_rpm:,.0f} rpm"
-    reported = [
+    paragraphs = [
         f"Least safety of each web by method {shaft.method!r}, over the cycle at {at_speeds}:",
         terminal(web_table(shaft)),
         "\n".join(
@@ -52,8 +52,8 @@ def safety_text(shaft: ShaftSafety) -> list[str]:
         ),
     ]
     if several:
-        reported += ["Over the speeds:", terminal(speed_table(shaft))]
-    return reported
+        paragraphs += ["Over the speeds:", terminal(speed_table(shaft))]
+    return paragraphs
 
 
 def web_table(shaft: ShaftSafety) -> ResultTable:
@@ -110,7 +110,7 @@ def _torsion(shaft: ShaftEvaluation) -> tuple[str, str]:
         )
     ]
     frequencies = ", ".join(f"{f:.0f}" for f in shaft.natural_frequencies_Hz)
-    reported = (
+    frequencies_text = (
         f"{frequencies} Hz (shaft and moving masses alone, free ends)" if frequencies else "none: one throw"
     )
     end = shaft.stiffness.end_to_end_Nm_per_rad / 1000
@@ -121,7 +121,7 @@ def _torsion(shaft: ShaftEvaluation) -> tuple[str, str]:
             (f"one throw, {name}", f"{value / 1000:.2f} kN m/rad")
             for name, value in shaft.throw_by_bearings_Nm_per_rad.items()
         ),
-        ("natural frequencies", reported),
+        ("natural frequencies", frequencies_text),
     )
     return _table({"throw": 0, "angle_deg": 0, "torsion_kNm_per_rad": 2}, throws), labelled(rows)
 
@@ -134,7 +134,7 @@ def _on_bearings(shaft: ShaftEvaluation) -> list[str]:
     worst = max(speeds, key=lambda at: at.worst_web.range_Nm)
     stiff = "rigid" if worst.spring_N_per_mm is None else f"of {worst.spring_N_per_mm:,.0f} N/mm"
     held = "in their oil films" if shaft.bearings == "film" else stiff
-    reported = [
+    paragraphs = [
         f"On all its main bearings, {held}, at {worst.speed_rpm:,.0f} rpm. Bending moment in the middle\n"
         "of each web, largest less smallest over the cycle, beside a throw alone:",
         terminal(moment_table(worst)),
@@ -142,8 +142,8 @@ def _on_bearings(shaft: ShaftEvaluation) -> list[str]:
         terminal(bearing_table(worst)),
     ]
     if len(speeds) > 1:
-        reported += ["Over the speeds, the web and the bearing with the most:", _over_speeds(speeds)]
-    return reported
+        paragraphs += ["Over the speeds, the web and the bearing with the most:", _over_speeds(speeds)]
+    return paragraphs
 
 
 def moment_table(at: ContinuousShaft) -> ResultTable:

@@ -93,8 +93,8 @@ def command(
     from cranktopo.tasks.shape.text import shape_summary
 
     if each_web or (resume and _is_of_each_web(resume)):
-        requested = minimise, maximise, limits
-        return _each_web(target, web or throw, requested, rules, resume, out, as_json=as_json)
+        goal_words = minimise, maximise, limits
+        return _each_web(target, web or throw, goal_words, rules, resume, out, as_json=as_json)
     if resume:
         run = resume_shape(resume)
     else:

@@ -189,20 +189,20 @@ class FeatureSelection:
         if found is None:
             return None, solved
         values = found.responses.values
-        reported = {
+        quantities = {
             name: self._as_evaluated(name, values[name], errors) for name in values if name in self._original
         }
         objective = merit(goal, values)
         return WebCandidate(
-            layout, found.values, objective, doubtful(found.violation), reported, errors
+            layout, found.values, objective, doubtful(found.violation), quantities, errors
         ), solved
 
     def _as_evaluated(self, name: str, value: float, errors: Mapping[str, float]) -> float:
         """Return a quantity of the cells in the numbers of the evaluation."""
-        reported = without_error(
+        corrected = without_error(
             name, value, model_error(name, self.model.original[name], self._original[name])
         )
-        return without_error(name, reported, errors[name]) if name in errors else reported
+        return without_error(name, corrected, errors[name]) if name in errors else corrected
 
     def _name(self, kind: str) -> str:
         return f"{kind}-{len(self.trials) + 1:02d}"

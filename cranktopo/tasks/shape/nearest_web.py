@@ -72,9 +72,9 @@ def search_with_corrections(
     Args:
         known: some quantities of the web with some parameters, better than the search tells them.
     """
-    requested, found = goal, list[Step]()
+    corrected_goal, found = goal, list[Step]()
     for _ in range(_TRIES):
-        step = search(requested)
+        step = search(corrected_goal)
         better = known(step.values)
         corrected = Quantities({**step.quantities.values, **better}, step.quantities.gradients)
         found.append(replace(step, quantities=corrected))
@@ -88,7 +88,7 @@ def search_with_corrections(
         }
         if not over:
             return replace(found[-1], solved=sum(one.solved for one in found))
-        requested = goal.corrected(
+        corrected_goal = goal.corrected(
             {name: model_error(name, step.quantities.values[name], better[name]) for name in over}
         )
     nearest = min(found, key=lambda one: worst_violation(goal, one.quantities))

@@ -120,10 +120,10 @@ class CorrectedSurrogate:
     def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Quantities:
         """Return quantities of a web with these values."""
         found = self._webs.responses(web, values, quantities)
-        reported = {name: self._corrected(name, found, values - self._at) for name in quantities}
+        corrected = {name: self._corrected(name, found, values - self._at) for name in quantities}
         return Quantities(
-            {name: value for name, (value, _) in reported.items()},
-            {name: slope for name, (_, slope) in reported.items()},
+            {name: value for name, (value, _) in corrected.items()},
+            {name: slope for name, (_, slope) in corrected.items()},
         )
 
     def _corrected(self, name: str, quantities: Quantities, moved: Array) -> tuple[float, Array]:

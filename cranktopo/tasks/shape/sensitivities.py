@@ -46,8 +46,8 @@ def dimension_sensitivities(
     holders: Sequence[tuple[str, ...]],
 ) -> tuple[DimensionSensitivity, ...]:
     """Return every dimension of a web with what it is worth; `holders` by `active_constraints`."""
-    reported = [name for name in _SHOWN if name in responses.gradients and original.get(name)]
-    percent = {name: 100 * responses.gradients[name] / original[name] for name in reported}
+    names = [name for name in _SHOWN if name in responses.gradients and original.get(name)]
+    percent = {name: 100 * responses.gradients[name] / original[name] for name in names}
     return tuple(
         DimensionSensitivity(
             name=name,

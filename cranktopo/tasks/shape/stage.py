@@ -182,8 +182,8 @@ def optimise_shape(
     )
     cells = web_model(scene, settings.limits, settings.cell_mm)
     start = start or scene_start(scene, settings.limits)
-    told, trials = first_on_cells(scene, start.sizes), tuple[FeatureTrial, ...]()
-    layout, begin = with_free(start.layout, start.values, scene, told, start.sizes)
+    begins_free, trials = first_on_cells(scene, start.sizes), tuple[FeatureTrial, ...]()
+    layout, begin = with_free(start.layout, start.values, scene, begins_free, start.sizes)
     if settings.features:
         chosen_for = goal_on_cells(goal, before.values, lambda: judged().values)
         selection = _selection(cells, goal, chosen_for, before, settings, work)
@@ -360,8 +360,8 @@ class _LocalRefinement:
 
         A counterweight's unbalance grows with the cube of its radius: no search by slopes sees that.
         """
-        requested = _BY_MASSES & {limit.quantity for limit in goal.limits}
-        if not requested:
+        names = _BY_MASSES & {limit.quantity for limit in goal.limits}
+        if not names:
             return {}
         balance = throw_balance(shaped_scene(self._scene, self._layout, values))
         known = {
@@ -369,7 +369,7 @@ class _LocalRefinement:
             "unbalance": balance.throw_unbalance_kg_mm,
             "balance_factor": balance.balance_factor_percent or 0.0,
         }
-        return {name: known[name] for name in requested}
+        return {name: known[name] for name in names}
 
     def _evaluated(self, values: Array, number: int, solved: int) -> ShapeRound:
         scene, size = shaped_scene(self._scene, self._layout, values), self._settings.element_size_mm

@@ -104,8 +104,8 @@ def first_on_cells(scene: Scene, begun: Mapping[DimensionName, float]) -> tuple[
 
 def not_on_cells(scene: Scene) -> tuple[DimensionName, ...]:
     """Return the free dimensions that cells do not know: fillets, and the thickness of their grid."""
-    reported = (*free_bores(scene), *_of_counterweight(scene))
-    return tuple(name for name in free_dimensions(scene) if name not in reported)
+    of_elements = (*free_bores(scene), *_of_counterweight(scene))
+    return tuple(name for name in free_dimensions(scene) if name not in of_elements)
 
 
 def _of_counterweight(scene: Scene) -> tuple[DimensionName, ...]:

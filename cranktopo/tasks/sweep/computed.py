@@ -176,11 +176,11 @@ class Session:
         if place.scheduler is not None:
             return WorkerPool(scheduler=place.scheduler)
         cores, scene = usable_cores(), plan.original
-        requested = place.workers
-        if requested is None:
+        workers_that_fit = place.workers
+        if workers_that_fit is None:
             memory = max(_point_memory_MiB(scene, stage, plan.element_size_mm) for stage in plan.stages)
-            requested = min(cores, int(available_memory_MiB() / memory))
-        workers = max(1, min(requested, points))
+            workers_that_fit = min(cores, int(available_memory_MiB() / memory))
+        workers = max(1, min(workers_that_fit, points))
         return WorkerPool(workers, max(1, cores // workers))
 
 

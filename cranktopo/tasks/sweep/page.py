@@ -72,9 +72,9 @@ def sweep_html(data: SweepResult, webs: Mapping[str, str]) -> str:
 
 def _pick_words(points: Sequence[PointResult], row: PointResult) -> str:
     """Return what tells a point from the others in words: `web width 51 mm, web thickness 19 mm`."""
-    reported = [quantity_words(key.replace(".", " "), value) for key, value in row.varied.items()]
-    apart = len({point.design for point in points}) > 1 or not reported
-    return typeset(", ".join([row.design, *reported] if apart else reported))
+    varied = [quantity_words(key.replace(".", " "), value) for key, value in row.varied.items()]
+    apart = len({point.design for point in points}) > 1 or not varied
+    return typeset(", ".join([row.design, *varied] if apart else varied))
 
 
 def _joined(*files: Path) -> str:
@@ -122,11 +122,11 @@ def _fitting(data: SweepResult, webs: Mapping[str, str], letters: int) -> list[s
 
 def _columns(data: SweepResult) -> list[str]:
     rows = [point.row() for point in data.points]
-    reported = dict.fromkeys(name for row in rows for name in row)
+    names = dict.fromkeys(name for row in rows for name in row)
     apart = [name for name in ("design", "stage") if len({row[name] for row in rows}) > 1]
-    compared = [name for name in _SENSES if name in reported]
+    compared = [name for name in _SENSES if name in names]
     varied = [*data.varied, *(name for name in apart if name not in data.varied)]
-    rest = [name for name in reported if name not in (*_TOLD_APART, *varied, *compared)]
+    rest = [name for name in names if name not in (*_TOLD_APART, *varied, *compared)]
     return [*varied, *compared, *(name for name in rest if not name.startswith("bound_"))]
 
 

@@ -30,10 +30,10 @@ def barred_fact(study: VibrationStudy) -> Fact | None:
     """Return the barred ranges as a fact of the page; None where no stress is given."""
     if study.barred_rpm is None:
         return None
-    reported = [_ranges(study.barred_rpm, ", ")]
+    ranges = [_ranges(study.barred_rpm, ", ")]
     if study.misfire_barred:
-        reported = [reported[0] or "none", f"with one misfiring {_misfire_ranges(study.misfire_barred)}"]
-    value = "; ".join(filter(None, reported))
+        ranges = [ranges[0] or "none", f"with one misfiring {_misfire_ranges(study.misfire_barred)}"]
+    value = "; ".join(filter(None, ranges))
     return Fact("Barred", value or "none", barred_sentence(study), "bad" if value else "good")
 
 

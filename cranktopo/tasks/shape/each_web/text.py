@@ -28,9 +28,9 @@ def crank_table(result: EachWebResult) -> ResultTable:
             "change_percent": 100 * (shaft.mass_kg / result.original.mass_kg - 1),
             "end_to_end_kNm_per_rad": _KILO * shaft.torsion_end_to_end_Nm_per_rad,
             "least_safety": shaft.safety,
-            "limits": reported,
+            "limits": limits,
         }
-        for name, shaft, reported in cranks
+        for name, shaft, limits in cranks
     )
     digits = {"webs": 0, "mass_kg": 3, "change_percent": 2}
     return ResultTable({**digits, "end_to_end_kNm_per_rad": 2, "least_safety": 3, "limits": 0}, rows)
