@@ -66,7 +66,7 @@ class Entry:
 
     Attributes:
         safety: smallest fatigue safety by the first method, if it was judged.
-        other_safeties: by every further method that judged it.
+        further_safety: by every further method that judged it.
         stress_MPa: largest von Mises stress, if a method of local stresses judged it.
         fillets: whether its mass and stiffness are with them; its safety always is.
         safety_as: by the first method, of a throw alone and in its shaft, where both were found.
@@ -75,7 +75,7 @@ class Entry:
     evaluation: Evaluation
     published: Published | None = None
     safety: float | None = None
-    other_safeties: Mapping[str, float] = field(default_factory=dict)
+    further_safety: Mapping[str, float] = field(default_factory=dict)
     fillets: Fillets = "as designed"
     stress_MPa: float | None = None
     safety_as: Mapping[JudgedAs, float] = field(default_factory=dict)
@@ -91,7 +91,7 @@ class Entry:
 
         `Quantity.unit` tells them; the `evaluation` itself is in N m/rad and N/mm.
         """
-        safeties = {safety_by(method).key: safety for method, safety in self.other_safeties.items()}
+        safeties = {safety_by(method).key: safety for method, safety in self.further_safety.items()}
         first = {} if self.safety is None else {SAFETY.key: self.safety}
         worlds = {_safety_as(world).key: safety for world, safety in self.safety_as.items()}
         return evaluation_values(self.evaluation) | first | safeties | worlds
@@ -113,7 +113,7 @@ class Comparison:
     Attributes:
         baseline: position of the entry that counts as 100 %.
         fatigue: by the first method, which goals and limits take.
-        other_fatigues: by every further method.
+        further_fatigue: by every further method.
         goals: what became of the goal of each entry whose design has one, as `goal` of the metrics, by name.
         balanced_kg_mm: unbalance that is wanted of a throw; the nearest to it is best, not the least.
         pitch_mm: distance of the throws of every entry, in their order; empty where all are alike.
@@ -125,7 +125,7 @@ class Comparison:
     baseline: int
     fatigue: FatigueComparison | None = None
     goals: Mapping[str, GoalOutcome] = field(default_factory=dict)
-    other_fatigues: tuple[FatigueComparison, ...] = ()
+    further_fatigue: tuple[FatigueComparison, ...] = ()
     balanced_kg_mm: float = 0.0
     bare: tuple[str, ...] = ()
     pitch_mm: tuple[float, ...] = ()
@@ -134,7 +134,7 @@ class Comparison:
     @property
     def fatigues(self) -> tuple[FatigueComparison, ...]:
         """Fatigue by every method."""
-        return () if self.fatigue is None else (self.fatigue, *self.other_fatigues)
+        return () if self.fatigue is None else (self.fatigue, *self.further_fatigue)
 
     @property
     def safeties(self) -> dict[str, Quantity]:
@@ -215,7 +215,7 @@ def compare(
     entries: Sequence[Entry],
     baseline: str,
     fatigue: FatigueComparison | None = None,
-    other_fatigues: Sequence[FatigueComparison] = (),
+    further_fatigue: Sequence[FatigueComparison] = (),
 ) -> Comparison:
     """Return a comparison against the entry of this name; raises CranktopoError where there is none."""
     names = [entry.name for entry in entries]
@@ -224,8 +224,8 @@ def compare(
             f"baseline '{baseline}' is not among the targets {', '.join(names)}.", code=ExitCode.USAGE
         )
     check_same_supports((e.evaluation.torsion_support, e.evaluation.bending_support) for e in entries)
-    others = tuple(other_fatigues)
-    return Comparison(tuple(entries), names.index(baseline), fatigue, other_fatigues=others)
+    others = tuple(further_fatigue)
+    return Comparison(tuple(entries), names.index(baseline), fatigue, further_fatigue=others)
 
 
 def check_same_supports(supports: Iterable[tuple[str, str]]) -> None:

@@ -257,7 +257,7 @@ def comparison_result(comparison: Comparison) -> ComparisonResult:
         best={column: None if row is None else comparison.entries[row].name for column, row in best.items()},
         published=[dict(row) for row in published] or None,
         fatigue=None if comparison.fatigue is None else comparison.fatigue.result,
-        further_fatigue=[one.result for one in comparison.other_fatigues] or None,
+        further_fatigue=[one.result for one in comparison.further_fatigue] or None,
         safety_by_method=_safeties(comparison) or None,
         not_judged={o.result.method: dict(o.not_judged) for o in comparison.fatigues if o.not_judged} or None,
         goals=dict(comparison.goals) or None,

@@ -77,7 +77,7 @@ def test_a_file_and_a_line_add_a_criterion(monkeypatch: pytest.MonkeyPatch, tmp_
 
     monkeypatch.setattr(judged, "assess_by_methods", partial(assess_by_methods, fillet_fraction=1.0))
     compared = compare_targets([DESIGN], DESIGN, MeshRequest(element_size_mm=9.0), ["lsa", "gerber"])
-    assert compared.comparison.entries[0].other_safeties["gerber"] == pytest.approx(critical)
+    assert compared.comparison.entries[0].further_safety["gerber"] == pytest.approx(critical)
     text = comparison_text(compared.comparison, "table")
     assert "lsa: size and survival by factors" in text
     assert "gerber: mean stress as parabola." in text
