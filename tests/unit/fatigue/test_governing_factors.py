@@ -271,7 +271,7 @@ def test_elements_judge_a_leaning_outlet_if_their_mesh_proves_it() -> None:
 def test_the_lower_set_governs_at_a_radial_outlet(
     wanted: Any, gammas: tuple[float, float], governs: str
 ) -> None:
-    radial = leaning(gammas, outside=(), wanted=wanted)
+    radial = leaning(gammas, outside=(), m53_factors=wanted)
     assert radial.governed_by == governs
     found = replace(check(ALLOWED, ALLOWED), outlets=(radial,))
     rows = acceptability_table(found).rows[-2:]
