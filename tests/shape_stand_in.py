@@ -10,7 +10,7 @@ from typing import Any
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.design.goal.outcome import goal_outcome
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.runs.directories import RunStore, create_run, open_run
@@ -80,7 +80,7 @@ class ShapeStandIn:
         return ShapedRun(run.path, result)
 
     def _data(self, scene: Scene) -> dict[str, Any]:
-        goal = wanted(scene)
+        goal = goal_of(scene)
         assert goal is not None
         now = {name: ORIGINAL[name] * self.percent.get(name, 100.0) / 100 for name in ORIGINAL}
         now |= {f"{name}_per_mass": now[name] / now["mass"] for name in ("torsion", "bending")}

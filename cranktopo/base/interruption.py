@@ -25,6 +25,6 @@ def closed_by(close: Callable[[], CranktopoError | None]) -> Iterator[None]:
 
 def cut_off() -> CranktopoError:
     """Close all open blocks, the innermost first; return the message of the outermost."""
-    reported = [close() for close in reversed(_open)]
-    messages = [CranktopoError("interrupted.", code=ExitCode.INTERRUPTED), *filter(None, reported)]
+    faults = [close() for close in reversed(_open)]
+    messages = [CranktopoError("interrupted.", code=ExitCode.INTERRUPTED), *filter(None, faults)]
     return messages[-1]

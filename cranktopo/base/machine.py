@@ -44,9 +44,9 @@ def private_cache(name: str) -> Path | None:
 
 def _user_cache() -> Path | None:
     """Return the folder in `$XDG_CACHE_HOME` or the user's home, None where there is neither."""
-    given = os.environ.get("XDG_CACHE_HOME", "")
-    if os.path.isabs(given):  # a relative one is to be ignored (XDG Base Directory Specification)
-        return Path(given) / "cranktopo"
+    folder = os.environ.get("XDG_CACHE_HOME", "")
+    if os.path.isabs(folder):  # a relative one is to be ignored (XDG Base Directory Specification)
+        return Path(folder) / "cranktopo"
     try:
         return Path.home() / ".cache" / "cranktopo"
     except RuntimeError:

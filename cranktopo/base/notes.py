@@ -88,7 +88,7 @@ class Pace:
     def __init__(self, work: str, parts: int, *, at_most: bool = False, quiet_s: float = QUIET_S) -> None:
         self._work, self._parts, self._done, self._quiet_s = work, max(parts, 1), 0, quiet_s
         self._most = "at most " if at_most else ""
-        self._began = self._told = time.perf_counter()
+        self._began = self._last_note_s = time.perf_counter()
 
     def begin(self, part: str = "", parts: int | None = None) -> None:
         """Tell that the next part begins, unless the last line is new.
@@ -99,8 +99,8 @@ class Pace:
         """
         self._parts = self._parts if parts is None else max(parts, 1)
         now = time.perf_counter()
-        if now - self._told >= self._quiet_s:
-            self._told = now
+        if now - self._last_note_s >= self._quiet_s:
+            self._last_note_s = now
             line = ", ".join([f"{self._where()}{part and f', {part}'}", *self._left(now)])
             (_pace_listener.get() or note)(line)
         self._done += 1

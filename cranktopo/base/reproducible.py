@@ -22,12 +22,12 @@ def time_of_writing(started: datetime | None = None) -> datetime:
     Raises:
         CranktopoError: SOURCE_DATE_EPOCH is not a number of seconds.
     """
-    given = os.environ.get("SOURCE_DATE_EPOCH")
-    if not given:
+    seconds = os.environ.get("SOURCE_DATE_EPOCH")
+    if not seconds:
         return (started or datetime.now(UTC)).astimezone(UTC).replace(microsecond=0)
     try:
-        return datetime.fromtimestamp(int(given), UTC)
+        return datetime.fromtimestamp(int(seconds), UTC)
     except (ValueError, OverflowError, OSError):
         raise invalid(
-            "SOURCE_DATE_EPOCH", given, "must be seconds since 1970", "Unset it, or correct it."
+            "SOURCE_DATE_EPOCH", seconds, "must be seconds since 1970", "Unset it, or correct it."
         ) from None

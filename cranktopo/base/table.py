@@ -52,7 +52,7 @@ Weight = Annotated[float, Field(ge=0, le=1e6, allow_inf_nan=False)]
 Fraction = Annotated[float, Field(ge=0.01, le=0.99, allow_inf_nan=False)]
 
 
-def not_given(value: object) -> bool:
+def is_unset(value: object) -> bool:
     """Tell whether an optional key stays out of a stored scene: no value, no text, an empty list."""
     return value is None or value in ("", ())
 

@@ -62,8 +62,8 @@ def change_text(percent: float, error_percent: float = 0.0) -> str:
     `-4.7 %`, `-0.05 +-0.04 %`: a small change may decide, and one decimal would make it `+0.0 %`.
     """
     texts = (f"{percent:+z.{decimals}f}" for decimals in range(1, _DECIMALS))
-    shown = next(filter(float, texts), "+0.0")
-    return f"{shown} +-{error_percent:.1g} %" if error_percent else f"{shown} %"
+    rounded = next(filter(float, texts), "+0.0")
+    return f"{rounded} +-{error_percent:.1g} %" if error_percent else f"{rounded} %"
 
 
 _DECIMALS = 5

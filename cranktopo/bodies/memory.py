@@ -51,8 +51,8 @@ def check_resolution(
 
 def _check_base(what: str, base_MiB: float, available_MiB: float) -> None:
     if base_MiB >= available_MiB:
-        told = f"{base_MiB / 1024:,.1f} GiB needed, {available_MiB / 1024:,.1f} GiB available"
-        raise CranktopoError(f"memory: {what} do not fit: {told}.", hint=_RAISE)
+        amounts = f"{base_MiB / 1024:,.1f} GiB needed, {available_MiB / 1024:,.1f} GiB available"
+        raise CranktopoError(f"memory: {what} do not fit: {amounts}.", hint=_RAISE)
 
 
 def thinnest_wall_mm(scene: Scene) -> float:

@@ -38,10 +38,10 @@ def parting_text(angles_deg: Iterable[float]) -> str:
     planes = parting_planes_deg(angles_deg)
     if len(planes) == 1:
         return "all throws lie in one parting plane"
-    told = ", ".join(f"{plane:g}" for plane in planes)
+    angles = ", ".join(f"{plane:g}" for plane in planes)
     return (
-        f"the throws lie in {len(planes)} planes ({told} deg), and a die releases one: each throw is that of "
-        "its own parting plane, and the crank is twisted into place after forging"
+        f"the throws lie in {len(planes)} planes ({angles} deg), and a die releases one: each throw is that "
+        "of its own parting plane, and the crank is twisted into place after forging"
     )
 
 

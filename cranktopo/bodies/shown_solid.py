@@ -38,7 +38,7 @@ _AROUND_DRILLING = 36
 _FILLET_STEPS = 8
 
 
-def shown_half(scene: Scene) -> Manifold:
+def display_half(scene: Scene) -> Manifold:
     """Return the half throw with fillets, bores and drillings, z from the mid-main-journal plane on."""
     throw, (start, end) = scene.throw, scene.web_z_mm
     bodies = web_bodies(scene)

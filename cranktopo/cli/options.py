@@ -156,7 +156,7 @@ def with_goal_options(
     scene: Scene, minimise: str | None, maximise: str | None, limits: tuple[str, ...]
 ) -> Scene:
     """Return the scene with the goal that the options ask for."""
-    from cranktopo.design.goal.wanted import with_goal
+    from cranktopo.design.goal.scene_goal import with_goal
 
     if minimise is not None and maximise is not None:
         raise click.UsageError("--minimise excludes --maximise: keep one of them, limit the other quantity")

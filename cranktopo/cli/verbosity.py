@@ -59,24 +59,24 @@ class _Stderr(logging.Handler):
 
     def __init__(self) -> None:
         super().__init__()
-        self.told = self.spoken = time.monotonic()
+        self.last_record_s = self.last_line_s = time.monotonic()
 
     def emit(self, record: logging.LogRecord) -> None:
-        self.told = self.spoken = time.monotonic()
+        self.last_record_s = self.last_line_s = time.monotonic()
         bars = sys.modules.get("tqdm")
         with bars.tqdm.external_write_mode(file=sys.stderr) if bars else nullcontext():
             click.echo(record.getMessage(), err=True)
 
     def tell_waits(self, command: str, ended: threading.Event, quiet_s: float) -> None:
         """Tell what runs when no line has come for some seconds, then after twice the time, up to a limit."""
-        last, wait = self.told, quiet_s
+        last, wait = self.last_record_s, quiet_s
         while not ended.wait(max(last + wait - time.monotonic(), 0.0)):
-            if self.told != last:
-                last, wait = self.told, quiet_s
+            if self.last_record_s != last:
+                last, wait = self.last_record_s, quiet_s
                 continue
             took = time.monotonic() - last
-            if not _bar_is_shown():
-                self.spoken = time.monotonic()
+            if not _has_progress_bar():
+                self.last_line_s = time.monotonic()
                 click.echo(f"{running() or command}: {waited(took)} so far", err=True)
             wait = took + min(took, _LONGEST_S)
 
@@ -98,13 +98,15 @@ class _Stderr(logging.Handler):
         ):
             assert process.stdin is not None
             while True:
-                now, name = time.monotonic(), "" if _bar_is_shown() else running() or command
-                process.stdin.write(f"{now - self.spoken:.1f} {now - self.told:.1f} {name}\n".encode())
+                now, name = time.monotonic(), "" if _has_progress_bar() else running() or command
+                process.stdin.write(
+                    f"{now - self.last_line_s:.1f} {now - self.last_record_s:.1f} {name}\n".encode()
+                )
                 if ended.wait(_BEAT * _LONGEST_S):
                     break
 
 
-def _bar_is_shown() -> bool:
+def _has_progress_bar() -> bool:
     """Tell whether a progress bar shows that the work goes on."""
     bars: Any = sys.modules.get("tqdm")
     return bool(bars and getattr(bars.tqdm, "_instances", None))

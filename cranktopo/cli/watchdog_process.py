@@ -31,20 +31,20 @@ class Watchdog:
 
     def __init__(self, longest_s: float) -> None:
         self.longest_s = longest_s
-        self._heard = self._told = self._began = 0.0
+        self._heard = self._last_line_s = self._began = 0.0
         self._name = ""
 
     def hear(self, beat: str, now: float) -> None:
         """Take a beat: seconds since the last line of the command, seconds of its present work, its name."""
         silent_s, worked_s, self._name = beat.split(" ", 2)
-        self._heard, self._told, self._began = now, now - float(silent_s), now - float(worked_s)
+        self._heard, self._last_line_s, self._began = now, now - float(silent_s), now - float(worked_s)
 
     def line(self, now: float) -> str:
         """Return the line that is due; empty where none is, as while beats come or no work has a name."""
-        silent = now - self._told >= (1 - _STEP) * self.longest_s
+        silent = now - self._last_line_s >= (1 - _STEP) * self.longest_s
         if not self._name or not silent or now - self._heard < _MISSED * self.longest_s:
             return ""
-        self._told = now
+        self._last_line_s = now
         return f"{self._name}: {waited(now - self._began)} so far\n"
 
 

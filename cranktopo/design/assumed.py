@@ -10,7 +10,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.table import SceneTable
 from cranktopo.base.units import plain_number
 from cranktopo.design.goal.quantities import QUANTITIES
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ROTORS, Rotor
 
@@ -97,30 +97,30 @@ def stored_assumptions(entries: Iterable[Mapping[str, Any]]) -> tuple[Assumption
         raise CranktopoError("manifest.json: `assumed` is damaged.", hint="Start a new run.") from None
 
 
-def filter_by_table(found: Sequence[Assumption], tables: Sequence[str]) -> tuple[Assumption, ...]:
+def filter_by_table(entries: Sequence[Assumption], tables: Sequence[str]) -> tuple[Assumption, ...]:
     """Return those assumptions that belong to some tables or keys of the scene, given by their paths."""
-    return tuple(item for item in found if any(f"{item.key}.".startswith(f"{table}.") for table in tables))
+    return tuple(item for item in entries if any(f"{item.key}.".startswith(f"{table}.") for table in tables))
 
 
-def assumed_text(found: Sequence[Assumption]) -> str:
+def assumed_text(entries: Sequence[Assumption]) -> str:
     """For the terminal, wrapped to its lines; empty when everything is given."""
-    if not found:
+    if not entries:
         return ""
     lines = ["assumed:"]
-    for item in found:
-        piece = f" {item}{'' if item is found[-1] else ';'}"
+    for item in entries:
+        piece = f" {item}{'' if item is entries[-1] else ';'}"
         lines += [" "] if len(lines[-1] + piece) > _WIDTH else []
         lines[-1] += piece
     return "\n".join(lines)
 
 
-def assumed_json(found: Sequence[Assumption]) -> list[dict[str, Any]]:
+def assumed_json(entries: Sequence[Assumption]) -> list[dict[str, Any]]:
     """Return the entries of `assumed` in metrics.json."""
-    return [asdict(item) for item in found]
+    return [asdict(item) for item in entries]
 
 
 def _limits(scene: Scene) -> Iterator[Assumption]:
-    goal = wanted(scene)
+    goal = goal_of(scene)
     for limit in goal.limits if goal is not None else ():
         if limit.assumed:
             signed = ", with its sign" if QUANTITIES[limit.quantity].signed else ""

@@ -34,8 +34,8 @@ class CrankJournal(SceneTable):
     def applied_to(self, journal: Journal) -> Journal:
         """Return the journal with the keys that are given here; a flying web has neither bore nor fillet."""
         none = {"bore_diameter_mm": 0.0, "fillet_mm": 0.0, "fillet_axial_mm": None}
-        given = self.model_dump(exclude={"number"}, exclude_none=True)
-        return journal.model_copy(update=given | (none if self.length_mm == 0 else {}))
+        own_keys = self.model_dump(exclude={"number"}, exclude_none=True)
+        return journal.model_copy(update=own_keys | (none if self.length_mm == 0 else {}))
 
 
 def _numbers(value: Any) -> Any:

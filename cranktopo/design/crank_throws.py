@@ -80,8 +80,8 @@ def _throw(scene: Scene, crank: Crank, index: int, name: str) -> Scene:
 
 def carried(scene: Scene) -> tuple[int, ...]:
     """Return the numbers of the main journals that sit in a bearing."""
-    given = scene.crank.bearings if scene.crank else ()
-    return given or tuple(range(throw_count(scene) + 1))
+    bearings = scene.crank.bearings if scene.crank else ()
+    return bearings or tuple(range(throw_count(scene) + 1))
 
 
 def refuse_flying_web(scene: Scene) -> None:
@@ -96,8 +96,8 @@ def refuse_flying_web(scene: Scene) -> None:
 def _journal(scene: Scene, crank: Crank, number: int, side: int) -> Journal:
     """The main journal of a number, as the half throw on that side of a throw has it."""
     journal = halves(scene)[side].throw.main_journal
-    given = next((own for own in crank.main_journal if own.number == number), None)
-    return journal if given is None else given.applied_to(journal)
+    own_journal = next((own for own in crank.main_journal if own.number == number), None)
+    return journal if own_journal is None else own_journal.applied_to(journal)
 
 
 def end_journal(scene: Scene, side: Side) -> Journal | None:

@@ -30,23 +30,23 @@ def changed_text(text: str, changes: Mapping[str, Any], source: str) -> str:
     import tomlkit
 
     document: Any = tomlkit.parse(text)
-    wanted = changed_data(parse_toml(text, source), changes)
+    changed = changed_data(parse_toml(text, source), changes)
     try:
         for key, value in changes.items():
             _put(document, key, value)
         new = tomlkit.dumps(document)
-        if parse_toml(new, source) == wanted:
+        if parse_toml(new, source) == changed:
             return new
     except (KeyError, ValueError, TypeError, AttributeError, tomlkit.exceptions.TOMLKitError):
         pass  # a layout of tables that the comment-keeping writer cannot follow
-    return tomlkit.dumps(wanted)
+    return tomlkit.dumps(changed)
 
 
 def difference_words(before: Mapping[str, Any], after: Mapping[str, Any], most: int = 8) -> str:
     """Return what differs between the tables of two designs, key by key; empty where nothing does."""
     old, new = dict(_values(before)), dict(_values(after))
     keys = [key for key in dict.fromkeys((*old, *new)) if old.get(key) != new.get(key)]
-    lines = [f"{key}: {_shown(old.get(key))} to {_shown(new.get(key))}" for key in keys[:most]]
+    lines = [f"{key}: {_value_text(old.get(key))} to {_value_text(new.get(key))}" for key in keys[:most]]
     return "; ".join([*lines, *([f"and {len(keys) - most} more"] if len(keys) > most else [])])
 
 
@@ -62,7 +62,7 @@ def _values(tables: Any, path: str = "") -> Iterator[tuple[str, Any]]:
         yield path, tables
 
 
-def _shown(value: Any) -> str:
+def _value_text(value: Any) -> str:
     return "none" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
 
 

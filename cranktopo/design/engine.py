@@ -23,7 +23,7 @@ from cranktopo.base.table import (
     Torque,
     TurningSpeed,
     WholeNumber,
-    not_given,
+    is_unset,
 )
 
 Turn = Annotated[float, Field(ge=0, lt=360, allow_inf_nan=False)]
@@ -202,9 +202,7 @@ class Engine(SceneTable):
     """Number of cylinders, one throw each; in a `V` one for two."""
     firing_order: tuple[int, ...] = ()
     """Cylinder numbers in the order of firing; needed for more than one cylinder."""
-    misfire: tuple[Annotated[int, WholeNumber], ...] = Field(
-        default=(), examples=[(3,)], exclude_if=not_given
-    )
+    misfire: tuple[Annotated[int, WholeNumber], ...] = Field(default=(), examples=[(3,)], exclude_if=is_unset)
     """Cylinders that do not fire: they compress and expand their charge, and their inertia acts as ever."""
     gas: Gas | None = None
     masses: Masses = Masses()

@@ -45,11 +45,11 @@ def halves(scene: Scene) -> tuple[Scene, Scene]:
     return _half(scene, "first"), _half(scene, "second")
 
 
-def of_halves(scene: Scene, found: Callable[[Scene], T]) -> tuple[T, T]:
+def of_halves(scene: Scene, function: Callable[[Scene], T]) -> tuple[T, T]:
     """Return what is found of each half, computed once where they are alike."""
     first, second = halves(scene)
-    result = found(first)
-    return result, result if second is first else found(second)
+    result = function(first)
+    return result, result if second is first else function(second)
 
 
 def judged_half(half: Scene) -> Scene:

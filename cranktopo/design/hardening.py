@@ -74,7 +74,7 @@ class CaseHardening(SceneTable):
         return self.transition_hardness_HV or _DROP * core_HV
 
     @property
-    def told(self) -> str:
+    def words(self) -> str:
         """The treatment in words."""
         source = self.source or "NO SOURCE; name it in its key `source`"
         return f"{self.process}, {self.case_depth_mm:g} mm, {self.surface_hardness_HV:g} HV: {source}"

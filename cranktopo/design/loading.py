@@ -176,17 +176,17 @@ def resolve_design(design: str) -> Path:
         return designs_folder() / f"{design}.toml"
     if (shaped := shaped_web(design)) is not None:
         return shaped
-    given = f"design {quoted(design, 400)}"
+    named = f"design {quoted(design, 400)}"
     if os.path.isfile(os.path.join(design, "manifest.json")) or (design and runs_named(design)):
         raise CranktopoError(
-            f"{given}: is a run, not a design.",
+            f"{named}: is a run, not a design.",
             hint="`cranktopo remodel RUN` makes a design of it (TOML, STEP, STL, drawing), "
             "`cranktopo extract RUN` writes its surface.",
         )
     if os.path.isdir(design):
-        raise CranktopoError(f"{given}: is a folder, not a TOML file.", hint="Name the file in it.")
+        raise CranktopoError(f"{named}: is a folder, not a TOML file.", hint="Name the file in it.")
     raise CranktopoError(
-        f"{given}: no such file or built-in design.", hint=suggest(design[:100], builtin_designs())
+        f"{named}: no such file or built-in design.", hint=suggest(design[:100], builtin_designs())
     )
 
 

@@ -18,7 +18,7 @@ from cranktopo.base.table import (
     Strength,
     TurningSpeed,
     filled_in,
-    not_given,
+    is_unset,
 )
 from cranktopo.design.hardening import CaseHardening, Fillet, Hardening
 
@@ -87,13 +87,13 @@ class Material(SceneTable):
     """Fatigue strength (amplitude) of a polished specimen in alternating tension."""
     fatigue_bending_MPa: Strength | None = Field(default=None, examples=[525.0])
     """Fatigue strength (amplitude) of a polished specimen in alternating bending."""
-    fatigue_torsion_MPa: Strength | None = Field(default=None, examples=[303.0], exclude_if=not_given)
+    fatigue_torsion_MPa: Strength | None = Field(default=None, examples=[303.0], exclude_if=is_unset)
     """Fatigue strength (amplitude) of a polished round specimen in alternating torsion, for `fatigue --method
     findley` and `dang_van`; without it that in bending over the square root of 3."""
     fkm_group: _FkmGroup = "Steel"
     """Material group of the FKM guideline, for `fatigue --method fkm`."""
     heat_treatment: str = Field(
-        default="", max_length=200, examples=["quenched and tempered"], exclude_if=not_given
+        default="", max_length=200, examples=["quenched and tempered"], exclude_if=is_unset
     )
     """Heat treatment of the forging, for the dossier of `fatigue --method m53`."""
     source: str = ""
@@ -204,22 +204,22 @@ class Fatigue(SceneTable):
     """Concentration factors that govern by IACS UR M53, at fillets and outlets of oil bores: those of its
     polynomials, those of elements (Appendices III and VI), or those with the lower acceptability where the
     polynomials are valid."""
-    hardening: Hardening | None = Field(default=None, exclude_if=not_given)
+    hardening: Hardening | None = Field(default=None, exclude_if=is_unset)
     """Hardened, nitrided or rolled fillets by hardness and residual stress over depth."""
-    journal_hardening: CaseHardening | None = Field(default=None, exclude_if=not_given)
+    journal_hardening: CaseHardening | None = Field(default=None, exclude_if=is_unset)
     """The fillets of the main journals where their treatment differs from `[fatigue.hardening]`."""
 
-    spectrum: Spectrum | None = Field(default=None, exclude_if=not_given)
+    spectrum: Spectrum | None = Field(default=None, exclude_if=is_unset)
     """Speeds over the life of the engine: the life in hours beside the safety (`lsa`, `fkm`)."""
-    scatter: Scatter | None = Field(default=None, exclude_if=not_given)
+    scatter: Scatter | None = Field(default=None, exclude_if=is_unset)
     """Scatter of strength, load and fillets: the probability of failure beside the safety (`lsa`)."""
 
     def hardening_at(self, fillet: Fillet) -> CaseHardening | None:
         """Return how a fillet is hardened over its depth; None where it is not."""
         if fillet == "journal" and self.journal_hardening is not None:
             return self.journal_hardening
-        given = self.hardening
-        return given if given is not None and given.fillets in ("both", fillet) else None
+        hardening = self.hardening
+        return hardening if hardening is not None and hardening.fillets in ("both", fillet) else None
 
     @property
     def hardened(self) -> dict[Fillet, CaseHardening]:
@@ -238,11 +238,11 @@ class Fatigue(SceneTable):
         """The surface treatment with its source in words; empty where there is none."""
         if self.hardened:
             alike = len(self.hardened) == 2 and self.journal_hardening is None
-            reported = {fillet: one.told for fillet, one in self.hardened.items()}
+            words_by_fillet = {fillet: one.words for fillet, one in self.hardened.items()}
             each = (
-                reported["pin"]
+                words_by_fillet["pin"]
                 if alike
-                else "; ".join(f"{key} fillets {one}" for key, one in reported.items())
+                else "; ".join(f"{key} fillets {one}" for key, one in words_by_fillet.items())
             )
             return f"strength of the fillets by hardness and residual stress over depth: {each}"
         factor = self.surface_treatment_factor

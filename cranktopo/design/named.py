@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from cranktopo.design.goal import wanted as goals
+from cranktopo.design.goal import scene_goal as goals
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.loading import load_scene, scene_from_dict, with_value
 from cranktopo.design.schema import Scene
@@ -40,7 +40,7 @@ def wanted(scene: DesignLike) -> Goal | None:
     of the original, but for the goal's own quantity. With a counterweight the unbalance stays at most as it
     is. A given limit replaces the default one of its quantity.
     """
-    return goals.wanted(as_scene(scene))
+    return goals.goal_of(as_scene(scene))
 
 
 def with_goal(

@@ -129,12 +129,12 @@ def _described(node: dict[str, Any]) -> dict[str, Any]:
 
 def _resolved(defs: dict[str, Any], node: dict[str, Any]) -> dict[str, Any]:
     """Return a node with its references followed and null left out of its choices."""
-    given = {name: value for name, value in node.items() if name not in ("anyOf", "$ref")}
+    own_keys = {name: value for name, value in node.items() if name not in ("anyOf", "$ref")}
     if "$ref" in node:
-        return {**_resolved(defs, defs[node["$ref"].rpartition("/")[2]]), **given}
+        return {**_resolved(defs, defs[node["$ref"].rpartition("/")[2]]), **own_keys}
     if "anyOf" in node:
         (kept,) = (part for part in node["anyOf"] if part != {"type": "null"})
-        return {**_resolved(defs, kept), **given}
+        return {**_resolved(defs, kept), **own_keys}
     return node
 
 
@@ -204,7 +204,7 @@ def template(
         origin: where the values are from, for the heading; a paragraph a line.
         sized: gives examples for another size of engine than that of the schema.
     """
-    given = {"name": name, **(values or {})}
+    values_by_key = {"name": name, **(values or {})}
     lines = [*_HEADING.format(name=name).splitlines(), *filter(None, origin.splitlines())]
     heading = "\n".join(map(_prose, lines))
     off: set[str] = set()
@@ -212,10 +212,10 @@ def template(
     for path, group in groupby(_sized_reference(sized), key=lambda table: table.path):
         tables = list(group)
         first = tables[0]
-        wanted = any(key.startswith(f"{path}.") for key in given)
-        if not wanted and (first.path.rpartition(".")[0] in off or not (first.required or first.empty)):
+        has_values = any(key.startswith(f"{path}.") for key in values_by_key)
+        if not has_values and (first.path.rpartition(".")[0] in off or not (first.required or first.empty)):
             off.add(path)
-        blocks += _blocks(tables, given, "#" if path in off else "")
+        blocks += _blocks(tables, values_by_key, "#" if path in off else "")
     return "\n\n".join(blocks) + "\n"
 
 
@@ -252,11 +252,11 @@ def _blocks(tables: list[TableReference], values: Mapping[str, Any], off: str) -
 def _lines(
     keys: tuple[KeyReference, ...], off: str, values: Mapping[str, Any] | None = None
 ) -> Iterator[str]:
-    given = values or {}
+    values_by_key = values or {}
     for key in keys:
-        on = (key.required and not key.unless) or key.shown or key.name in given
+        on = (key.required and not key.unless) or key.shown or key.name in values_by_key
         use_example = on or key.default is None
-        value = given.get(key.name, key.example if use_example else key.default)
+        value = values_by_key.get(key.name, key.example if use_example else key.default)
         yield _prose(f"{key.meaning} ({_facts(key)})")
         yield f"{off}{'' if on else '#'}{key.name} = {json.dumps(value, ensure_ascii=False)}"
 

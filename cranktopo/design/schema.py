@@ -17,7 +17,7 @@ from cranktopo.base.table import (
     SceneTable,
     Weight,
     WholeNumber,
-    not_given,
+    is_unset,
 )
 from cranktopo.design.balancer import BalancerPart
 from cranktopo.design.bolt import BoltedJoint
@@ -232,7 +232,7 @@ class Original(SceneTable):
     file: str = Field(examples=["original.step"])
     """STL in mm or STEP of the half throw, z along the crank and y along the throw; relative to this file.
     Where the halves of the throw differ, of the first one."""
-    second_file: str | None = Field(default=None, examples=["original-2.step"], exclude_if=not_given)
+    second_file: str | None = Field(default=None, examples=["original-2.step"], exclude_if=is_unset)
     """The same of the half beyond the crankpin where the halves differ, described as `[second_web]` is."""
 
 
@@ -259,7 +259,7 @@ class Scene(SceneTable):
     shaft: ShaftTable | None = None
     crank: Crank | None = None
     bearings: PlainBearings | None = None
-    forging: Forging | None = Field(default=None, exclude_if=not_given)
+    forging: Forging | None = Field(default=None, exclude_if=is_unset)
     rod: Rod | None = None
     balancer: BalancerPart | None = None
     bolted_joint: tuple[BoltedJoint, ...] = Field(default=(), max_length=64)
@@ -276,9 +276,9 @@ class Scene(SceneTable):
 
     def with_optimise(self, **changes: object) -> Scene:
         """Return the scene with other settings of `[optimise]`, by name; None keeps its own."""
-        given = {key: value for key, value in changes.items() if value is not None}
+        settings_given = {key: value for key, value in changes.items() if value is not None}
         try:
-            settings = Optimise.model_validate({**self.optimise.model_dump(), **given})
+            settings = Optimise.model_validate({**self.optimise.model_dump(), **settings_given})
         except ValidationError as error:
             raise explain(error, self.name, ("optimise",)) from None
         return self.model_copy(update={"optimise": settings})
@@ -311,8 +311,8 @@ class Scene(SceneTable):
         """Distance along the shaft of the two rods on a pin, mm; 0 for one rod, by default half the pin."""
         if self.engine is None or self.engine.rods_per_pin == 1:
             return 0.0
-        given = self.engine.arranged.rod_offset_mm
-        return self.throw.crankpin.length_mm / 2 if given is None else given
+        offset_mm = self.engine.arranged.rod_offset_mm
+        return self.throw.crankpin.length_mm / 2 if offset_mm is None else offset_mm
 
     @property
     def web_z_mm(self) -> tuple[float, float]:

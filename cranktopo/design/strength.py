@@ -95,9 +95,9 @@ def through_mm(diameter_mm: float, bore_mm: float) -> float:
 def _demanded_strength(material: Material) -> list[str]:
     """Return the note on the strength that a material must have; nothing where none is known."""
     strengths = (("Rm", material.ultimate_MPa), ("Re", material.yield_MPa))
-    told = [f"{name} at least {value:g} MPa" for name, value in strengths if value]
-    told += [material.heat_treatment] if material.heat_treatment else []
-    return [f"{material.name}: {', '.join(told)}."] if told else []
+    demands = [f"{name} at least {value:g} MPa" for name, value in strengths if value]
+    demands += [material.heat_treatment] if material.heat_treatment else []
+    return [f"{material.name}: {', '.join(demands)}."] if demands else []
 
 
 def _crank_section(scene: Scene) -> RulingSection:

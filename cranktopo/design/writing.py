@@ -115,11 +115,11 @@ def pair_text(design: str, file: Path, first: Scene | None = None, second: Scene
     import tomlkit
 
     own = halves(load_scene(design, whole=True))
-    given = {"--first": first, "--second": second}
-    for (option, scene), half in zip(given.items(), own, strict=True):
+    webs = {"--first": first, "--second": second}
+    for (option, scene), half in zip(webs.items(), own, strict=True):
         if scene is not None:
             _check_throw(option, scene, half)
-    one, other = (scene or half for scene, half in zip(given.values(), own, strict=True))
+    one, other = (scene or half for scene, half in zip(webs.values(), own, strict=True))
     document: Any = tomlkit.parse(copy_of(design, file))
     document["web"] = _table(one)
     document["second_web"] = _table(other)
@@ -142,9 +142,9 @@ def _check_throw(option: str, scene: Scene, half: Scene) -> None:
         one, other = getattr(scene.throw, name), getattr(half.throw, name)
         keys = [key for key in Journal.model_fields if key != "length_mm"]
         pairs |= {f"{name}.{key}": (getattr(one, key), getattr(other, key)) for key in keys}
-    for key, (found, wanted) in pairs.items():
-        if found != wanted:
+    for key, (found, expected) in pairs.items():
+        if found != expected:
             raise CranktopoError(
-                f"{option}: its throw.{key} is {found}, that of the design {wanted}.",
+                f"{option}: its throw.{key} is {found}, that of the design {expected}.",
                 hint="A web goes onto the journals that it was found for.",
             )

@@ -70,15 +70,15 @@ class Cycle:
     @property
     def forces(self) -> ThrowForces:
         """Forces of the throw, or of the web, with the largest web force; of equal ones the first."""
-        return self._shown[1]
+        return self._governing[1]
 
     @property
     def place(self) -> str:
         """Name of the throw or web that these are of; empty where all are alike."""
-        return self._shown[0]
+        return self._governing[0]
 
     @property
-    def _shown(self) -> tuple[str, ThrowForces]:
+    def _governing(self) -> tuple[str, ThrowForces]:
         return max(self.unlike, key=lambda one: _size(np.abs(one[1].web_force_N).max()))
 
     @property

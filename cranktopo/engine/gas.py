@@ -56,7 +56,7 @@ def fit_combustion(gas: Gas, radius_mm: float, rod_length_mm: float, cycle_deg: 
     At the peak p' = 0, hence (n - 1) q x' = n p v'; q follows from the integral for a trial start, and the
     start from this one equation. Raises CranktopoError where none fits the peak.
     """
-    peak = _given("engine.gas.peak_angle_deg", gas.peak_angle_deg)
+    peak = _required_value("engine.gas.peak_angle_deg", gas.peak_angle_deg)
 
     def model(start: float) -> _Combustion:
         trial = _Combustion(gas, radius_mm, rod_length_mm, cycle_deg, start, 1.0)
@@ -174,7 +174,7 @@ def _expansion(model: _Combustion, angle_deg: Array) -> Array:
 def _heat_for_peak(model: _Combustion) -> float:
     """Heat that lifts the pressure to the peak at the peak angle, for the model's start of burning."""
     n = model.gas.polytropic_expansion
-    peak_deg = _given("engine.gas.peak_angle_deg", model.gas.peak_angle_deg)
+    peak_deg = _required_value("engine.gas.peak_angle_deg", model.gas.peak_angle_deg)
     peak, start = np.array([peak_deg]), np.array([model.start_deg])
     charge = _compression(model, start) * _volume(model, start)[0] ** n
     needed = _peak_MPa(model.gas) * _volume(model, peak)[0] ** n - charge
@@ -184,16 +184,16 @@ def _heat_for_peak(model: _Combustion) -> float:
 def _peak_slope(model: _Combustion, peak_deg: float) -> float:
     """Residual of (n - 1) q x' = n p v' at the peak angle."""
     n, peak = model.gas.polytropic_expansion, np.array([peak_deg])
-    rise = (n - 1.0) * model.heat_MPa * _burn_rate(model, peak)
-    fall = n * _peak_MPa(model.gas) * _volume(model, peak)[1]
-    return float((rise - fall)[0])
+    heating = (n - 1.0) * model.heat_MPa * _burn_rate(model, peak)
+    expansion = n * _peak_MPa(model.gas) * _volume(model, peak)[1]
+    return float((heating - expansion)[0])
 
 
 def _peak_MPa(gas: Gas) -> float:
-    return _given("engine.gas.peak_pressure_MPa", gas.peak_pressure_MPa)
+    return _required_value("engine.gas.peak_pressure_MPa", gas.peak_pressure_MPa)
 
 
-def _given(key: str, value: float | None) -> float:
+def _required_value(key: str, value: float | None) -> float:
     if value is None:
         raise invalid(key, value, "must be given for the combustion model")
     return value

@@ -109,7 +109,7 @@ def load_history(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> Lo
         return _joined(cycle_histories(scene, enabled))
     scene = all_firing(scene)
     _check_engine(scene)
-    return _without(_extremes(scene, enabled), enabled)
+    return _enabled_loads(_extremes(scene, enabled), enabled)
 
 
 def cycle_histories(scene: Scene, enabled: frozenset[str]) -> list[LoadHistory]:
@@ -220,11 +220,11 @@ def joined_extremes(
 
 def extremes_at(scene: Scene, extremes: Sequence[ExtremeState], enabled: frozenset[str]) -> LoadHistory:
     """Return the joined extremes of a scene at its own speed, with torques that may be those of another."""
-    return _without(joined_extremes(analyse(scene, enabled), extremes), enabled)
+    return _enabled_loads(joined_extremes(analyse(scene, enabled), extremes), enabled)
 
 
 def _radial_extremes_N(
-    analysis: LoadAnalysis, others: Sequence[Cycle], given_N: float
+    analysis: LoadAnalysis, others: Sequence[Cycle], gas_force_N: float
 ) -> tuple[float, float]:
     """Largest and smallest radial force on a web over a cycle; of a given gas force that and none.
 
@@ -233,7 +233,7 @@ def _radial_extremes_N(
     Where inertia outweighs the gas, the load case of bending is the smallest force, and tells no other end.
     """
     if analysis.cycle is None or analysis.engine.max_gas_force_N is not None:
-        return given_N, 0.0
+        return gas_force_N, 0.0
     found = [cycle.extreme("web_force_N") for cycle in (analysis.cycle, *others)]
     high, low = max(found, key=lambda ends: ends[0].value - ends[1].value)
     return high.value, low.value
@@ -242,7 +242,7 @@ def _radial_extremes_N(
 def throw_histories(scene: Scene, enabled: frozenset[str]) -> list[LoadHistory]:
     """Return the cycle of every throw at the engine's speed, all cylinders firing."""
     scene = all_firing(scene)
-    return [_without(one, enabled) for one in _throw_cycles(scene, enabled)]
+    return [_enabled_loads(one, enabled) for one in _throw_cycles(scene, enabled)]
 
 
 def _joined(parts: Sequence[LoadHistory]) -> LoadHistory:
@@ -289,7 +289,7 @@ def _throw(
     return at(forces.web_force_N, angle), at(forces.tangential_force_N, angle), mean
 
 
-def _without(history: LoadHistory, enabled: frozenset[str]) -> LoadHistory:
+def _enabled_loads(history: LoadHistory, enabled: frozenset[str]) -> LoadHistory:
     kept = {
         quantity: getattr(history, quantity) * (1.0 if effect in enabled else 0.0)
         for effect, quantity in _QUANTITY_OF.items()

@@ -80,7 +80,7 @@ def _chosen(
     header: Sequence[str],
     fits: Callable[[str], object],
     preferred: Sequence[Callable[[str], bool]],
-    wanted: str,
+    quantity: str,
     units: str,
 ) -> int:
     """Return the one column that fits, of several that which the first rule has alone."""
@@ -88,12 +88,12 @@ def _chosen(
     for rule in preferred:
         found = [index for index in found if rule(header[index])] or found
     if not found:
-        raise UnusableError(f"header {quoted(list(header))}: no {wanted} in {units}", HEADER_HINT)
+        raise UnusableError(f"header {quoted(list(header))}: no {quantity} in {units}", HEADER_HINT)
     if len(found) > 1:
         names = ", ".join(quoted(header[index]) for index in found)
         raise UnusableError(
-            f"several columns fit as {wanted}: {names}",
-            f"Rename the header of the one to be read to {_NAMES[wanted]}.",
+            f"several columns fit as {quantity}: {names}",
+            f"Rename the header of the one to be read to {_NAMES[quantity]}.",
         )
     return found[0]
 

@@ -62,8 +62,8 @@ def _at_overspeed(
     if kind == "cycle":
         found = throw_histories(at, enabled)
     else:
-        reported = scene if "torsional_vibration" in enabled else at
-        extremes = extreme_states(all_firing(reported), enabled)
+        loaded = scene if "torsional_vibration" in enabled else at
+        extremes = extreme_states(all_firing(loaded), enabled)
         found = [extremes_at(at, extremes, enabled)]
         if counts_tangential(at, kind, enabled):
             found += _bounding(throw_histories(at, enabled))

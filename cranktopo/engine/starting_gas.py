@@ -47,7 +47,7 @@ class _Proposal:
 
 
 def gas_for_power(
-    scene: Scene, wanted_kW: float, peak_MPa: float | None, compression_ratio: float | None = None
+    scene: Scene, target_kW: float, peak_MPa: float | None, compression_ratio: float | None = None
 ) -> dict[str, float]:
     """Return keys of `[engine.gas]` with which an engine has a power, but for those at their default.
 
@@ -60,11 +60,11 @@ def gas_for_power(
     """
     engine = scene.engine
     assert engine is not None
-    mean = mean_pressure_MPa(wanted_kW / power_kW(1.0, engine), engine, scene.throw.radius_mm)
+    mean = mean_pressure_MPa(target_kW / power_kW(1.0, engine), engine, scene.throw.radius_mm)
     ratios = _COMPRESSION if compression_ratio is None else (compression_ratio,)
     found = _by_peak(scene, mean) if peak_MPa is None else _at_peak(scene, mean, peak_MPa, ratios)
     if isinstance(found, _Range):
-        raise _refused(scene, wanted_kW, mean, found, peak_MPa, ratios)
+        raise _refused(scene, target_kW, mean, found, peak_MPa, ratios)
     return {key: value for key, value in found.items() if value != Gas.model_fields[key].default}
 
 
@@ -172,13 +172,13 @@ def _between(
 
 
 def _halved(
-    at: Callable[[float], float], between: tuple[float, float], wanted: float, *, rising: bool = True
+    at: Callable[[float], float], between: tuple[float, float], target: float, *, rising: bool = True
 ) -> float:
     """Return where a curve has a value between two places, to four digits."""
     low, high = between
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        low, high = (middle, high) if (at(middle) < wanted) == rising else (low, middle)
+        low, high = (middle, high) if (at(middle) < target) == rising else (low, middle)
     return float(f"{(low + high) / 2:.4g}")
 
 
@@ -218,14 +218,14 @@ def _work_J(scene: Scene) -> float:
 
 
 def _peak_that_does(
-    scene: Scene, mean: float, peak: float, found: _Range, ratios: Sequence[float]
+    scene: Scene, mean: float, peak: float, pressure_range: _Range, ratios: Sequence[float]
 ) -> float | None:
     """Return a peak of three digits in proportion to the mean pressure that is wanted, or a little beyond.
 
     None where no such one is accepted: each takes a second to try.
     """
-    more = mean > found.most_MPa
-    near = found.most_MPa if more else found.least_MPa
+    more = mean > pressure_range.most_MPa
+    near = pressure_range.most_MPa if more else pressure_range.least_MPa
     for beyond in _BEYOND if near else ():
         tried = float(f"{peak * mean / near * (beyond if more else 1 / beyond):.3g}")
         within = _PEAK_MPA[0] <= tried <= _PEAK_MPA[1]
@@ -236,16 +236,16 @@ def _peak_that_does(
 
 def _refused(
     scene: Scene,
-    wanted_kW: float,
+    target_kW: float,
     mean: float,
-    found: _Range,
+    pressure_range: _Range,
     peak: float | None,
     ratios: Sequence[float],
 ) -> CranktopoError:
     """Return a refusal with what is assumed and what would do."""
     engine = scene.engine
     assert engine is not None
-    per_MPa = wanted_kW / mean
+    per_MPa = target_kW / mean
     assumed = f"{'assumed ' if len(ratios) > 1 else ''}compression ratio {ratios[0]:g}"
     at = f"peak pressures of {_PEAK_MPA[0]:g} to {_PEAK_MPA[1]:g} MPa"
     hint = "Look at bore, stroke, speed and number of cylinders."
@@ -254,12 +254,13 @@ def _refused(
         assumed += f", burn duration {_BURN_DEG[-1]:g} to {_BURN_DEG[0]:g} deg"
         at = f"the peak pressure of {peak:g} MPa"
         hint = f"It is indicated, before friction: that at the shaft over 0.8 to 0.9. {hint}"
-        if needed := _peak_that_does(scene, mean, peak, found, ratios):
+        if needed := _peak_that_does(scene, mean, peak, pressure_range, ratios):
             hint += f" A peak pressure of {needed:g} MPa would do; or leave it out."
     return invalid(
         "power_kW",
-        wanted_kW,
+        target_kW,
         f"it needs an indicated mean pressure of {plain_number(mean, 3)} MPa; with {at} and "
-        f"{assumed} this engine has {found.least_MPa * per_MPa:.0f} to {found.most_MPa * per_MPa:.0f} kW",
+        f"{assumed} this engine has "
+        f"{pressure_range.least_MPa * per_MPa:.0f} to {pressure_range.most_MPa * per_MPa:.0f} kW",
         hint,
     )

@@ -67,8 +67,8 @@ def throw_stiffness_Nm_per_rad(scene: Scene) -> float:
     shaft = scene.shaft
     if shaft is not None and shaft.throw_stiffnesses_Nm_per_rad is not None:
         return sum(shaft.throw_stiffnesses_Nm_per_rad) / len(shaft.throw_stiffnesses_Nm_per_rad)
-    given = shaft.throw_stiffness_Nm_per_rad if shaft else None
-    return given if given is not None else 1 / throw_torsion_rad_per_Nmm(scene) / NMM_PER_NM
+    stiffness = shaft.throw_stiffness_Nm_per_rad if shaft else None
+    return stiffness if stiffness is not None else 1 / throw_torsion_rad_per_Nmm(scene) / NMM_PER_NM
 
 
 def fillet_length_saving_mm(journal: Journal) -> float:

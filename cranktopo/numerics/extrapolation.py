@@ -78,8 +78,8 @@ def _by_orders(sizes: Sequence[float], values: Sequence[float], order: float | N
     if len(values) > 2 and (recent[0] - recent[1]) * step >= 0:
         return Extrapolation(fine, 100 * (max(recent) - min(recent)) / abs(fine), None)
     used = min(max(order or _TYPICAL_ORDER, MINIMUM_ORDER), MAXIMUM_ORDER)
-    value = fine + step * _further(sizes, used)
-    ends = [fine + step * _further(sizes, p) for p in (MINIMUM_ORDER, MAXIMUM_ORDER)]
+    value = fine + step * _richardson_factor(sizes, used)
+    ends = [fine + step * _richardson_factor(sizes, p) for p in (MINIMUM_ORDER, MAXIMUM_ORDER)]
     ends += [fine] if order is None else []
     return Extrapolation(value, 100 * max(abs(end - value) for end in ends) / abs(value), order)
 
@@ -94,18 +94,18 @@ def _safe_band(sizes: Sequence[float], values: Sequence[float]) -> float:
     safety of 3 (P. J. Roache, J. Fluids Eng. 116, 1994, 405-413), of second order.
     """
     recent = values[-3:]
-    index = _SAFETY * abs(values[-1] - values[-2]) * _further(sizes, _SECOND_ORDER)
+    index = _SAFETY * abs(values[-1] - values[-2]) * _richardson_factor(sizes, _SECOND_ORDER)
     return max(index, max(recent) - min(recent))
 
 
-def _bounded(found: Extrapolation, fine: float, bound_percent: float, asymptotic: bool) -> Extrapolation:
+def _bounded(limit: Extrapolation, fine: float, bound_percent: float, asymptotic: bool) -> Extrapolation:
     """Return a limit within the bound of the finest value, with a band that holds what the bound leaves."""
     room = abs(fine) * bound_percent / 100
-    value = min(max(found.value, fine - room), fine + room)
+    value = min(max(limit.value, fine - room), fine + room)
     whole = 100 * (abs(value - fine) + room) / abs(value)
-    trusted = asymptotic and value == found.value
-    return Extrapolation(value, min(found.uncertainty_percent, whole) if trusted else whole, found.order)
+    trusted = asymptotic and value == limit.value
+    return Extrapolation(value, min(limit.uncertainty_percent, whole) if trusted else whole, limit.order)
 
 
-def _further(sizes: Sequence[float], order: float) -> float:
+def _richardson_factor(sizes: Sequence[float], order: float) -> float:
     return 1 / (math.pow(sizes[-2] / sizes[-1], order) - 1)

@@ -53,11 +53,11 @@ def check_device() -> None:
     try:
         jax.devices()
     except Exception as error:  # JAX raises whatever its plugins raise, an empty AssertionError among it
-        wanted = os.environ.get("JAX_PLATFORMS")
-        asked = f" (JAX_PLATFORMS = {quoted(wanted)})" if wanted else ""
+        platforms = os.environ.get("JAX_PLATFORMS")
+        setting = f" (JAX_PLATFORMS = {quoted(platforms)})" if platforms else ""
         reason = str(error).splitlines()[0][:200] if str(error) else type(error).__name__
         raise CranktopoError(
-            f"JAX finds no device to compute on{asked}: {reason}.",
+            f"JAX finds no device to compute on{setting}: {reason}.",
             hint="Unset JAX_PLATFORMS, or install JAX for that device: see `cranktopo doctor`.",
             code=ExitCode.MISSING_TOOL,
         ) from None

@@ -87,8 +87,8 @@ class _Sheet:
     def _points(self, axes: Any, points: Any, transform: Any = None) -> Array:
         """Points of axes, in mm of the drawing."""
         figure = axes.get_figure(root=True)
-        shown = (transform or axes.transData).transform(np.asarray(points, dtype=float))
-        return np.asarray(shown / figure.dpi * MM_PER_INCH / self._scale)
+        pixels = (transform or axes.transData).transform(np.asarray(points, dtype=float))
+        return np.asarray(pixels / figure.dpi * MM_PER_INCH / self._scale)
 
     def _patch(self, axes: Any, patch: Any) -> None:
         layer = _layer(patch.get_linestyle(), patch.get_linewidth())

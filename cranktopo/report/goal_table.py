@@ -62,7 +62,7 @@ def limits_table(goal: GoalOutcome) -> ResultTable:
     return tabulate((*_COLUMNS[:-1], *_EVALUATED, _COLUMNS[-1]) if evaluated else _COLUMNS, goal.limits)
 
 
-def broken_limits(goal: GoalOutcome) -> list[str]:
+def violated_limits(goal: GoalOutcome) -> list[str]:
     """Return the limits that do not hold, with what was reached, by the evaluation where there is one."""
     return [f"{_limit(limit)}: reached {_judged(limit)}" for limit in goal.limits if limit.holds is False]
 
@@ -72,14 +72,14 @@ def evaluated_changes(goal: GoalOutcome | None) -> str:
 
     Empty where it says nothing of them.
     """
-    told = [
+    changes = [
         f"{limit.quantity} {change_text(limit.evaluation.reached_percent - 100)}"
         for limit in (goal.limits if goal else ())
         if limit.quantity in ("torsion", "bending")
         and limit.evaluation is not None
         and limit.evaluation.reached_percent is not None
     ]
-    return f"by the evaluation {', '.join(dict.fromkeys(told))}" if told else ""
+    return f"by the evaluation {', '.join(dict.fromkeys(changes))}" if changes else ""
 
 
 def unknown_limits(goal: GoalOutcome) -> list[str]:

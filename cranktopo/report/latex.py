@@ -83,5 +83,5 @@ def _cell(table: ResultTable, row: int, name: str) -> str:
     best = (row, name) in table.best
     text = table.cell(row, name).removesuffix("*" if best else "")
     number = not isinstance(table.rows[row][name], str) and _NUMBER.fullmatch(text)
-    shown = text.replace("-", "$-$") if number else latex_text(text)
-    return shown + r"\rlap{*}" * best
+    typeset = text.replace("-", "$-$") if number else latex_text(text)
+    return typeset + r"\rlap{*}" * best

@@ -48,7 +48,7 @@ def gap(height: float) -> Block:
 
 def words(text: str, size: float, keep: float = 0.0, **style: Any) -> Iterator[Block]:
     """Yield a text line by line over the whole width; one with room below it is not parted."""
-    lines = _broken(typeset(text), ROOM, size, style.get("weight", "normal"))
+    lines = _wrapped(typeset(text), ROOM, size, style.get("weight", "normal"))
     for after, line in zip(reversed(range(len(lines))), lines, strict=True):
         below = keep and keep + after * LEADING * size
         yield Block(LEADING * size, _Text(line, 0.0, size, tuple(style.items())), below)
@@ -91,29 +91,29 @@ class _Column:
         return max(longest, min(self.natural(size), max(_WORDS, inside)))
 
 
-def table(found: ResultTable) -> Iterator[Block]:
+def table(result_table: ResultTable) -> Iterator[Block]:
     """Yield a table row by row under rules; its head stands again on each page, and no last row alone."""
-    columns = [_column(found, name) for name in found.columns]
-    headless = list(found.columns) == ["what", "value"]
+    columns = [_column(result_table, name) for name in result_table.columns]
+    headless = list(result_table.columns) == ["what", "value"]
     size, widths = _sizes(columns)
     head = None if headless else _head(columns, widths, size)
     rows = [
         _row(columns, [column.cells[row] for column in columns], widths, size, head)
-        for row in range(len(found.rows))
+        for row in range(len(result_table.rows))
     ]
     if head is not None:
         yield replace(head, keep=sum(row.height for row in rows[:_TOGETHER]))
     for number, row in enumerate(rows):
         after = rows[number + 1 :]
-        together = len(after) < _TOGETHER
-        yield replace(row, keep=sum(other.height for other in after)) if together else row
+        unparted = len(after) < _TOGETHER
+        yield replace(row, keep=sum(other.height for other in after)) if unparted else row
 
 
-def _column(found: ResultTable, name: str) -> _Column:
-    label, unit = found.head(name)
-    cells = tuple(typeset(found.shown(row, name)) for row in range(len(found.rows)))
-    first = name == next(iter(found.columns))
-    return _Column(label, typeset(unit), cells, not first and not found.is_text(name))
+def _column(result_table: ResultTable, name: str) -> _Column:
+    label, unit = result_table.head(name)
+    cells = tuple(typeset(result_table.page_cell(row, name)) for row in range(len(result_table.rows)))
+    first = name == next(iter(result_table.columns))
+    return _Column(label, typeset(unit), cells, not first and not result_table.is_text(name))
 
 
 def _sizes(columns: Sequence[_Column]) -> tuple[float, list[float]]:
@@ -126,14 +126,14 @@ def _sizes(columns: Sequence[_Column]) -> tuple[float, list[float]]:
     natural = [column.natural(size) for column in columns]
     if sum(natural) <= room:
         return size, natural
-    wanted = [most - width for most, width in zip(natural, least, strict=True)]
-    share = max(0.0, room - sum(least)) / (sum(wanted) or 1.0)
-    return size, [width + share * more for width, more in zip(least, wanted, strict=True)]
+    stretch = [most - width for most, width in zip(natural, least, strict=True)]
+    share = max(0.0, room - sum(least)) / (sum(stretch) or 1.0)
+    return size, [width + share * more for width, more in zip(least, stretch, strict=True)]
 
 
 def _head(columns: Sequence[_Column], widths: Sequence[float], size: float) -> Block:
     lines = [
-        [(line, "bold", "black") for line in _broken(column.head, width, size, "bold")]
+        [(line, "bold", "black") for line in _wrapped(column.head, width, size, "bold")]
         + [(column.unit, "normal", _UNIT)] * bool(column.unit)
         for column, width in zip(columns, widths, strict=True)
     ]
@@ -146,7 +146,7 @@ def _row(
     columns: Sequence[_Column], cells: Sequence[str], widths: Sequence[float], size: float, head: Block | None
 ) -> Block:
     lines = [
-        [(line, "normal", "black") for line in _broken(cell, width, size)]
+        [(line, "normal", "black") for line in _wrapped(cell, width, size)]
         for cell, width in zip(cells, widths, strict=True)
     ]
     block = _cells(columns, lines, widths, size)
@@ -185,7 +185,7 @@ def _rule(figure: Any, y: float, length: float) -> None:
     figure.add_artist(Line2D(ends, [y / HEIGHT, y / HEIGHT], color=_RULE, linewidth=0.5))
 
 
-def _broken(text: str, width: float, size: float, weight: str = "normal") -> list[str]:
+def _wrapped(text: str, width: float, size: float, weight: str = "normal") -> list[str]:
     """Return a text in lines of that width; a word that is wider is parted where it must be.
 
     Its own line breaks are those of the terminal, and count as spaces.

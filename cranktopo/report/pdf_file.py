@@ -28,11 +28,11 @@ def write_pdf(page: Page, path: Path, document: str) -> None:
 
     parted = sheets(list(blocks(page)))
     with replacing(path) as temporary:
-        made = io.BytesIO()
-        with PdfPages(made, metadata={"Title": page.title, "CreationDate": None}) as pdf:
+        buffer = io.BytesIO()
+        with PdfPages(buffer, metadata={"Title": page.title, "CreationDate": None}) as pdf:
             for number, own in enumerate(parted, start=1):
                 pdf.savefig(_sheet(own, f"{document}, page {number} of {len(parted)}"))
-        temporary.write_bytes(made.getvalue())
+        temporary.write_bytes(buffer.getvalue())
 
 
 def blocks(page: Page) -> Iterator[Block]:
@@ -77,9 +77,9 @@ def _start(text: Sequence[Block], below: Sequence[Block]) -> float:
     return start if fits else 0.0
 
 
-def _table(caption: str, found: ResultTable) -> Iterator[Block]:
+def _table(caption: str, result_table: ResultTable) -> Iterator[Block]:
     """Yield a table below its caption: a short one is not parted."""
-    rows = list(table(found))
+    rows = list(table(result_table))
     height = sum(row.height for row in rows)
     start = height if height < _SHORT else rows[0].height + rows[0].keep
     yield gap(8)
@@ -132,12 +132,12 @@ def _side_by_side(pictures: Sequence[Picture]) -> Iterator[Block]:
     yield Block(max(heights) + 8.0, draw)
 
 
-def _paste(axes: Any, shown: Picture, dpi: float, turns: int = 0) -> None:
+def _paste(axes: Any, pasted: Picture, dpi: float, turns: int = 0) -> None:
     """Paste a picture as pixels, turned to the left by right angles."""
     from matplotlib.image import imread
     from numpy import rot90
 
-    axes.imshow(rot90(imread(io.BytesIO(png(shown.figure, dpi, "white"))), turns), aspect="auto")
+    axes.imshow(rot90(imread(io.BytesIO(png(pasted.figure, dpi, "white"))), turns), aspect="auto")
     axes.axis("off")
 
 

@@ -110,21 +110,21 @@ def save_figure(figure: Figure, target: Any, **options: Any) -> None:
     if not isinstance(target, Path):
         figure.savefig(target, **options)
         return
-    made = io.BytesIO()
-    figure.savefig(made, format=target.suffix.removeprefix("."), **options)
-    target.write_bytes(made.getvalue())
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format=target.suffix.removeprefix("."), **options)
+    target.write_bytes(buffer.getvalue())
 
 
 def save_pages(figures: Sequence[Figure], path: Path, metadata: dict[str, Any]) -> None:
     """Save figures as the pages of a PDF, as `save_figure` does one."""
     from matplotlib.backends.backend_pdf import PdfPages
 
-    made = io.BytesIO()
-    with PdfPages(made, metadata=metadata) as pdf:
+    buffer = io.BytesIO()
+    with PdfPages(buffer, metadata=metadata) as pdf:
         for figure in figures:
             _names_as_they_are(figure)
             pdf.savefig(figure)
-    path.write_bytes(made.getvalue())
+    path.write_bytes(buffer.getvalue())
 
 
 def _names_as_they_are(figure: Figure) -> None:

@@ -50,9 +50,9 @@ class _Printed:
 
     def lines(self, text: str, width: int) -> list[str]:
         """Return a text in lines of that width; one that goes on is read from the left."""
-        broken = textwrap.wrap(text, width, break_on_hyphens=False) or [""]
-        left = not self.right or (len(broken) > 1 and text in self.cells)
-        return [line.ljust(width) if left else line.rjust(width) for line in broken]
+        wrapped = textwrap.wrap(text, width, break_on_hyphens=False) or [""]
+        left = not self.right or (len(wrapped) > 1 and text in self.cells)
+        return [line.ljust(width) if left else line.rjust(width) for line in wrapped]
 
     def heads(self, width: int) -> list[str]:
         """Return the lines of the head, the unit last."""
@@ -193,9 +193,9 @@ class ResultTable:
         """Return a cell as text, rounded, with a trailing `*` where it is marked as best."""
         return self._printed(row, column, lambda value: f"{value:z.{self._decimals[column]}f}")
 
-    def shown(self, row: int, column: str) -> str:
+    def page_cell(self, row: int, column: str) -> str:
         """Return a cell as a page shows it: four digits of a column's largest value, thousands in groups."""
-        digits = self._shown_digits[column]
+        digits = self._page_decimals[column]
         return self._printed(
             row, column, lambda value: f"{value:,.0f}" if abs(value) >= _GROUPED else f"{value:z.{digits}f}"
         )
@@ -218,7 +218,7 @@ class ResultTable:
         }
 
     @cached_property
-    def _shown_digits(self) -> dict[str, int]:
+    def _page_decimals(self) -> dict[str, int]:
         """Decimals by column; lengths and angles keep theirs, and so does what mixes units."""
         return {
             column: digits if stem_and_unit(column)[1] in _EXACT else min(digits, self._sensible(column))

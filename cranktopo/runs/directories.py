@@ -251,11 +251,11 @@ def _check_empty(out: Path) -> None:
         )
 
 
-def _published(folder: Path, wanted: Path) -> Path:
+def _published(folder: Path, preferred: Path) -> Path:
     """Return the folder under the wanted name, with a number behind it where that is taken."""
     number = 1
     while True:
-        path = wanted if number == 1 else wanted.with_name(f"{wanted.name}-{number}")
+        path = preferred if number == 1 else preferred.with_name(f"{preferred.name}-{number}")
         manifest = read_json(folder / _MANIFEST)
         write_json(folder / _MANIFEST, {**manifest, "run": path.name})
         if not path.exists():

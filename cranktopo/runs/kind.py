@@ -47,7 +47,7 @@ def read_result(run: RunStore) -> dict[str, Any] | None:
 
 
 @contextmanager
-def shown_results(run: RunStore) -> Iterator[None]:
+def reading_results(run: RunStore) -> Iterator[None]:
     """Show stored results in the block: what they lack is damage, a CranktopoError, and no defect here."""
     try:
         yield
@@ -67,13 +67,13 @@ def _command_of(kind: RunKind) -> str:
     return SHAPE if kind == EACH_WEB else kind
 
 
-def require_kind(run: RunStore, wanted: RunKind) -> None:
-    """Check that the `wanted` command made a run; raises CranktopoError."""
+def require_kind(run: RunStore, required: RunKind) -> None:
+    """Check that the `required` command made a run; raises CranktopoError."""
     found = kind_of(run)
-    if found != wanted:
+    if found != required:
         show = shlex.join(["cranktopo", "runs", "show", str(run.path)])
         raise CranktopoError(
-            f"run '{run.path}': was made by `cranktopo {found}`; this needs one of `cranktopo {wanted}`.",
+            f"run '{run.path}': was made by `cranktopo {found}`; this needs one of `cranktopo {required}`.",
             hint=f"See what it holds: {show}; or continue it: {resume_command(run)}",
         )
 

@@ -285,7 +285,7 @@ class FittedBevel(FittedToSections):
         return [(-far, far), (_LEAST_DEPTH_MM, limits.deepest_mm(thickness)), crown]
 
     @override
-    def made(self, limits: ManufacturingLimits) -> Self:
+    def manufactured(self, limits: ManufacturingLimits) -> Self:
         return replace(self, draft_deg=max(self.draft_deg, limits.workshop.bevel_draft_deg))
 
     @override

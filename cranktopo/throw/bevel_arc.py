@@ -133,8 +133,8 @@ class BevelArc:
         above, root = self._above_mm(depth_mm, reach_mm)
         if not self.draft_deg:
             return -above * root
-        fall = self.drop
-        return -(above + fall * aside_mm) * root / np.sqrt(1 + (fall * root) ** 2)
+        slope = self.drop
+        return -(above + slope * aside_mm) * root / np.sqrt(1 + (slope * root) ** 2)
 
     def from_mm(self, depth_mm: Any, reach_mm: Any) -> Any:
         """Distance from x = 0 at which its surface is at a depth and reach; 0 where it takes off all."""

@@ -51,8 +51,8 @@ class FacePocket(Feature):
         numbers = self.model_dump(exclude={"shape", "face"}, exclude_none=True)
         rounded = ("draft_deg", "corner_radius_mm", "floor_radius_mm")
         unused = [name for name in rounded if numbers.get(name) == 0]
-        reported = {name: value for name, value in numbers.items() if name not in unused}
-        lines = number_lines(f"POCKET {self.shape}, {self.face}", reported)
+        dimensions = {name: value for name, value in numbers.items() if name not in unused}
+        lines = number_lines(f"POCKET {self.shape}, {self.face}", dimensions)
         return FeatureDrawing(front=self._edges(scene), lines=lines, places=((self.x_mm, numbers["y_mm"]),))
 
     @override

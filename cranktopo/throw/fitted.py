@@ -140,7 +140,7 @@ class FittedFeature(ABC):
         """Tell whether the web of a scene may have one, whatever its values."""
         return True
 
-    def made(self, limits: ManufacturingLimits) -> Self | None:
+    def manufactured(self, limits: ManufacturingLimits) -> Self | None:
         """Return the kind with draft and corners of a workshop; None where it cannot open that way."""
         return self
 

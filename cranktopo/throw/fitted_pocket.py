@@ -110,7 +110,7 @@ class FittedPocket(FittedFeature):
         return [ranges.get(name, (smallest, far)) for name in self.names]
 
     @override
-    def made(self, limits: ManufacturingLimits) -> Self | None:
+    def manufactured(self, limits: ManufacturingLimits) -> Self | None:
         shop = limits.workshop
         if shop.opens == "sides" or (self.face == "through" and shop.draft_deg):
             return None
@@ -199,13 +199,13 @@ class FittedPocket(FittedFeature):
     @override
     def tables(self, named: Named, frame_mm: Frame) -> list[dict[str, Any]]:
         values = {f"{name}_mm": value for name, value in named.items()}
-        table = {"shape": self.shape, "face": self.face, **values, **self._given}
+        table = {"shape": self.shape, "face": self.face, **values, **self._process_values}
         if not self.pair:
             return [{**table, "x_mm": 0.0}]
         return [{**table, "x_mm": side * values["x_mm"]} for side in (1, -1)]
 
     @property
-    def _given(self) -> dict[str, float]:
+    def _process_values(self) -> dict[str, float]:
         """Draft and radii where there are some, by their keys in a table."""
         return {key: value for key in _GIVEN if (value := getattr(self, key))}
 
@@ -214,8 +214,8 @@ class FittedPocket(FittedFeature):
     def read(cls, table: Feature, pair: bool, frame_mm: Frame) -> tuple[Self, Array] | None:
         if not isinstance(table, FacePocket) or table.shape != cls.shape:
             return None
-        given = {name: getattr(table, name, 0.0) for name in _GIVEN}
-        part = cls(table.face, pair, **given)
+        process_values = {name: getattr(table, name, 0.0) for name in _GIVEN}
+        part = cls(table.face, pair, **process_values)
         return part, np.array([getattr(table, f"{name}_mm") for name in part.names])
 
     def guess(self, region: Region, web_z_mm: tuple[float, float]) -> Array:
@@ -245,8 +245,8 @@ class FittedBox(FittedPocket):
         return None if region.kind == "window" or region.face is None else cls(region.face, region.pair)
 
     @override
-    def made(self, limits: ManufacturingLimits) -> Self | None:
-        drafted = super().made(limits)
+    def manufactured(self, limits: ManufacturingLimits) -> Self | None:
+        drafted = super().manufactured(limits)
         corner = max(self.corner_radius_mm, limits.workshop.radius_mm, limits.workshop.floor_radius_mm)
         return drafted and replace(drafted, corner_radius_mm=corner)
 

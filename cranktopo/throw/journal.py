@@ -142,17 +142,17 @@ class Journal(SceneTable):
             raise invalid(f"{key}.recess_mm", self.recess_mm, allowed)
 
     def _check_fillet(self, key: str) -> None:
-        fillet, given = self.fillet, self.fillet_axial_mm is not None
-        key = f"{key}.fillet_axial_mm" if given else f"{key}.fillet_mm"
+        fillet, axial_given = self.fillet, self.fillet_axial_mm is not None
+        key = f"{key}.fillet_axial_mm" if axial_given else f"{key}.fillet_mm"
         low, high = (share * fillet.radial_mm for share in ASPECT)
-        if given and not fillet.radial_mm:
+        if axial_given and not fillet.radial_mm:
             raise invalid(
                 key,
                 fillet.axial_mm,
                 "an ellipse needs both semi-axes, and fillet_mm = 0",
                 "Give fillet_mm, too.",
             )
-        if given and not low - ROUNDING_MM <= fillet.axial_mm <= high + ROUNDING_MM:
+        if axial_given and not low - ROUNDING_MM <= fillet.axial_mm <= high + ROUNDING_MM:
             raise invalid(
                 key,
                 fillet.axial_mm,

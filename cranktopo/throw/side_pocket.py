@@ -251,7 +251,7 @@ class FittedSlot(FittedToSections):
         return [-deep, *(wall * np.cos(angle) for wall in walls)]
 
     @override
-    def made(self, limits: ManufacturingLimits) -> Self | None:
+    def manufactured(self, limits: ManufacturingLimits) -> Self | None:
         shop = limits.workshop
         if shop.opens == "faces" or self.through:
             return None if shop.opens == "faces" else self

@@ -22,7 +22,7 @@ from typing import Any
 from scipy.optimize import brentq
 
 from cranktopo.base.progress import StageMemory
-from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.shape import ShapeTable

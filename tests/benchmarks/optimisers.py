@@ -100,7 +100,7 @@ def with_mmapy(problem: DensityProblem) -> State:
         following = state.x.copy()
         following[free] = np.clip(new[:, 0], x[:, 0] - move, x[:, 0] + move)
         kept = {"last": x, "before": memory["last"], "low": low, "high": high}
-        return Proposal(following, float(values[0]), broken=float(values[1:].max()), memory=kept)
+        return Proposal(following, float(values[0]), violation=float(values[1:].max()), memory=kept)
 
     return own_loop(replace(problem, method=propose))
 
@@ -114,7 +114,7 @@ def with_ccsaq(problem: DensityProblem) -> State:
 
     def keep(problem: DensityProblem, state: State, design: Design, eroded: Design) -> Proposal:
         found["values"], found["slopes"] = functions(problem, state, design)
-        return Proposal(state.x, float(found["values"][0]), broken=float(found["values"][1:].max()))
+        return Proposal(state.x, float(found["values"][0]), violation=float(found["values"][1:].max()))
 
     watched = replace(problem, method=keep, max_iterations=10_000)
 

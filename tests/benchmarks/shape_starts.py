@@ -14,7 +14,7 @@ import sys
 import numpy as np
 
 from cranktopo.base.progress import StageMemory
-from cranktopo.design.goal.wanted import wanted, with_goal
+from cranktopo.design.goal.scene_goal import goal_of, with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.refit.family import Layout
@@ -44,7 +44,7 @@ def main(engine: str = "mikron-iiic-plain", quantity: str = "torsion_per_mass", 
     found: list[tuple[SearchResult, int]] = []
     with double_precision():
         model = web_model(scene, limits, CELL_MM)
-        goal = wanted(scene)
+        goal = goal_of(scene)
         assert goal is not None
         stated = search_goal_of(goal, model.original, model.original, model.model.cases)
         for number in range(starts):

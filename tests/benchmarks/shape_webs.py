@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.base.progress import StageMemory
-from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.optimise.stage import optimise_design

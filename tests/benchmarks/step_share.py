@@ -16,7 +16,7 @@ from unittest.mock import patch
 
 import jax
 
-from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.numerics.optimisers.mma import MmaStep, mma_step
 from cranktopo.numerics.precision import double_precision

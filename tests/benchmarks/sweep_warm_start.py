@@ -14,7 +14,7 @@ import time
 from pathlib import Path
 
 from cranktopo import sweep
-from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.shape.run import shape_design

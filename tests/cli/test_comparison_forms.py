@@ -11,7 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from cranktopo.base.notes import redirected
-from cranktopo.bodies.shown_solid import shown_half
+from cranktopo.bodies.shown_solid import display_half
 from cranktopo.design.loading import load_scene
 from cranktopo.design.named import with_values
 from cranktopo.numerics.surfaces.files import write_stl
@@ -50,7 +50,7 @@ def beside_a_run(tmp_path: Path) -> ComparedTargets:
     """A design, and the surface of a run."""
     scene = load_scene(BASE)
     surface = tmp_path / "web.stl"
-    write_stl(surface, mesh_of(shown_half(scene)))
+    write_stl(surface, mesh_of(display_half(scene)))
     return compare_targets([Target("my-run", scene, surface, tmp_path)], BASE)
 
 

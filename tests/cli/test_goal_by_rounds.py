@@ -21,15 +21,13 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal, Limit
-from cranktopo.design.goal.outcome import goal_outcome
+from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.bound.result import NoBound
-from cranktopo.tasks.density.problem import ResponseConstraint
-from cranktopo.tasks.density.responses import Response
 from cranktopo.tasks.density.state import Record, State
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
 from cranktopo.tasks.optimise import evaluated_goal
-from cranktopo.tasks.optimise.evaluated_goal import CheckedLimit, enforce_limits_by_fea
+from cranktopo.tasks.optimise.evaluated_goal import enforce_limits_by_fea
 from cranktopo.tasks.optimise.result import RunMetrics
 from cranktopo.tasks.optimise.text import headline, run_summary
 
@@ -190,15 +188,14 @@ class Invented:
             raise CranktopoError("mesh: no valid mesh.")
         return {"mass": 1.4, "torsion": self.percent}
 
-    def limits(self, state: State) -> tuple[CheckedLimit, ...]:
-        in_cells = ResponseConstraint(
-            TORSION, Constraint("torsion", ">=", state.bounds[0] if state.bounds else 90.0)
-        )
-        (outcome,) = goal_outcome(self.goal, self.reached(state), self.original()).limits
-        return (CheckedLimit(in_cells, in_cells.bound, outcome),)
+    def outcome(self, state: State) -> GoalOutcome:
+        return goal_outcome(self.goal, self.reached(state), self.original())
+
+    def in_cells(self, state: State) -> tuple[tuple[Constraint, float], ...]:
+        limit = Constraint("torsion", ">=", state.bounds[0] if state.bounds else 90.0)
+        return ((limit, limit.bound),)
 
 
-TORSION = Response("torsion", "N m/rad", lambda design: design.compliances[0])
 DONE = State(
     *(np.zeros(1),) * 3,
     beta=16.0,

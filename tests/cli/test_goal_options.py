@@ -9,7 +9,7 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
-from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text

@@ -10,7 +10,7 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.shape import run as shape_run

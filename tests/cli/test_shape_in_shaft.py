@@ -11,7 +11,7 @@ import pytest
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import redirected
 from cranktopo.base.progress import StageMemory
-from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import WebLoads

@@ -65,7 +65,7 @@ def test_work_that_tells_its_own_lines_has_few_others(
 
     def begin(self: _Stderr) -> None:
         logging.Handler.__init__(self)
-        self.told = time.monotonic()
+        self.last_record_s = time.monotonic()
         handler.append(self)
 
     monkeypatch.setattr(_Stderr, "__init__", begin)

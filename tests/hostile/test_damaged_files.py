@@ -22,7 +22,7 @@ from cranktopo import shape_settings, sweep
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.bodies.solid.files import export_solid
-from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import design_text, load_scene
 from tests import sweep_cases
 from tests.hostile import outcome

@@ -19,7 +19,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import StageMemory
 from cranktopo.bodies.memory import thinnest_wall_mm
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.goal.wanted import wanted, with_goal
+from cranktopo.design.goal.scene_goal import goal_of, with_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import double_precision
@@ -177,7 +177,7 @@ def stay_above(model: BoundModel, density: Array, webs: Sequence[Judged]) -> boo
 
 
 def _goals(scene: Scene) -> dict[str, Goal]:
-    found = {name: wanted(with_goal(scene, **goal)) for name, goal in GOALS.items()}
+    found = {name: goal_of(with_goal(scene, **goal)) for name, goal in GOALS.items()}
     return {name: goal for name, goal in found.items() if goal is not None}
 
 

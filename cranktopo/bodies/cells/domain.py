@@ -203,8 +203,8 @@ def on_cells(there: Domain, field: Array, here: Domain) -> Array:
     """
     from scipy.interpolate import RegularGridInterpolator
 
-    known, wanted = centres_mm(there), centres_mm(here)
-    inside = [np.clip(at, own[0], own[-1]) for at, own in zip(wanted, known, strict=True)]
+    known, centres = centres_mm(there), centres_mm(here)
+    inside = [np.clip(at, own[0], own[-1]) for at, own in zip(centres, known, strict=True)]
     points = np.stack(np.meshgrid(*inside, indexing="ij"), axis=-1)
     found: Array = RegularGridInterpolator(known, field)(points)
     return found

@@ -54,13 +54,13 @@ def outside_envelope(scene: Scene) -> OutsideEnvelope | None:
     return OutsideEnvelope(volume_mm3=float(volumes[0]), percent=float(100 * volumes[0] / volumes[1]))
 
 
-def outside_words(found: OutsideEnvelope | None) -> str:
+def outside_words(outside: OutsideEnvelope | None) -> str:
     """Return in words what of the web is outside of the envelope; empty where nothing to speak of is."""
-    if found is None or found.percent < _TOLD_PERCENT:
+    if outside is None or outside.percent < _TOLD_PERCENT:
         return ""
     return (
-        f"{found.volume_mm3:,.0f} mm3 of the original web, {found.percent:.2f} % of it, lie outside of the "
-        "envelope, where no other web may have material"
+        f"{outside.volume_mm3:,.0f} mm3 of the original web, {outside.percent:.2f} % of it, lie outside of "
+        "the envelope, where no other web may have material"
     )
 
 

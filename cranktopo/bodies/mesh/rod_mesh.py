@@ -49,10 +49,10 @@ def mesh_rod(scene: Scene, element_size_mm: float) -> TetMesh:
         CranktopoError: no rod, impossible geometry, elements too fine for the memory, or no valid mesh.
     """
     check_mesh_memory(rod_volume_mm3(scene) / (4 if _is_square(scene) else 2), element_size_mm)
-    return by_smaller_elements(f"rod of {scene.name}", element_size_mm, partial(_made, scene))
+    return by_smaller_elements(f"rod of {scene.name}", element_size_mm, partial(_meshed, scene))
 
 
-def _made(scene: Scene, size: float, adapt: bool) -> TetMesh:
+def _meshed(scene: Scene, size: float, adapt: bool) -> TetMesh:
     square = _is_square(scene)
     with cad_session(f"rod of {scene.name}") as gmsh:
         occ = gmsh.model.occ

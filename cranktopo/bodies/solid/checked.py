@@ -86,7 +86,7 @@ def check_body(
     if misfit(occ, body, expected) <= 1:
         return
     found = find_culprit() if find_culprit else None
-    solids, by = _solids(body), f", from {found.told} on" if found else ""
+    solids, by = _solids(body), f", from {found.feature} on" if found else ""
     if len(solids) != 1:
         raise CranktopoError(
             f"{name}: falls apart into {len(solids)} bodies{by}.",

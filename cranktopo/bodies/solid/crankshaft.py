@@ -32,16 +32,16 @@ def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
 def placed_throws(occ: Any, scene: Scene, add: Callable[[Any, Scene], DimTags]) -> list[DimTags]:
     """Return the throws of a crank, each made once by `add`, turned by firing order and in its place."""
     bodies: list[DimTags] = []
-    made: dict[str, DimTags] = {}
+    by_name: dict[str, DimTags] = {}
     places = zip(throw_scenes(scene), scene.shaft_angles_deg, main_journal_places_mm(scene), strict=False)
     for throw, angle, z in places:
-        if throw.name not in made:
-            made[throw.name] = add(occ, throw)
-        copy = occ.copy(made[throw.name])
+        if throw.name not in by_name:
+            by_name[throw.name] = add(occ, throw)
+        copy = occ.copy(by_name[throw.name])
         occ.rotate(copy, 0, 0, 0, 0, 0, 1, math.radians(about_z_deg(angle)))
         occ.translate(copy, 0, 0, z)
         bodies.append(copy)
-    for throw_body in made.values():
+    for throw_body in by_name.values():
         occ.remove(throw_body, recursive=True)
     return bodies
 

@@ -21,7 +21,7 @@ _SHRINK, _TRIES = 0.9, 4
 class Culprit:
     """A feature at which the kernel departs: its key path and value as a message names them, what to do."""
 
-    told: str
+    feature: str
     hint: str
 
 
@@ -29,7 +29,7 @@ class Culprit:
 class _BuildStep:
     """A half throw with a feature and all before it."""
 
-    told: str
+    feature: str
     scene: Scene
     rounded: int | None = None
     """Number of the drilling whose outlets it rounds."""
@@ -42,8 +42,8 @@ def culprit(scene: Scene, misfit: Misfit) -> Culprit:
     found = next((step for step in before if misfit(step.scene) > 1), last)
     if found.rounded is None:
         hint = "Change one of its dimensions, or its distance from what it touches, by 0.1 mm."
-        return Culprit(found.told, hint)
-    return Culprit(found.told, _smaller_rounding(found.scene, found.rounded, misfit))
+        return Culprit(found.feature, hint)
+    return Culprit(found.feature, _smaller_rounding(found.scene, found.rounded, misfit))
 
 
 def _smaller_rounding(scene: Scene, number: int, misfit: Misfit) -> str:
@@ -90,8 +90,8 @@ def _drilled(
     key, sharp = f"throw.drilling[{number}]", drilling.model_copy(update={"outlet_radius_mm": 0.0})
     yield _BuildStep(f"{key}.diameter_mm = {drilling.diameter_mm:g}", _with_drillings(at, (*before, sharp)))
     if drilling.outlet_radius_mm:
-        reported = f"{key}.outlet_radius_mm = {drilling.outlet_radius_mm:g}"
-        yield _BuildStep(reported, _with_drillings(at, (*before, drilling)), number)
+        feature = f"{key}.outlet_radius_mm = {drilling.outlet_radius_mm:g}"
+        yield _BuildStep(feature, _with_drillings(at, (*before, drilling)), number)
 
 
 def _sharp(throw: Any, name: str) -> Any:

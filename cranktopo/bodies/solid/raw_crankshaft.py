@@ -22,9 +22,9 @@ from cranktopo.throw.raw_part.bodies import RawHalf
 def add_raw_crankshaft(occ: Any, scene: Scene) -> DimTags:
     """Return raw throws, turned by firing order, and raw ends as one checked body, journal 0 at z = 0."""
     forging_of(scene)
-    made = placed_throws(occ, scene, add_raw_throw)
+    throws = placed_throws(occ, scene, add_raw_throw)
     ends = [add_raw_end(occ, scene, side, end) for side in SIDES if (end := raw_crank_end(scene, side))]
-    body = fused(occ, [*made, *ends])
+    body = fused(occ, [*throws, *ends])
     check_body(occ, body, ClosedForm(raw_crank_volume_mm3(scene)), "raw crankshaft")
     return body
 

@@ -92,8 +92,8 @@ def _side(occ: Any, rod: Rod, length: float, side: int, bottom: int, top: int) -
 def _prism(occ: Any, face: int, width: float) -> DimTags:
     """The body over a face in z = 0, as far on both sides."""
     occ.translate([(2, face)], 0, 0, -width / 2)
-    made = occ.extrude([(2, face)], 0, 0, width)
-    return [(dim, tag) for dim, tag in made if dim == 3]
+    extruded = occ.extrude([(2, face)], 0, 0, width)
+    return [(dim, tag) for dim, tag in extruded if dim == 3]
 
 
 def _pockets(occ: Any, rod: Rod, length: float) -> DimTags:

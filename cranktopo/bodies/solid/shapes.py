@@ -51,17 +51,17 @@ def add_solid(occ: Any, solid: Solid) -> DimTags:
         case Frustum(floor, mouth, corner_radii):
             return [(3, _frustum(occ, floor, mouth) if not any(corner_radii) else _rounded(occ, solid))]
         case Extrusion(contour, path):
-            made = occ.extrude([(2, _Contour(occ).face(contour))], *path)
-            return [(dim, tag) for dim, tag in made if dim == 3]
+            solid_tags = occ.extrude([(2, _Contour(occ).face(contour))], *path)
+            return [(dim, tag) for dim, tag in solid_tags if dim == 3]
         case Revolution(contour, on_axis):
             section = (2, _Contour(occ).face(contour))
-            made = occ.revolve([section], *on_axis, 0, 0, 1, 2 * math.pi)
+            solid_tags = occ.revolve([section], *on_axis, 0, 0, 1, 2 * math.pi)
             occ.remove([section], recursive=True)
-            return [(dim, tag) for dim, tag in made if dim == 3]
+            return [(dim, tag) for dim, tag in solid_tags if dim == 3]
         case Loft(near, far):
             loops = [_Contour(occ).loop(contour) for contour in (near, far)]
-            made = occ.addThruSections(loops, -1, True, True)
-            return [(dim, tag) for dim, tag in made if dim == 3]
+            solid_tags = occ.addThruSections(loops, -1, True, True)
+            return [(dim, tag) for dim, tag in solid_tags if dim == 3]
         case RoundedOutlet():
             return _rounding(occ, solid)
 

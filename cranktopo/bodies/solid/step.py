@@ -81,14 +81,14 @@ def labelled(text: str, label: StepLabel) -> str:
             f"{len(solids)}.",
             "Export STL, or change the dimensions slightly.",
         )
-    named, called = iter(names), iter(solids)
+    next_name, next_solid = iter(names), iter(solids)
 
     def with_name(match: re.Match[str]) -> str:
-        name = next(named)
+        name = next(next_name)
         return f"{match[1]}{name}{match[2]}{name}{match[3]}{description}"
 
     text = _PRODUCT.sub(with_name, text)
-    return _SOLID.sub(lambda match: f"{match[1]}{next(called)}", text)
+    return _SOLID.sub(lambda match: f"{match[1]}{next(next_solid)}", text)
 
 
 def step_string(text: str) -> str:

@@ -59,9 +59,9 @@ def built(
     body = build(occ, scene)
 
     def misfit_of(part: Scene) -> float:
-        made = build(occ, part)
-        found = misfit(occ, made, form(part))
-        occ.remove(made, recursive=True)
+        tags = build(occ, part)
+        found = misfit(occ, tags, form(part))
+        occ.remove(tags, recursive=True)
         return found
 
     check_body(occ, body, form(scene), name, lambda: culprit(scene, misfit_of))
@@ -185,9 +185,9 @@ def _revolve(occ: Any, journal: Journal, y: float, far: float, face: float, towa
         occ.addLine(axis_face, axis_far),
     ]
     section = occ.addPlaneSurface([occ.addCurveLoop(curves)])
-    made = occ.revolve([(2, section)], 0, y, 0, 0, 0, 1, 2 * math.pi)
+    revolved = occ.revolve([(2, section)], 0, y, 0, 0, 0, 1, 2 * math.pi)
     occ.remove([(2, section)], recursive=True)
-    return next((dim, tag) for dim, tag in made if dim == 3)
+    return next((dim, tag) for dim, tag in revolved if dim == 3)
 
 
 def _under_fillet(occ: Any, scene: Scene, journal: Journal, y: float, face: float, toward: int) -> DimTags:

@@ -45,8 +45,10 @@ def _check_counts(scene: Scene, crank: Crank) -> None:
 
 
 def _check_bearings(scene: Scene, crank: Crank) -> None:
-    count, given = throw_count(scene), crank.bearings
-    if given and (sorted(set(given)) != list(given) or given[0] != 0 or given[-1] != count or count == 0):
+    count, bearings = throw_count(scene), crank.bearings
+    if bearings and (
+        sorted(set(bearings)) != list(bearings) or bearings[0] != 0 or bearings[-1] != count or count == 0
+    ):
         raise scene.invalid(
             "crank.bearings",
             f"must be numbers of main journals, rising from 0 to {count}",

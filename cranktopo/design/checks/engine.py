@@ -48,16 +48,16 @@ def _check_losses(scene: Scene, shaft: ShaftTable) -> None:
 
 
 def _check_stiffnesses(scene: Scene, shaft: ShaftTable) -> None:
-    given = shaft.throw_stiffnesses_Nm_per_rad
-    if given is None:
+    stiffnesses = shaft.throw_stiffnesses_Nm_per_rad
+    if stiffnesses is None:
         return
     if shaft.throw_stiffness_Nm_per_rad is not None:
         raise CranktopoError(
             "shaft: throw_stiffness_Nm_per_rad and throw_stiffnesses_Nm_per_rad are both given.",
             hint="Keep one of them.",
         )
-    throws = len(scene.shaft_angles_deg) if scene.engine else len(given)
-    if len(given) != throws:
+    throws = len(scene.shaft_angles_deg) if scene.engine else len(stiffnesses)
+    if len(stiffnesses) != throws:
         raise scene.invalid("shaft.throw_stiffnesses_Nm_per_rad", f"must have {throws} values, one a throw")
 
 
@@ -252,18 +252,20 @@ def check_engine(scene: Scene) -> None:
 
 def check_misfire(engine: Engine, key: str = "engine.misfire") -> None:
     """Check the cylinders that do not fire; `key` is where they were given."""
-    given, count = engine.misfire, engine.cylinders
-    if not given:
+    misfire, count = engine.misfire, engine.cylinders
+    if not misfire:
         return
     if engine.gas is None:
         hint = "Add [engine.gas], or leave it out."
-        raise invalid(key, list(given), "needs [engine.gas]: without pressures nothing is known of it", hint)
-    if not all(1 <= cylinder <= count for cylinder in given):
-        raise invalid(key, list(given), f"must be numbers of cylinders, 1 to {count}")
-    if len(set(given)) < len(given):
-        raise invalid(key, list(given), "names a cylinder twice", "Name each once.")
-    if len(given) == count:
-        raise invalid(key, list(given), "leaves no cylinder that fires", "Leave out at least one.")
+        raise invalid(
+            key, list(misfire), "needs [engine.gas]: without pressures nothing is known of it", hint
+        )
+    if not all(1 <= cylinder <= count for cylinder in misfire):
+        raise invalid(key, list(misfire), f"must be numbers of cylinders, 1 to {count}")
+    if len(set(misfire)) < len(misfire):
+        raise invalid(key, list(misfire), "names a cylinder twice", "Name each once.")
+    if len(misfire) == count:
+        raise invalid(key, list(misfire), "leaves no cylinder that fires", "Leave out at least one.")
 
 
 def _check_firing_order(scene: Scene, engine: Engine) -> None:
@@ -281,13 +283,13 @@ def _check_rod(scene: Scene, engine: Engine) -> None:
     """The whole rod is given with its centre of mass, and not beside its parts."""
     masses = engine.masses
     whole = {"rod_kg": masses.rod_kg, "rod_centre_from_big_end_mm": masses.rod_centre_from_big_end_mm}
-    given = [key for key, value in whole.items() if value is not None]
-    if not given:
+    whole_keys = [key for key, value in whole.items() if value is not None]
+    if not whole_keys:
         return
-    if len(given) == 1:
-        (missing,) = whole.keys() - set(given)
+    if len(whole_keys) == 1:
+        (missing,) = whole.keys() - set(whole_keys)
         raise CranktopoError(
-            f"engine.masses.{missing} is missing beside {given[0]}.",
+            f"engine.masses.{missing} is missing beside {whole_keys[0]}.",
             hint="Give rod_kg with rod_centre_from_big_end_mm, or rod_reciprocating_kg and rod_rotating_kg.",
         )
     if masses.rod_reciprocating_kg or masses.rod_rotating_kg:

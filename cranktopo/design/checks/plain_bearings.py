@@ -24,12 +24,12 @@ def check_plain_bearings(scene: Scene) -> None:
     _check_viscosity(scene, bearings)
     rooms = {"width_mm": own_main_room_mm(scene), "big_end_width_mm": big_end_room_mm(scene)}
     for key, room in rooms.items():
-        given = getattr(bearings, key)
-        if given is not None and given > room:
+        own_width = getattr(bearings, key)
+        if own_width is not None and own_width > room:
             raise scene.invalid(
                 f"bearings.{key}", f"must be at most {room:.4g} mm, the room between the fillets"
             )
-        if given is None and room <= 0:
+        if own_width is None and room <= 0:
             raise scene.invalid(
                 f"bearings.{key}", "the fillets leave no room for it", "Give a width above 0 mm."
             )
@@ -78,9 +78,9 @@ def check_room_of_free_dimensions(scene: Scene) -> None:
     try:
         check_plain_bearings(with_dimensions(scene, greatest))
     except CranktopoError as error:
-        told = ", ".join(f"{name}_mm = {value:g}" for name, value in greatest.items())
+        dimensions = ", ".join(f"{name}_mm = {value:g}" for name, value in greatest.items())
         raise scene.invalid(
             f"shape.free.{next(reversed(greatest))}_mm",
-            f"with the greatest, {told}, {error.message.rstrip('.')}",
+            f"with the greatest, {dimensions}, {error.message.rstrip('.')}",
             "Narrow the range, or leave the width out: then a bearing is as wide as its room.",
         ) from None

@@ -15,7 +15,7 @@ from cranktopo.design.checks.hardening import check_hardening
 from cranktopo.design.checks.plain_bearings import check_plain_bearings, check_room_of_free_dimensions
 from cranktopo.design.clearance import check_clearance
 from cranktopo.design.free_dimensions import check_free_dimensions
-from cranktopo.design.goal.wanted import check_goal
+from cranktopo.design.goal.scene_goal import check_goal
 from cranktopo.design.halves import halves, of_second
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.bore import DrillBore
@@ -31,16 +31,17 @@ from cranktopo.throw.web import check_inside
 def _check_supports(scene: Scene) -> None:
     """Check that the bearing stiffness is given once, and given where a spring support needs it."""
     supports = scene.supports
-    given = [
+    stiffness_keys = [
         key
         for key in ("bearing_spring_N_per_mm", "bearing_clearance_mm", "roller_bearing")
         if getattr(supports, key) is not None
     ]
-    if len(given) > 1:
+    if len(stiffness_keys) > 1:
         raise CranktopoError(
-            f"supports: {' and '.join(given)} each give the bearing stiffness.", hint="Keep one of them."
+            f"supports: {' and '.join(stiffness_keys)} each give the bearing stiffness.",
+            hint="Keep one of them.",
         )
-    if "spring" in (supports.torsion, supports.bending) and not given:
+    if "spring" in (supports.torsion, supports.bending) and not stiffness_keys:
         raise scene.invalid(
             "supports.bearing_spring_N_per_mm",
             f"must be at least {SOFTEST_BEARING_N_PER_MM:g} N/mm when a support is 'spring'",

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from cranktopo.base.result import Result
 from cranktopo.base.units import plain_number
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Scene
 
 FELT_PERCENT = 2.0
@@ -55,18 +55,18 @@ def balance_moved(
         return None
     bound = f"<= {before + FELT_PERCENT:.0f}" if now > before else f">= {before - FELT_PERCENT:.0f}"
     needed = "lighter" if now > before else "heavier"
-    reported = (
+    sentence = (
         f"the balance factor is {plain_number(now, 3)} % of the oscillating mass, the original web has "
         f"{plain_number(before, 3)} % (unbalance {plain_number(result[_UNBALANCE])} and "
         f"{plain_number(original[_UNBALANCE])} kg mm), and no limit holds it there: a {needed} counterweight "
         f"would do, or with a goal --limit '{_FACTOR} {bound} %'"
     )
-    return MovedBalance(balance_factor_percent=now, original_percent=before, told=reported)
+    return MovedBalance(balance_factor_percent=now, original_percent=before, told=sentence)
 
 
 def _held(scene: Scene, *, rose: bool) -> bool:
     """Tell whether the goal or a limit keeps the factor from that; an unbalance is its opposite."""
-    goal = wanted(scene)
+    goal = goal_of(scene)
     if goal is None:
         return False
     sides = {(_FACTOR, "<=" if rose else ">="), (_UNBALANCE, ">=" if rose else "<=")}

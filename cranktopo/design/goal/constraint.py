@@ -64,15 +64,19 @@ class Constraint:
         """Tell whether a value is at the limit or beyond it."""
         return self.violation(value) >= -ACTIVE
 
+    def at(self, bound: float) -> Constraint:
+        """Return the limit at another bound."""
+        return replace(self, bound=bound)
+
     def corrected(self, errors: Mapping[str, float]) -> Constraint:
         """Return the limit for a model that errs."""
         if self.quantity not in errors:
             return self
-        return replace(self, bound=with_error(self.quantity, self.bound, errors[self.quantity]))
+        return self.at(with_error(self.quantity, self.bound, errors[self.quantity]))
 
     def tightened(self, share: float) -> Constraint:
         """Return the limit moved by a share of its scale."""
-        return replace(self, bound=self.bound - share / self.factor)
+        return self.at(self.bound - share / self.factor)
 
 
 def scale_of(value: float, original: float, minimum: float) -> float:

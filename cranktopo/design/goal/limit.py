@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Annotated, Any, Literal, Self, get_args
@@ -14,7 +15,7 @@ from pydantic_core import PydanticCustomError
 from cranktopo.base.errors import quoted, suggest
 from cranktopo.base.table import SHOWN, SceneTable
 from cranktopo.base.units import plain_number
-from cranktopo.design.goal.constraint import LimitSense
+from cranktopo.design.goal.constraint import Constraint, LimitSense, minimum_scale
 from cranktopo.design.goal.quantities import (
     QUANTITIES,
     GoalQuantity,
@@ -36,7 +37,10 @@ _MEANT = {"<": "<=", "=<": "<=", ">": ">=", "=>": ">="}
 
 @dataclass(frozen=True)
 class Limit:
-    """A quantity that may not exceed a value, or not fall below one.
+    """A quantity that may not exceed a value, or not fall below one, as a user writes it.
+
+    It is apart from the `Constraint` that is solved since percent of the original mean another number in each
+    model; `constraint` returns that of one model.
 
     Attributes:
         value: in the quantity's internal unit, or in percent of the original web, evaluated in the same
@@ -65,6 +69,19 @@ class Limit:
         if not self.percent:
             return self.value
         return None if original is None else self.value / 100 * original
+
+    def constraint(self, original: Mapping[str, float]) -> Constraint | None:
+        """Return the limit in the numbers of a model; None for percent of an unknown original.
+
+        Args:
+            original: quantities of the original web in that model.
+        """
+        own = original.get(self.quantity)
+        bound = self.required(own)
+        if bound is None:
+            return None
+        least = minimum_scale(self.quantity, original)
+        return Constraint(self.quantity, self.sense, bound, own or 0.0, least)
 
     def __str__(self) -> str:
         return f"{self.quantity} {self.condition}"
@@ -136,7 +153,7 @@ def read_limits(quantity: GoalQuantity, value: Any) -> tuple[Limit, ...]:
     limits = tuple(_read(quantity, text) for text in texts)
     if not limits:
         raise refused("no limit is given", f"Write {_example(quantity)}, or leave the key out.")
-    _check_together(limits)
+    _check_range(limits)
     return limits
 
 
@@ -208,7 +225,7 @@ def _in_unit(quantity: GoalQuantity, value: float, unit: str, sense: LimitSense)
     return value * size
 
 
-def _check_together(limits: tuple[Limit, ...]) -> None:
+def _check_range(limits: tuple[Limit, ...]) -> None:
     quantity = QUANTITIES[limits[0].quantity]
     upper = [limit for limit in limits if limit.sense == "<="]
     lower = [limit for limit in limits if limit.sense == ">="]

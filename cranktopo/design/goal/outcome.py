@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import Field
 
 from cranktopo.base.result import UNLESS_NONE, Result
-from cranktopo.design.goal.constraint import TOLERANCE, Constraint, LimitSense, minimum_scale
+from cranktopo.design.goal.constraint import TOLERANCE, LimitSense
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.quantities import QUANTITIES, GoalQuantity, QuantityName
 
@@ -37,7 +37,10 @@ class LimitEvaluation(Result):
 
 
 class LimitOutcome(Result):
-    """A limit and what a web reaches of it, in the quantity's internal unit."""
+    """A limit and what a web reaches of it, in the quantity's internal unit.
+
+    It is what JSON has of a `Constraint`, which judges `holds`, `active` and `violation`.
+    """
 
     quantity: QuantityName
     sense: LimitSense
@@ -159,14 +162,14 @@ def limit_outcome(
     """Return a limit with what was reached; arguments as in `goal_outcome`."""
     name = limit.quantity
     now, before = reached.get(name), original.get(name)
-    required = limit.required(before)
+    constraint = limit.constraint(original)
+    required = None if constraint is None else constraint.bound
     own_percentage = limit.unit == "%" and not limit.percent  # which has no second one of the original
     share_of = None if own_percentage else before
     judged: dict[str, Any] = {"holds": None, "active": False}
-    if required is not None and now is not None:
-        kept = Constraint(name, limit.sense, required, before or 0.0, minimum_scale(name, original))
-        judged = {"holds": kept.satisfied(now, tolerance), "active": kept.active(now)}
-        judged["violation"] = kept.violation(now)
+    if constraint is not None and now is not None:
+        judged = {"holds": constraint.satisfied(now, tolerance), "active": constraint.active(now)}
+        judged["violation"] = constraint.violation(now)
     return LimitOutcome(
         quantity=name,
         sense=limit.sense,
@@ -181,11 +184,11 @@ def limit_outcome(
 
 
 def _evaluated(own: LimitOutcome, better: LimitOutcome) -> dict[str, Any]:
-    reported = LimitEvaluation(
+    evaluation = LimitEvaluation(
         required=better.required, reached=better.reached, reached_percent=better.reached_percent
     )
     judged = own if better.holds is None else better
-    return {"holds": judged.holds, "active": judged.active, "evaluation": reported}
+    return {"holds": judged.holds, "active": judged.active, "evaluation": evaluation}
 
 
 def _percent(value: float | None, original: float | None) -> float | None:

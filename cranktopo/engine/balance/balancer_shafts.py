@@ -107,8 +107,8 @@ def gear_forces(gear: Gear, speed_rad_s: float) -> GearForces:
 
 
 def _turn_of(shaft: BalancerShaft) -> int:
-    given = shaft.unbalance_kg_mm is not None and shaft.phase_deg is not None
-    return 0 if given else 1 if shaft.balances == "force" else 2
+    fixed = shaft.unbalance_kg_mm is not None and shaft.phase_deg is not None
+    return 0 if fixed else 1 if shaft.balances == "force" else 2
 
 
 def _size(
@@ -118,8 +118,8 @@ def _size(
     newton = shaft.order**2 * w2 / MM_PER_M
     force, moment = (_part(vector, shaft) for vector in (free.force, free.moment))
     distance = shaft.distance_mm or 0.0
-    wanted = -moment / (distance / MM_PER_M) if shaft.balances == "moment" else -force
-    amount = _amount(shaft, wanted / newton if newton else 0j)
+    required_N = -moment / (distance / MM_PER_M) if shaft.balances == "moment" else -force
+    amount = _amount(shaft, required_N / newton if newton else 0j)
     place = 0.0
     if shaft.balances == "force":
         place = _place_mm(force, moment) if shaft.z_mm is None else shaft.z_mm
@@ -143,15 +143,15 @@ def _size(
     return sized, effect
 
 
-def _amount(shaft: BalancerShaft, wanted: complex) -> complex:
+def _amount(shaft: BalancerShaft, required_kg_mm: complex) -> complex:
     """Unbalance with its phase: as given, else as near to what is wanted as the given part allows."""
     if shaft.phase_deg is not None:
         direction = complex(np.exp(1j * np.radians(shaft.phase_deg)))
         size = shaft.unbalance_kg_mm
-        return direction * (max((wanted * direction.conjugate()).real, 0.0) if size is None else size)
+        return direction * (max((required_kg_mm * direction.conjugate()).real, 0.0) if size is None else size)
     if shaft.unbalance_kg_mm is not None:
-        return shaft.unbalance_kg_mm * (wanted / abs(wanted) if wanted else 1.0 + 0j)
-    return wanted
+        return shaft.unbalance_kg_mm * (required_kg_mm / abs(required_kg_mm) if required_kg_mm else 1.0 + 0j)
+    return required_kg_mm
 
 
 def _place_mm(force: complex, moment: complex) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cranktopo.base.notes import note
 from cranktopo.base.units import plain_number
 from cranktopo.design.balance_factor import rods_kg_mm, unbalance_at_kg_mm
-from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 
@@ -28,9 +28,9 @@ def balance_kept(scene: Scene) -> Scene:
     share, oscillating = engine.arranged.balanced_oscillating_share, rods_kg_mm(scene)[1]
     if not share or not oscillating:
         return scene
-    own, requested = throw_balance(scene).throw_unbalance_kg_mm, unbalance_at_kg_mm(scene, 100 * share)
+    own, target = throw_balance(scene).throw_unbalance_kg_mm, unbalance_at_kg_mm(scene, 100 * share)
     room = _ROOM * oscillating
-    low, high = (f"{end:.6g} kg mm" for end in (min(own, requested) - room, max(own, requested) + room))
+    low, high = (f"{end:.6g} kg mm" for end in (min(own, target) - room, max(own, target) + room))
     note(
         f"{scene.name}: assumed: goal.limits.unbalance from {low} to {high}: the balance stays as near as it "
         f"is to the {100 * share:g} % of the oscillating mass that the engine asks for, within "

@@ -166,9 +166,9 @@ def engine_balance(scene: DesignLike) -> EngineBalance:
     masses = turning_masses(scene)
     weights = counterweights(masses)
     free = {AS_IT_IS: free_forces(masses), COUNTERWEIGHTED: free_forces(masses, counterweighted=True)}
-    given = engine.arranged.balancer_shaft
-    if given:
-        shafts, free[WITH_SHAFTS] = size_shafts(given, free[COUNTERWEIGHTED], masses.w2)
+    scene_shafts = engine.arranged.balancer_shaft
+    if scene_shafts:
+        shafts, free[WITH_SHAFTS] = size_shafts(scene_shafts, free[COUNTERWEIGHTED], masses.w2)
     else:
         shafts = needed_shafts(free[COUNTERWEIGHTED], masses.w2, masses.layout.length_mm)
     return EngineBalance(

@@ -10,11 +10,11 @@ from cranktopo.engine.load_type import LoadFacts, LoadType
 
 def _states(throw: ThrowLoads) -> tuple[ExtremeState]:
     analysis = throw.analysis
-    given, cycle = analysis.engine.max_gas_force_N, analysis.cycle
-    if given is not None:
+    peak_force_N, cycle = analysis.engine.max_gas_force_N, analysis.cycle
+    if peak_force_N is not None:
         share, source = near_share(throw.scene), "engine.max_gas_force_N"
         source += f", times {share:.3g} for the web nearer to its rod" if share != 1 else ""
-        case = LoadCase(name="bending", kind="bending", radial_N=given * share, source=source)
+        case = LoadCase(name="bending", kind="bending", radial_N=peak_force_N * share, source=source)
         return (ExtremeState("max_radial", case),)
     if cycle is None:
         why = "unit load: neither engine.gas nor engine.max_gas_force_N is given"

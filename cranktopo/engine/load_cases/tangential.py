@@ -11,12 +11,12 @@ from cranktopo.engine.load_type import LoadFacts, LoadType
 
 def _states(throw: ThrowLoads) -> tuple[ExtremeState]:
     analysis = throw.analysis
-    cycle, given = analysis.cycle, analysis.engine.max_torque_Nm
+    cycle, peak_torque_Nm = analysis.cycle, analysis.engine.max_torque_Nm
     if cycle is not None:
         worst = cycle.largest("tangential_force_N")
         source = f"largest tangential force, at {place_of(analysis, worst)}"
-    elif given is not None:
-        worst = Extreme(given * NMM_PER_NM / analysis.radius_mm, None)
+    elif peak_torque_Nm is not None:
+        worst = Extreme(peak_torque_Nm * NMM_PER_NM / analysis.radius_mm, None)
         source = "engine.max_torque_Nm over the throw radius"
     else:
         why = "unit load: neither engine.gas nor engine.max_torque_Nm is given"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from cranktopo.base.result import Result
 from cranktopo.bodies.cells.layers import GridContent
 from cranktopo.bodies.memory import estimated_cells
-from cranktopo.design.goal.wanted import judged_by_evaluation
+from cranktopo.design.goal.scene_goal import judged_by_evaluation
 from cranktopo.design.halves import default_element_size_mm, usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.throw.journal import Journal

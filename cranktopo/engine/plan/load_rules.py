@@ -38,7 +38,7 @@ def by_size_or_goal(context: PlanningContext, load: LoadType, size: str) -> Esti
         size: the load in words.
     """
     found = _by_size(context, load.name, size)
-    return found if context.goal is None else _as_wanted(found, context.goal, load)
+    return found if context.goal is None else _for_goal(found, context.goal, load)
 
 
 def _by_size(context: PlanningContext, kind: str, load: str) -> Estimate:
@@ -59,7 +59,7 @@ def _by_size(context: PlanningContext, kind: str, load: str) -> Estimate:
     return Estimate(percent, because, changes, cost, absent=absent)
 
 
-def _as_wanted(estimate: Estimate, goal: Goal, load: LoadType) -> Estimate:
+def _for_goal(estimate: Estimate, goal: Goal, load: LoadType) -> Estimate:
     """Return the estimate of a load case whose need a goal decides, not its size."""
     kind = load.name
     users = [f"{goal.sense} {goal.quantity}"] if QUANTITIES[goal.quantity].load_case == kind else []
@@ -69,8 +69,8 @@ def _as_wanted(estimate: Estimate, goal: Goal, load: LoadType) -> Estimate:
     if not users:
         absent, changes = "neither goal nor limits need it", "nothing"
         if kind not in MAIN_KINDS and users_of_stress(goal):
-            told = "fatigue safety" if wants_safety(goal) else "stress"
-            absent, changes = f"{absent} on cells: the {told} counts it", f"{changes} on cells"
+            judged = "fatigue safety" if wants_safety(goal) else "stress"
+            absent, changes = f"{absent} on cells: the {judged} counts it", f"{changes} on cells"
         return replace(estimate, changes=changes, absent=absent, needed="")
     needed = f"the goal needs it: {', '.join(users)}"
     changes = f"{', '.join(users)} cannot be told"

@@ -73,7 +73,7 @@ def plan(scene: DesignLike, rates: CostRates | None = None, goal: Goal | None = 
     """Decide every effect of a scene, once for all stages that ask for it.
 
     Args:
-        goal: what an optimisation is asked for, from `wanted`: it takes the load cases that goal and limits
+        goal: what an optimisation is asked for, from `goal_of`: it takes the load cases that goal and limits
             are read off and no others. None, as for an evaluation, lets every case count that is large.
 
     Raises:

@@ -112,9 +112,9 @@ def fillets(context: PlanningContext) -> Estimate:
     torsion = 100 * (sharp.torsion_rad_per_Nmm / rounded.torsion_rad_per_Nmm - 1)
     bending = 100 * (sharp.bending_mm_per_N / rounded.bending_mm_per_N - 1)
     because = f"bending stiffness {signed_percent(bending)}, torsional {signed_percent(torsion)}"
-    wanted = context.scene.effects.fatigue
+    switch = context.scene.effects.fatigue
     needed = (
-        "fatigue needs them" if wanted == "on" or (wanted == "auto" and not _fatigue_absent(context)) else ""
+        "fatigue needs them" if switch == "on" or (switch == "auto" and not _fatigue_absent(context)) else ""
     )
     return Estimate(
         max(torsion, bending),
@@ -239,8 +239,8 @@ def _inertia(context: PlanningContext, name: str, what: str) -> Estimate:
         absent = "engine.max_gas_force_N is taken as it is"
         return Estimate(None, "", "the pull at overspeed", absent=absent)
     full = context.state("bending").case.radial_N
-    without = extreme_states(context.scene, INERTIA_EFFECTS - {name})
-    other = next(s for s in without if s.name == "max_radial").case.radial_N
+    states_without = extreme_states(context.scene, INERTIA_EFFECTS - {name})
+    other = next(s for s in states_without if s.name == "max_radial").case.radial_N
     percent = 100 * abs(other - full) / abs(full)
     because = f"{what}: peak radial force {full:,.0f} N with it, {other:,.0f} N without"
     changes = f"radial force {other:,.0f} N in place of {full:,.0f} N"

@@ -49,7 +49,7 @@ def _absent(scene: Scene) -> str:
     engine = scene.engine
     if engine is None or engine.gas is None:
         return "the scene tells no forces over the cycle ([engine.gas])"
-    given = (engine.max_gas_force_N, engine.max_torque_Nm, engine.min_torque_Nm)
-    if any(value is not None for value in given):
+    peak_loads = (engine.max_gas_force_N, engine.max_torque_Nm, engine.min_torque_Nm)
+    if any(value is not None for value in peak_loads):
         return "the largest gas force or torque is given and taken as it is"
     return "" if engine.throws > 1 else "one throw between two bearings"

@@ -42,14 +42,14 @@ def torsional_vibration(context: PlanningContext) -> Estimate:
         return Estimate(None, "", "nothing", absent=absent, impossible=absent)
     found = _amplification(context.scene)
     shaft = context.scene.shaft
-    given = shaft is not None and shaft.gives_stiffness
-    source = "" if given else " (throws in closed form)"
+    has_stiffness = shaft is not None and shaft.gives_stiffness
+    source = "" if has_stiffness else " (throws in closed form)"
     because = (
         f"first natural frequency {frequency_text(found.frequency_Hz)}{source}, torque amplitude "
         f"{signed_percent(found.percent, 3)}, worst at {found.speed_rpm:.0f} rpm by order {found.order:g}"
     )
-    without = 100 * (1 / (1 + found.percent / 100) - 1)
-    return Estimate(abs(found.percent), because, f"torque amplitude {signed_percent(without)}")
+    change = 100 * (1 / (1 + found.percent / 100) - 1)
+    return Estimate(abs(found.percent), because, f"torque amplitude {signed_percent(change)}")
 
 
 def _absent(scene: Scene) -> str:

@@ -145,11 +145,11 @@ def estimated_chain(scene: Scene) -> ShaftChain:
     different = {throw.name: throw for throw in throws}
     inertias = {name: throw_balance(throw).inertia_kg_mm2 for name, throw in different.items()}
     stiffnesses = {name: throw_stiffness_Nm_per_rad(throw) for name, throw in different.items()}
-    given = scene.shaft.throw_stiffnesses_Nm_per_rad if scene.shaft else None
+    scene_stiffnesses = scene.shaft.throw_stiffnesses_Nm_per_rad if scene.shaft else None
     return shaft_chain(
         scene,
         tuple(inertias[throw.name] for throw in throws),
-        given or tuple(stiffnesses[throw.name] for throw in throws),
+        scene_stiffnesses or tuple(stiffnesses[throw.name] for throw in throws),
     )
 
 
@@ -265,5 +265,5 @@ def _add_output_end(row: _Row, shaft: ShaftTable, half: complex, end: EndChain |
 
 def _series(one: complex | None, other: complex | None) -> complex:
     """Two springs one behind the other; None is rigid, and not both are."""
-    given = [k for k in (one, other) if k is not None]
-    return 1 / sum(1 / k for k in given)
+    springs = [k for k in (one, other) if k is not None]
+    return 1 / sum(1 / k for k in springs)

@@ -157,10 +157,10 @@ def critical_speeds(
     return tuple(sorted(kept, key=lambda c: (c.speed_rpm, c.order)))
 
 
-def _felt(shaft: ShaftChain, harmonics: TorqueHarmonics, found: Sequence[CriticalSpeed]) -> list[bool]:
+def _felt(shaft: ShaftChain, harmonics: TorqueHarmonics, criticals: Sequence[CriticalSpeed]) -> list[bool]:
     """Tell of each crossing whether it is of the first 24 orders, or its torque counts in a section."""
-    places = np.rint([one.order / harmonics.orders[1] for one in found]).astype(int)
-    swing = _order_torques_Nm(shaft, harmonics, places, np.array([one.speed_rpm for one in found]))
+    places = np.rint([one.order / harmonics.orders[1] for one in criticals]).astype(int)
+    swing = _order_torques_Nm(shaft, harmonics, places, np.array([one.speed_rpm for one in criticals]))
     counting = (swing > _TELLING_SHARE * swing.max(axis=0, initial=0.0)).any(axis=1)
     return [bool(counts) for counts in counting | (places <= ORDERS)]
 

@@ -337,10 +337,10 @@ def misfires_of_each(study: VibrationStudy) -> tuple[Misfire, ...]:
 def misfire_warnings(study: VibrationStudy) -> tuple[str, ...]:
     """Return that the engine runs at a speed that is barred with a misfire alone, in one line; or nothing."""
     ranges = [(one.low_rpm, one.high_rpm) for one in study.misfire_barred]
-    told = runs_barred(study.scene, ranges)
-    if not told or runs_barred(study.scene, study.barred_rpm or ()):
+    warning = runs_barred(study.scene, ranges)
+    if not warning or runs_barred(study.scene, study.barred_rpm or ()):
         return ()
-    return (f"shaft: with one cylinder misfiring, {told}",)
+    return (f"shaft: with one cylinder misfiring, {warning}",)
 
 
 def _misfire(study: VibrationStudy, cylinder: int) -> Misfire:

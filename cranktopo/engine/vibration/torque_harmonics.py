@@ -104,8 +104,8 @@ class TorqueHarmonics:
         fired = self.gas_at_Nm(speeds_rpm)[mine, order] + speed**2 * self.inertia_Nm_s2[order]
         torque = fired[:, None] - self.lost_at_Nm(speeds_rpm)[mine, order][:, None] * self._silent
         moved = swing[list(self.throw_of)]
-        together = np.abs((torque * self._each[order] * moved).sum(axis=1))
-        return np.asarray(together / (np.abs(torque) * np.abs(moved)).sum(axis=1))
+        resultant = np.abs((torque * self._each[order] * moved).sum(axis=1))
+        return np.asarray(resultant / (np.abs(torque) * np.abs(moved)).sum(axis=1))
 
     @property
     def _silent(self) -> NDArray[np.bool_]:

@@ -102,24 +102,26 @@ def vibrating_torque(scene: Scene, enabled: frozenset[str]) -> ShaftTorque:
 
 def worst_speed_rpm(scene: Scene, enabled: frozenset[str]) -> float:
     """Return the speed in the scene's range at which the torque of the crankshaft swings most, rpm."""
-    return _told_speeds(scene, enabled, trace_states(scene)).worst_rpm
+    return _decisive_speeds(scene, enabled, trace_states(scene)).worst_rpm
 
 
 def extreme_speeds_rpm(scene: Scene, enabled: frozenset[str]) -> tuple[float, ...]:
     """Return the speeds in the range with the largest and the smallest torque of the crankshaft, rpm."""
-    return _told_speeds(scene, enabled, trace_states(scene)).extreme_rpm
+    return _decisive_speeds(scene, enabled, trace_states(scene)).extreme_rpm
 
 
-class _ToldSpeeds(NamedTuple):
+class _DecisiveSpeeds(NamedTuple):
     worst_rpm: float
     extreme_rpm: tuple[float, ...]
 
 
 @lru_cache(maxsize=16)
-def _told_speeds(scene: Scene, enabled: frozenset[str], _traces: tuple[FileState, ...]) -> _ToldSpeeds:
+def _decisive_speeds(
+    scene: Scene, enabled: frozenset[str], _traces: tuple[FileState, ...]
+) -> _DecisiveSpeeds:
     """Solve the range once: load states and histories ask for both kinds of speeds, one after another."""
     found = _model(scene, enabled).over_the_range()
-    return _ToldSpeeds(float(found.speeds_rpm[found.worst.speed_index]), found.extreme_speeds_rpm)
+    return _DecisiveSpeeds(float(found.speeds_rpm[found.worst.speed_index]), found.extreme_speeds_rpm)
 
 
 def _model(scene: Scene, enabled: frozenset[str]) -> VibratingShaft:

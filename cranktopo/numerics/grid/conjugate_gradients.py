@@ -275,10 +275,10 @@ class SharedSolve:
         system, partition = self.system, self._partition
         supports = system.supports._replace(partition=partition)
         there = system._replace(supports=supports, forces=_cut(system.forces, self.parts))
-        given = self.tables, there, self.degree, _cut(self.guess, self.parts), *self.limits
+        arrays = self.tables, there, self.degree, _cut(self.guess, self.parts), *self.limits
         specs = _specs(partition, len(self.tables.coarse))
         places = jax.tree.map(partial(NamedSharding, _mesh(self.parts)), specs)
-        placed: tuple[object, ...] = jax.device_put(given, places)
+        placed: tuple[object, ...] = jax.device_put(arrays, places)
         return placed
 
     @property

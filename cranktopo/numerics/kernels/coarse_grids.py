@@ -156,7 +156,7 @@ class Stencil:
     """Stencils of the nodes (nodes along x, along y, 14, 3, 3, nodes along z)."""
 
     arrays = 1
-    together = True  # for all cases a block is read once
+    all_cases_at_once = True  # for all cases a block is read once
 
     def couple(self, code: VectorCode, grid: Grid, arrays: Sequence[Value], layer: Layer) -> None:
         """Add forces of a plane and of the one after it that are due to the blocks of the plane."""

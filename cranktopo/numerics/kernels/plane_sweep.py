@@ -59,11 +59,11 @@ class Layer:
 class Operator(Protocol):
     """Forces on two planes by a layer of cells, or by the stencils of a plane.
 
-    It is made of so many arrays; `together` all load cases go through the planes side by side.
+    It is made of so many arrays; `all_cases_at_once`: all load cases go through the planes side by side.
     """
 
     arrays: int
-    together: bool
+    all_cases_at_once: bool
 
     def couple(self, code: VectorCode, grid: Grid, arrays: Sequence[Value], layer: Layer) -> None:
         """Write what couples the planes of a layer."""
@@ -95,7 +95,7 @@ def write_planes(code: VectorCode, operator: Operator, finish: Finish) -> None:
     end, so that the number of parts does not change the result.
     """
     march = _March(code, operator, finish)
-    if operator.together:
+    if operator.all_cases_at_once:
         march.write(INT64(0), march.grid.cases)
     else:
         with code.loop(march.grid.cases) as case:
@@ -106,7 +106,7 @@ def write_planes(code: VectorCode, operator: Operator, finish: Finish) -> None:
 def spare_planes(operator: Operator, finish: Finish) -> tuple[int, int]:
     """Return planes in the spare memory of a part, per case and besides: copies, forces of two."""
     copies = _copied_planes(finish)
-    return (copies + 2, 0) if operator.together else (copies, 2)
+    return (copies + 2, 0) if operator.all_cases_at_once else (copies, 2)
 
 
 def _copied_planes(finish: Finish) -> int:

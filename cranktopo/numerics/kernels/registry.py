@@ -103,10 +103,10 @@ def _processor() -> tuple[str, str]:
     return llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
 
 
-def _kept(made_from: str) -> Path | None:
+def _kept(source: str) -> Path | None:
     """File for the code made from a text; None where it is not wanted, or has no place that is the user's."""
     folder = private_cache(_FOLDER) if getattr(jax.config, _KEEPING) else None
-    return None if folder is None else folder / f"{hashlib.sha256(made_from.encode()).hexdigest()[:32]}.o"
+    return None if folder is None else folder / f"{hashlib.sha256(source.encode()).hexdigest()[:32]}.o"
 
 
 def _read(file: Path) -> bytes | None:
@@ -211,7 +211,7 @@ def _fault() -> str:
 
 def _stiffness_product(target: str) -> Product:
     def product(*arrays: jax.Array) -> jax.Array:
-        return _called(target, "stiffness_product", arrays, _shapes("stiffness", "product", arrays))[0]
+        return _ffi_results(target, "stiffness_product", arrays, _shapes("stiffness", "product", arrays))[0]
 
     return product
 
@@ -260,10 +260,10 @@ def ffi_call(
 ) -> Sequence[jax.Array]:
     """Return results of a kernel, of the given shapes; what goes in and out has one precision."""
     target = _registered(name, jax.numpy.dtype(precision).name)
-    return _called(target, name, [array.astype(precision) for array in arrays], shapes)
+    return _ffi_results(target, name, [array.astype(precision) for array in arrays], shapes)
 
 
-def _called(
+def _ffi_results(
     target: str, name: str, arrays: Sequence[jax.Array], shapes: Sequence[tuple[int, ...]]
 ) -> Sequence[jax.Array]:
     results = [jax.ShapeDtypeStruct(shape, arrays[0].dtype) for shape in shapes]

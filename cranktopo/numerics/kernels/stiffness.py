@@ -87,7 +87,7 @@ class StiffnessOperator:
     """Layers of cells: reflection blocks (8, 3, 3, cells along z) and moduli (cells...)."""
 
     arrays = 2
-    together = False
+    all_cases_at_once = False
 
     def couple(self, code: VectorCode, grid: Grid, arrays: Sequence[Value], layer: Layer) -> None:
         """Add the forces of a layer of cells to the planes on both sides of it, where there is one."""

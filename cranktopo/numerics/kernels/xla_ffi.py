@@ -181,8 +181,8 @@ def write_handler(
         builder.icmp_signed(">=", numbers, INT64(LEAST_SHARED)),
         builder.icmp_signed(">=", planes, INT64(threads)),
     )
-    with builder.if_else(shared) as (together, alone):
-        with together:
+    with builder.if_else(shared) as (in_parts, alone):
+        with in_parts:
             _write_shared(builder, functions, task, threads, frame)
         with alone:
             for function in functions:

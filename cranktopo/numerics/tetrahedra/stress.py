@@ -188,14 +188,14 @@ def outer_surface(model: Elasticity, elements: Index, planes: tuple[tuple[int, f
     return Surface(nodes, model.nodes_mm[:, nodes], normals, faces, owners, local)
 
 
-def surface_stress(model: Elasticity, surface: Surface, found: NodalStress) -> SurfaceStress:
+def surface_stress(model: Elasticity, surface: Surface, nodal_stress: NodalStress) -> SurfaceStress:
     """Return nodal stresses on the surface, their derivative into the depth, and the jumps between elements.
 
     The derivative is that of the nodal stresses interpolated by the element's shape functions, averaged over
     the faces that meet at a node.
     """
-    stress = found.nodal_MPa[:, surface.nodes]
-    return SurfaceStress(stress, _depth(model, surface, found), _jumps(surface, found))
+    stress = nodal_stress.nodal_MPa[:, surface.nodes]
+    return SurfaceStress(stress, _depth(model, surface, nodal_stress), _jumps(surface, nodal_stress))
 
 
 def outward_faces(surface: Surface) -> Index:
@@ -249,30 +249,30 @@ def triangle_gradients() -> Array:
     return shape_gradients(points, edges=((0, 1), (1, 2), (0, 2)))
 
 
-def _depth(model: Elasticity, surface: Surface, found: NodalStress) -> Array:
+def _depth(model: Elasticity, surface: Surface, nodal_stress: NodalStress) -> Array:
     """Derivative of the nodal stresses along the inward normal, shape (fields, n, 6)."""
-    cells = found.elements[:, surface.owners]
+    cells = nodal_stress.elements[:, surface.owners]
     nodes = model.nodes_mm[:, cells]  # (3, 10, f)
     reference = shape_gradients(node_points())[surface.local]  # (6, f, 10, 3)
     jacobian = np.einsum("inf,pfnj->pfij", nodes, reference, optimize=True)
     inward = -surface.normals[surface.faces]  # (6, f, 3)
     direction = np.linalg.solve(jacobian, inward[..., None])[..., 0]
     weights = np.einsum("pfnj,pfj->pfn", reference, direction, optimize=True)
-    total = np.zeros((len(found.nodal_MPa), len(surface.nodes), 6))
+    total = np.zeros((len(nodal_stress.nodal_MPa), len(surface.nodes), 6))
     number = np.bincount(surface.faces.ravel(), minlength=len(surface.nodes))
-    for field, stress in zip(total, found.nodal_MPa, strict=True):
+    for field, stress in zip(total, nodal_stress.nodal_MPa, strict=True):
         slope = np.einsum("pfn,nfc->pfc", weights, stress[cells], optimize=True)
         np.add.at(field, surface.faces, slope)
     return total / number[:, None]
 
 
-def _jumps(surface: Surface, found: NodalStress) -> Array:
-    position = np.full(found.nodal_MPa.shape[1], -1)
+def _jumps(surface: Surface, stress: NodalStress) -> Array:
+    position = np.full(stress.nodal_MPa.shape[1], -1)
     position[surface.nodes] = np.arange(len(surface.nodes))
-    where = position[found.elements.T]  # (elements, 10)
+    where = position[stress.elements.T]  # (elements, 10)
     touching = where >= 0
-    jump = np.zeros((len(found.nodal_MPa), len(surface.nodes)))
-    for field, element, nodal in zip(jump, found.element_MPa, found.nodal_MPa, strict=True):
-        mean = von_mises(nodal)[found.elements.T[touching]]
+    jump = np.zeros((len(stress.nodal_MPa), len(surface.nodes)))
+    for field, element, nodal in zip(jump, stress.element_MPa, stress.nodal_MPa, strict=True):
+        mean = von_mises(nodal)[stress.elements.T[touching]]
         np.maximum.at(field, where[touching], np.abs(von_mises(element[touching]) - mean))
     return jump

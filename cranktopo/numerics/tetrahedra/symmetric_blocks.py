@@ -54,9 +54,9 @@ class SymmetricBlocks:
 
     def add_product(self, field: NDArray[Any], total: NDArray[Any], factor: float = 1.0) -> None:
         """Add a factor times the scaled matrix times fields (unknowns, k), in its own order, to a total."""
-        given = np.ascontiguousarray(field)
-        arrays = (self.start, self.column, self.value, given, total)
-        code = product(given.shape[1], "float" if self.value.dtype == np.float32 else "double")
+        values = np.ascontiguousarray(field)
+        arrays = (self.start, self.column, self.value, values, total)
+        code = product(values.shape[1], "float" if self.value.dtype == np.float32 else "double")
         code(len(self.order), factor, *(array.ctypes.data for array in arrays))
 
     @cached_property

@@ -62,8 +62,8 @@ def command(
     from cranktopo.tasks.accuracy.stage import study_accuracy
 
     found = study_accuracy(design, budget_s, out, journals, throw)
-    shown = found.result.model_copy(update={"files": found.files})
-    click.echo(json.dumps(shown.as_json()) if as_json else _text(found.result))
+    result = found.result.model_copy(update={"files": found.files})
+    click.echo(json.dumps(result.as_json()) if as_json else _text(found.result))
     for path in (*found.files.values(), *([str(found.kept)] if found.kept else [])):
         note(path)
     return ExitCode.INTERRUPTED if found.result.interrupted else ExitCode.DONE

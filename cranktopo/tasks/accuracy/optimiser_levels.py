@@ -27,7 +27,7 @@ from cranktopo.bodies.memory import (
     optimiser_memory_MiB,
     thinnest_wall_mm,
 )
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.cost import CostRates, ExpectedWork, effort
@@ -272,7 +272,7 @@ def _for_budget(choices: list[CellChoice], budget_s: float) -> CellChoice:
 
 def _choices(scene: Scene, measured: StoredStudy | None) -> list[CellChoice]:
     """Return the usable cell sizes, coarsest first; CranktopoError where walls or memory allow none."""
-    effects = plan(scene, goal=wanted(scene))
+    effects = plan(scene, goal=goal_of(scene))
     simulated = apply_physics_plan(scene, effects)
     quarter, cases = laterally_symmetric(simulated, "envelope"), len(load_cases(simulated, effects.enabled))
     sizes, available = cell_sizes(simulated), available_memory_MiB()

@@ -121,9 +121,9 @@ _MARKERS, _COLOURS = "osD^vP*X", ("C0", "C1", "C2")
 
 def study_pictures(result: StudyResult) -> tuple[Picture, ...]:
     """Return error against seconds where any error is known, the Pareto front of each study joined."""
-    shown = [level for level in result.rungs if level.error_percent]
-    words = "; ".join(f"{v.name}: {v.error_percent:.2g} % in {v.seconds:.3g} s" for v in shown)
-    return (picture("accuracy", f"Error against seconds. {words}", _draw_fronts, shown),) if shown else ()
+    levels = [level for level in result.rungs if level.error_percent]
+    words = "; ".join(f"{v.name}: {v.error_percent:.2g} % in {v.seconds:.3g} s" for v in levels)
+    return (picture("accuracy", f"Error against seconds. {words}", _draw_fronts, levels),) if levels else ()
 
 
 def _draw_fronts(axes: Any, levels: Sequence[LevelResult]) -> None:

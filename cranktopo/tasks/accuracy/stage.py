@@ -47,9 +47,9 @@ _ORDERS: dict[StudyName, tuple[float, float]] = {EVALUATION: _QUADRATIC, FILLET_
 def cheapest(levels: Iterable[LevelResult], study: StudyName, percent: float) -> LevelResult | None:
     """Return the cheapest level of a study whose error is surely below a percentage."""
 
-    def fits(found: LevelResult) -> bool:
-        bound = found.bound_percent
-        return found.ladder == study and bound is not None and bound <= percent
+    def fits(level: LevelResult) -> bool:
+        bound = level.bound_percent
+        return level.ladder == study and bound is not None and bound <= percent
 
     return min(filter(fits, levels), key=lambda found: found.seconds, default=None)
 
@@ -135,7 +135,7 @@ def _orders(level: Level, levels: Sequence[Level]) -> dict[str, float | None]:
     return {name: observed_order(sizes, [r.values[name] for r in row]) for name in level.values}
 
 
-def _marked(found: list[LevelResult]) -> list[LevelResult]:
+def _marked(levels: list[LevelResult]) -> list[LevelResult]:
     """Mark the levels on the Pareto front: no cheaper one has a smaller error."""
 
     def dominated(this: LevelResult) -> bool:
@@ -143,10 +143,10 @@ def _marked(found: list[LevelResult]) -> list[LevelResult]:
             other.seconds < this.seconds
             and other.error_percent is not None
             and other.error_percent <= this.error_percent
-            for other in found
+            for other in levels
         )
 
-    return [this.model_copy(update={"efficient": not dominated(this)}) for this in found]
+    return [this.model_copy(update={"efficient": not dominated(this)}) for this in levels]
 
 
 BUDGET_S = 120.0

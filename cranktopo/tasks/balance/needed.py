@@ -49,12 +49,12 @@ def counterweight_words(data: Balance) -> str:
     needs = _throw_needs(data)
     if not any(need.as_needed or need.too_heavy for need in needs):
         return ""
-    told: dict[str, list[str]] = {}
+    throws_by_need: dict[str, list[str]] = {}
     for need in needs:
-        told.setdefault(need.words, []).append(str(need.throw))
-    if len(told) == 1:
+        throws_by_need.setdefault(need.words, []).append(str(need.throw))
+    if len(throws_by_need) == 1:
         return f"Counterweights of each throw: {needs[0].words}."
-    return f"Counterweights: {'; '.join(f'{_throws(own)} {words}' for words, own in told.items())}."
+    return f"Counterweights: {'; '.join(f'{_throws(own)} {words}' for words, own in throws_by_need.items())}."
 
 
 def _throws(numbers: Sequence[str]) -> str:

@@ -92,32 +92,32 @@ _WEBS = (
 
 
 def _counterweights_words(data: Balance) -> str:
-    told = _WEBS, counterweight_words(data), balance_factor_words(data), crank_words(data.crank)
-    return " ".join(filter(None, told))
+    sentences = _WEBS, counterweight_words(data), balance_factor_words(data), crank_words(data.crank)
+    return " ".join(filter(None, sentences))
 
 
-def _proposed(found: ProposedCounterweight | None) -> list[tuple[str, ResultTable]]:
+def _proposed(proposed: ProposedCounterweight | None) -> list[tuple[str, ResultTable]]:
     """Return the counterweight that was asked for as a table; none where none was."""
-    if found is None:
+    if proposed is None:
         return []
     rows = [
-        ("outer_radius_mm", f"{found.outer_radius_mm:g} mm"),
-        ("half_angle_deg", f"{found.half_angle_deg:g} deg"),
-        ("thickness of the web", f"{found.thickness_mm:g} mm"),
-        ("engine.arrangement.balanced_oscillating_share", f"{found.share_percent / 100:g}"),
-        ("balanced share of the oscillating mass", f"{found.balance_factor_percent:z.1f} %"),
-        ("room for it", found.refused or "yes"),
+        ("outer_radius_mm", f"{proposed.outer_radius_mm:g} mm"),
+        ("half_angle_deg", f"{proposed.half_angle_deg:g} deg"),
+        ("thickness of the web", f"{proposed.thickness_mm:g} mm"),
+        ("engine.arrangement.balanced_oscillating_share", f"{proposed.share_percent / 100:g}"),
+        ("balanced share of the oscillating mass", f"{proposed.balance_factor_percent:z.1f} %"),
+        ("room for it", proposed.refused or "yes"),
     ]
-    if found.own_angle_refused:
-        rows.append(("room with the half-angle of the web", found.own_angle_refused))
+    if proposed.own_angle_refused:
+        rows.append(("room with the half-angle of the web", proposed.own_angle_refused))
     return [("Proposed [web.counterweight] of each web", pairs(rows))]
 
 
-def _proposed_fact(found: ProposedCounterweight) -> Fact:
-    size = f"radius {found.outer_radius_mm:.1f} mm, {found.half_angle_deg:g} deg to each side"
-    if found.refused:
-        return Fact("Proposed counterweight", "does not fit", f"{size}: {found.refused}", "bad")
-    return Fact("Proposed counterweight", size, f"balances {share_words(found)}", "good")
+def _proposed_fact(proposed: ProposedCounterweight) -> Fact:
+    size = f"radius {proposed.outer_radius_mm:.1f} mm, {proposed.half_angle_deg:g} deg to each side"
+    if proposed.refused:
+        return Fact("Proposed counterweight", "does not fit", f"{size}: {proposed.refused}", "bad")
+    return Fact("Proposed counterweight", size, f"balances {share_words(proposed)}", "good")
 
 
 def _facts(balance: EngineBalance, data: Balance) -> tuple[Fact, ...]:
@@ -151,8 +151,8 @@ def _free_fact(data: Balance, name: Vector, state: str, fits: bool) -> Fact:
         status = "neutral" if status == "good" else "bad"
     elif others and fits and status == "neutral":
         status = "good"
-    told = "".join(f"; order {one.order} from {one.words}" for one in others)
-    return Fact(f"Free {name}", f"{number_text(before)} {unit}", f"{note}{told}", status)
+    other_orders = "".join(f"; order {one.order} from {one.words}" for one in others)
+    return Fact(f"Free {name}", f"{number_text(before)} {unit}", f"{note}{other_orders}", status)
 
 
 def _against(state: str, before: float, after: float, unit: str, fits: bool) -> tuple[str, FactStatus]:

@@ -72,8 +72,8 @@ def _bearing(balance: EngineBalance) -> Picture:
 
 
 def _polar(name: str, title: str, curves: Sequence[_Curve], unit: str) -> Picture:
-    told = "; ".join(f"{curve.label.replace(_BREAK, ' ')}: at most {curve.size(unit)}" for curve in curves)
-    return picture(f"balance-{name}", f"{title}. {told}", _draw, title, curves, unit, polar=True)
+    maxima = "; ".join(f"{curve.label.replace(_BREAK, ' ')}: at most {curve.size(unit)}" for curve in curves)
+    return picture(f"balance-{name}", f"{title}. {maxima}", _draw, title, curves, unit, polar=True)
 
 
 def _emptiest_deg(curves: Sequence[_Curve]) -> float:

@@ -172,13 +172,13 @@ def _pitch_mm(balance: EngineBalance) -> float:
 def _factor_percent(scene: Scene) -> float | None:
     """Balance factor of the throws; the mean where they differ."""
     found = [throw_balance(throw).balance_factor_percent for throw in dict.fromkeys(throw_scenes(scene))]
-    given = [factor for factor in found if factor is not None]
-    return sum(given) / len(given) if given else None
+    factors = [factor for factor in found if factor is not None]
+    return sum(factors) / len(factors) if factors else None
 
 
-def _forces(found: FreeForce) -> dict[str, Any]:
-    values: dict[str, Any] = {"order": found.order}
-    for name, unit, ellipse in (("force", "N", found.force), ("moment", "Nm", found.moment)):
+def _forces(force: FreeForce) -> dict[str, Any]:
+    values: dict[str, Any] = {"order": force.order}
+    for name, unit, ellipse in (("force", "N", force.force), ("moment", "Nm", force.moment)):
         values[f"{name}_{unit}"] = ellipse.largest
         values[f"{name}_min_{unit}"] = ellipse.smallest
         values[f"{name}_axis_deg"] = ellipse.axis_deg

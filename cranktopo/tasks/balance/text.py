@@ -152,8 +152,8 @@ def counterweights_caption(data: Balance) -> str:
     assumed = {item.key for item in data.assumed}
     engine = "; one cylinder, which is assumed" if "engine.cylinders" in assumed else ""
     missing = [name for key, name in _MASSES.items() if f"engine.masses.{key}" in assumed]
-    without = f"; without {' and '.join(missing)}, whose masses are not given" if missing else ""
-    return f"Counterweights that the webs need for the rotating{oscillating or ' masses'}{engine}{without}"
+    exception = f"; without {' and '.join(missing)}, whose masses are not given" if missing else ""
+    return f"Counterweights that the webs need for the rotating{oscillating or ' masses'}{engine}{exception}"
 
 
 def balance_factor_words(data: Balance) -> str:
@@ -184,11 +184,11 @@ def proposal_words(data: Balance) -> str:
     )
 
 
-def share_words(found: ProposedCounterweight) -> str:
+def share_words(proposed: ProposedCounterweight) -> str:
     """Return what a proposed counterweight is to balance."""
-    if not found.share_percent:
+    if not proposed.share_percent:
         return "the rotating masses alone"
-    return f"the rotating and {found.share_percent:g} % of the oscillating mass"
+    return f"the rotating and {proposed.share_percent:g} % of the oscillating mass"
 
 
 def proposal_refused(data: Balance) -> str:
@@ -199,19 +199,21 @@ def proposal_refused(data: Balance) -> str:
     return f"The proposed counterweight does not fit: {found.refused}"
 
 
-def _proposal_refusals(data: Balance, found: ProposedCounterweight) -> list[str]:
+def _proposal_refusals(data: Balance, proposed: ProposedCounterweight) -> list[str]:
     first, last, step = OTHER_ANGLES_DEG
-    if found.refused:
+    if proposed.refused:
         others = f"Nor does one with another half-angle ({first:g} to {last:g} deg by {step:g})."
         return [proposal_refused(data), others]
-    why = found.own_angle_refused
+    why = proposed.own_angle_refused
     return [f"The half-angle of the web (60 deg without a counterweight) does not fit: {why}"] if why else []
 
 
 def shafts_caption(data: Balance) -> str:
     """Tell whether the balancer shafts are those of the scene."""
-    given = any(shaft.in_scene for shaft in data.balancer_shafts)
-    return "Balancer shafts" if given else "Balancer shafts that would leave nothing in the first two orders"
+    in_scene = any(shaft.in_scene for shaft in data.balancer_shafts)
+    return (
+        "Balancer shafts" if in_scene else "Balancer shafts that would leave nothing in the first two orders"
+    )
 
 
 def bearings_caption(data: Balance) -> str:
@@ -246,10 +248,10 @@ def arrangement_words(data: Balance) -> str:
 
 def balance_headline(data: Balance) -> str:
     """Return the largest free force and moment, state by state, equal states in one sentence."""
-    reported: dict[str, list[str]] = {}
+    states_by_rest: dict[str, list[str]] = {}
     for state in dict.fromkeys(entry.state for entry in data.free):
-        reported.setdefault(_left(data, state), []).append(state)
-    left = [f"{' and '.join(states).capitalize()}: {left}." for left, states in reported.items()]
+        states_by_rest.setdefault(_left(data, state), []).append(state)
+    left = [f"{' and '.join(states).capitalize()}: {left}." for left, states in states_by_rest.items()]
     return " ".join([proposal_refused(data), *left]).strip()
 
 
@@ -261,7 +263,9 @@ def change_sentences(data: Balance) -> list[str]:
             f"free {name} of order {one.order} from {one.words}"
             for name in VECTORS
             for one in order_changes(data, name, state)
-            if any(largest_order(data, name, reported)[0] != one.order for reported in (AS_IT_IS, state))
+            if any(
+                largest_order(data, name, named_state)[0] != one.order for named_state in (AS_IT_IS, state)
+            )
         ]
         if changes:
             found.append(f"{state.capitalize()}: {', '.join(changes)}.")
@@ -273,14 +277,14 @@ def balance_text(data: Balance) -> str:
     first = f"{data.design} at {data.speed_rpm:g} rpm: {arrangement_words(data)}"
     parts = ["\n".join([first, balance_headline(data), *change_sentences(data)])]
     parts += [f"{caption}\n{terminal(table)}" for caption, table in _balance_tables(data)]
-    reported = (
+    sentences = (
         bearings_words(data),
         crank_words(data.crank),
         counterweight_words(data),
         balance_factor_words(data),
         proposal_words(data),
     )
-    return "\n\n".join([*parts, *filter(None, reported), "\n".join(_ANGLES)])
+    return "\n\n".join([*parts, *filter(None, sentences), "\n".join(_ANGLES)])
 
 
 def angle_lines() -> tuple[str, ...]:

@@ -151,10 +151,10 @@ class _ShaftViews:
             circle(axes, self._part.step[-1].bore_mm / 2, 0.0, "-", 1.0)
         centre_line(axes, (-r - 4 * mm, 0.0), (r + 4 * mm, 0.0))
         centre_line(axes, (0.0, -r - 4 * mm), (0.0, r + 4 * mm))
-        reported: dict[float, list[str]] = {}
+        names_by_angle: dict[float, list[str]] = {}
         for number, weight in enumerate(self._part.weight, 1):
-            reported.setdefault(weight.deg % 360, []).append(f"M{number}")
-        for deg, names in reported.items():
+            names_by_angle.setdefault(weight.deg % 360, []).append(f"M{number}")
+        for deg, names in names_by_angle.items():
             out = np.array([-sin(radians(deg)), cos(radians(deg))])
             axes.annotate(
                 "",

@@ -88,26 +88,26 @@ def redesign_balancer(design: DesignLike) -> tuple[Scene, BalancerStrength]:
             + f", wanted {worst.sense} {worst.limit:.4g}.",
             hint="Widen the ranges, make more dimensions free, or add a bearing.",
         )
-    reported = Redesign(
+    redesign = Redesign(
         start_kg=before.mass_kg,
         result_kg=after.mass_kg,
         added_bearings=len(after.bearings) - len(before.bearings),
         limits=limits,
         dimensions=tuple(task.dimensions(found)),
     )
-    return found, after.model_copy(update={"redesign": reported})
+    return found, after.model_copy(update={"redesign": redesign})
 
 
-def changes_of(scene: Scene, found: BalancerStrength) -> dict[str, Any]:
+def changes_of(scene: Scene, strength: BalancerStrength) -> dict[str, Any]:
     """Return what a redesign changes in the text of its design, by key path; None takes a table away."""
-    assert found.redesign is not None
+    assert strength.redesign is not None
     bearings = _part(scene).bearing
-    added = range(len(bearings) - found.redesign.added_bearings, len(bearings))
+    added = range(len(bearings) - strength.redesign.added_bearings, len(bearings))
     changes: dict[str, Any] = {
         f"balancer.bearing[{number}]": bearings[number].model_dump(mode="json", exclude_unset=True)
         for number in added
     }
-    changes |= {d.key: d.value_mm for d in found.redesign.dimensions if d.start_mm is not None}
+    changes |= {d.key: d.value_mm for d in strength.redesign.dimensions if d.start_mm is not None}
     return {**changes, "balancer.redesign.bearing": None} if added else changes
 
 
@@ -253,9 +253,9 @@ def _check_range(scene: Scene, number: int, range_mm: tuple[float, float]) -> No
 
 def _limits(part: BalancerPart, before: BalancerStrength, after: BalancerStrength) -> Iterator[KeptLimit]:
     """Yield what a shaft has to keep, with its values before and after."""
-    wanted = part.redesign.deflection_mm if part.redesign else None
+    target_mm = part.redesign.deflection_mm if part.redesign else None
     for own, found in zip(before.probes, after.probes, strict=True):
-        most = wanted or own.permitted_mm or own.deflection_mm
+        most = target_mm or own.permitted_mm or own.deflection_mm
         yield _limit(f"deflection of {own.name}", "mm", "<=", own.deflection_mm, found.deflection_mm, most)
     lives = [
         min((b.life_h for b in one.bearings if b.life_h is not None), default=None) for one in (before, after)

@@ -94,12 +94,12 @@ def balancer_text(shaft: BalancerStrength) -> str:
     return "\n\n".join(filter(None, parts))
 
 
-def _redesign(found: Redesign) -> str:
-    change = 100 * (found.result_kg / found.start_kg - 1)
-    mass = f"{found.start_kg:.3f} -> {found.result_kg:.3f} kg ({change_text(change)})"
+def _redesign(redesign: Redesign) -> str:
+    change = 100 * (redesign.result_kg / redesign.start_kg - 1)
+    mass = f"{redesign.start_kg:.3f} -> {redesign.result_kg:.3f} kg ({change_text(change)})"
     line = f"Every limit holds: mass of the shaft {mass}"
-    tables = [terminal(tabulate(_LIMITS, found.limits))]
-    tables += [terminal(tabulate(_DIMENSIONS, found.dimensions))] if found.dimensions else []
+    tables = [terminal(tabulate(_LIMITS, redesign.limits))]
+    tables += [terminal(tabulate(_DIMENSIONS, redesign.dimensions))] if redesign.dimensions else []
     return "\n\n".join([line, *tables])
 
 

@@ -69,12 +69,12 @@ class Answers:
 
     async def checked(self, data: Data) -> list[dict[str, str]]:
         """Return the rules that a design breaks, each with its key; none where it is sound."""
-        found: list[dict[str, str]] = await self._workers["live"].ask("live.broken_rules_of", data)
+        found: list[dict[str, str]] = await self._workers["live"].ask("live.violated_rules_of", data)
         return found
 
-    async def proposed(self, name: str, data: Data, wanted: Any) -> dict[str, Any]:
+    async def proposed(self, name: str, data: Data, argument: Any) -> dict[str, Any]:
         """Return changes that a function of `proposals` finds for what is wanted."""
-        found: dict[str, Any] = await self._workers["live"].ask(f"proposals.{name}", data, wanted)
+        found: dict[str, Any] = await self._workers["live"].ask(f"proposals.{name}", data, argument)
         return found
 
     async def exact(self, data: Data) -> dict[str, float]:
@@ -174,8 +174,8 @@ class Answers:
 
     def _tell_settled(self, text: str, tell: Tell) -> None:
         found = self._settled.get(text)
-        for which, wanted in (("now", self._now), ("original", self._original)):
-            if found is not None and text == wanted:
+        for which, settled_text in (("now", self._now), ("original", self._original)):
+            if found is not None and text == settled_text:
                 tell({"type": "settled", "which": which, **found})
 
 

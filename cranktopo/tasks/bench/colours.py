@@ -71,14 +71,14 @@ def web_colours(field: FatigueField, stiffness: Mapping[str, float]) -> WebColou
     used, stress = 1 / field.safety, larger_end_MPa(field.amplitude_MPa, field.mean_MPa)
     top = largest_of_field_MPa(field)
     least = f"share of the fatigue strength that is used; the last is the least safety, {critical.safety:.3f}"
-    reported = [
+    coloured = [
         (Colour("safety", least, 1 / critical.safety), used),
         (Colour("stress", f"largest von Mises stress of all load states, 0 to {top:.0f} MPa", top), stress),
     ]
     for name in (name for name in _STIFFNESSES if name in model.kinds and name in stiffness):
         cost = np.broadcast_to(removal_cost(model, name, stiffness[name]), used.shape)
-        reported.append((Colour(name, _of_removal(name), _MOST_COST), cost))
-    return WebColours(model, [colour for colour, _ in reported], np.stack([values for _, values in reported]))
+        coloured.append((Colour(name, _of_removal(name), _MOST_COST), cost))
+    return WebColours(model, [colour for colour, _ in coloured], np.stack([values for _, values in coloured]))
 
 
 def removal_cost(model: StressModel, kind: FieldKind, stiffness: float) -> Array:

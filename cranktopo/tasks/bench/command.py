@@ -47,7 +47,7 @@ def command(
 
     if i_know and host is None:
         raise click.UsageError("--i-know is about --host")
-    opened = partial(_told, no_browser=no_browser)
+    opened = partial(_announce, no_browser=no_browser)
     if host is None:
         run_bench(Path.cwd(), target, port or 0, opened)
         return ExitCode.DONE
@@ -57,7 +57,7 @@ def command(
     return ExitCode.DONE
 
 
-def _told(address: str, no_browser: bool) -> None:
+def _announce(address: str, no_browser: bool) -> None:
     click.echo(address)
     click.echo("Ctrl-C ends the bench; what was done is kept.", err=True)
     if not no_browser:

@@ -15,11 +15,11 @@ from cranktopo.design.toml_text import parse_toml
 def check_files_inside(data: Mapping[str, Any], folder: Path, trusted: Mapping[str, Any]) -> None:
     """Refuse a design that names a file outside the folder, unless the opened design names it as well."""
     root = folder.resolve()
-    known, given = set(input_files(trusted).values()), input_files(data)
+    known, files = set(input_files(trusted).values()), input_files(data)
     for key, name in input_files(with_resolved_files(dict(data), root)).items():
         if name not in known and not name.is_relative_to(root):
             raise CranktopoError(
-                f"{key} = {quoted(str(given[key]))}: lies outside the folder of the bench.",
+                f"{key} = {quoted(str(files[key]))}: lies outside the folder of the bench.",
                 hint="Put the file into that folder.",
             )
 

@@ -56,9 +56,9 @@ def new_design(answers: Mapping[str, Any]) -> Begun:
     numbers = [key for key in (*KNOWN, "power_kW") if key != _MATERIAL and answers.get(key)]
     known: dict[str, float | str] = {key: _number(answers, key) for key in numbers}
     known |= {_MATERIAL: str(answers[_MATERIAL])} if answers.get(_MATERIAL) else {}
-    requested = (layout, int(size[0]), size[1], size[2], known)
-    began = begun(name, *requested)
-    return Begun(began.text, name, begun_line(f"{name}.toml", *requested), began.assumed)
+    engine_answers = (layout, int(size[0]), size[1], size[2], known)
+    began = begun(name, *engine_answers)
+    return Begun(began.text, name, begun_line(f"{name}.toml", *engine_answers), began.assumed)
 
 
 def _number(answers: Mapping[str, Any], key: str) -> float:

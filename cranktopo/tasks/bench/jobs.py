@@ -172,9 +172,9 @@ class BenchJob:
                 with suppress(psutil.Error):
                     child.send_signal(signal.SIGINT)
 
-    def note_result(self, variant: str, found: Sequence[str], gauges: Mapping[str, float]) -> None:
+    def note_result(self, variant: str, lines: Sequence[str], gauges: Mapping[str, float]) -> None:
         """Record that its result was kept as a variant, or `-`, and what it found, in words and numbers."""
-        kept = {"variant": variant, "found": tuple(found), "gauges": dict(gauges)}
+        kept = {"variant": variant, "found": tuple(lines), "gauges": dict(gauges)}
         self.known = self.known.model_copy(update=kept)
         write_json(self.place / _JOB, self.known.as_json())
 
@@ -221,13 +221,13 @@ class Jobs:
         """Start a command on the text of a design, that of a step of the session, or on the run of a job."""
         if kind not in KINDS:
             raise CranktopoError("job: there is no such command.")
-        given = _option_words(kind, options)
+        option_words = _option_words(kind, options)
         target = self._run_of(run) if kind in OF_RUN else _DESIGN
         number = 1 + max((int(place.name) for place in self._folder.glob("[0-9][0-9][0-9]")), default=0)
         place = self._folder / f"{number:03d}"
         place.mkdir(parents=True)
         (place / _DESIGN).write_text(design, encoding="utf-8")
-        words = [kind, target, *given]
+        words = [kind, target, *option_words]
         words += ["--out", _OUTPUT[kind]] if kind in _OUTPUT else ["--json"]
         known = _KnownJob(id=place.name, kind=kind, words=tuple(words), started=time.time(), step=step)
         return self._run(place, known, words)
@@ -279,10 +279,10 @@ def reap() -> None:
 
 def _option_words(kind: str, options: Mapping[str, Any]) -> list[str]:
     words = []
-    for name, given in options.items():
+    for name, chosen in options.items():
         if name not in KINDS[kind]:
             raise CranktopoError(f"job: {kind} has no option of that name here.")
-        for value in given if isinstance(given, list) else [given]:
+        for value in chosen if isinstance(chosen, list) else [chosen]:
             if not isinstance(value, str | int | float) or not str(value).strip():
                 raise CranktopoError(f"job: --{name} needs a value.")
             words.append(f"--{name}={value}")

@@ -11,7 +11,7 @@ import numpy as np
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.units import NMM_PER_NM
-from cranktopo.bodies.shown_solid import shown_half
+from cranktopo.bodies.shown_solid import display_half
 from cranktopo.design.checks.engine import shaft_warnings
 from cranktopo.design.clearance import clearances_mm
 from cranktopo.design.halves import halves
@@ -61,14 +61,14 @@ def live_numbers(data: dict[str, Any], stiffness_factors: Sequence[float] = ()) 
         data: tables of the design, file names absolute.
         stiffness_factors: of each throw, elements over closed form, at a web that has settled.
     """
-    return _of_sound(data, lambda scene: told_numbers(scene, stiffness_factors))
+    return _of_sound(data, lambda scene: gauge_numbers(scene, stiffness_factors))
 
 
-def told_numbers(scene: Scene, stiffness_factors: Sequence[float] = ()) -> dict[str, Any]:
+def gauge_numbers(scene: Scene, stiffness_factors: Sequence[float] = ()) -> dict[str, Any]:
     """Return gauges, what those rest on that are not exact, marks of the rule, notes and warnings."""
     resting = of_stiffness_names(scene)
-    shown = with_stiffness(scene, stiffness_factors) if resting and stiffness_factors else scene
-    gauges = exact_values(shown)
+    corrected = with_stiffness(scene, stiffness_factors) if resting and stiffness_factors else scene
+    gauges = exact_values(corrected)
     resting = [name for name in resting if name in gauges]
     words = dict.fromkeys(resting, _AS_SETTLED) if stiffness_factors else _CLOSED_FORM
     rings = {**_of_gas(scene), **{name: words[name] for name in resting}}
@@ -82,7 +82,7 @@ def told_numbers(scene: Scene, stiffness_factors: Sequence[float] = ()) -> dict[
         "marks": {name: LEAST_FACTOR for name in gauges if name.startswith("m53_")},
         "polars": _polars(scene),
         "notes": notes(scene),
-        "warnings": warnings(shown),
+        "warnings": warnings(corrected),
     }
 
 
@@ -135,19 +135,19 @@ def _of_sound(data: dict[str, Any], answer: Callable[[Scene], dict[str, Any]]) -
     try:
         return answer(scene_from_dict(data, "design", whole=True))
     except CranktopoError as error:
-        return {"broken": broken_rules(error)}
+        return {"broken": violated_rules(error)}
 
 
-def broken_rules_of(data: dict[str, Any]) -> list[dict[str, str]]:
+def violated_rules_of(data: dict[str, Any]) -> list[dict[str, str]]:
     """Return the rules that the tables of a design break."""
     try:
         scene_from_dict(data, "design", whole=True)
     except CranktopoError as error:
-        return broken_rules(error)
+        return violated_rules(error)
     return []
 
 
-def broken_rules(error: CranktopoError) -> list[dict[str, str]]:
+def violated_rules(error: CranktopoError) -> list[dict[str, str]]:
     """Return each line of a refusal with the key that it names."""
     lines = [line.strip() for line in str(error).splitlines()]
     lines = lines[1:] if len(lines) > 1 else lines
@@ -159,14 +159,14 @@ def _picture(scene: Scene) -> str:
     pair, arrays = halves(scene), Arrays()
     alike = pair[0] is pair[1]
     bodies = [
-        _shown(arrays, half, partner)
+        _arrays_of_half(arrays, half, partner)
         for half, partner in zip(pair[:1] if alike else pair, PARTNERS[1 if alike else 2], strict=True)
     ]
     return arrays.packed_with({"bodies": bodies, "first": 0, "stress": None, "steps": None}, quick=True)
 
 
-def _shown(arrays: Arrays, half: Scene, partner: int) -> dict[str, Any]:
-    mesh = shown_half(half).calculate_normals(0, SHARP_DEGREES).to_mesh64(0)
+def _arrays_of_half(arrays: Arrays, half: Scene, partner: int) -> dict[str, Any]:
+    mesh = display_half(half).calculate_normals(0, SHARP_DEGREES).to_mesh64(0)
     table, faces = np.asarray(mesh.vert_properties), np.asarray(mesh.tri_verts)
     low, high = table[:, :3].min(axis=0), table[:, :3].max(axis=0)
     corner_of = np.arange(len(table))  # of those at one place with normals of their own: the first
@@ -273,8 +273,8 @@ def _polars(scene: Scene) -> list[dict[str, Any]]:
 def notes(scene: Scene) -> list[str]:
     """Return what limits the closed forms: ratios and material outside the rule, throws that differ."""
     found = [f"IACS UR M53, polynomials: {line}" for line in outside_validity(dimensions(scene))]
-    reported = uncovered_material(scene), process_remark(scene)
-    found += [f"IACS UR M53: {line}." for line in reported if line]
+    rule_remarks = uncovered_material(scene), process_remark(scene)
+    found += [f"IACS UR M53: {line}." for line in rule_remarks if line]
     if scene.crank is not None and not scene.crank.uniform:
         found.append("The throws of the crank differ: gauges and pictures are of the throw in this file.")
     return found

@@ -25,7 +25,7 @@ from cranktopo.design.toml_text import parse_toml
 from cranktopo.design.writing import design_name
 from cranktopo.runs.destination import locked
 from cranktopo.tasks.bench.design_files import changed_files, check_files_inside
-from cranktopo.tasks.bench.limits import told_limits
+from cranktopo.tasks.bench.limits import gauge_limits
 
 _BEGINNINGS = ("cranktopo designs new ", "cranktopo import ")
 """Commands that make the design that a session began with."""
@@ -240,8 +240,8 @@ class Project:
         clean = " ".join(name.split())[:60] or f"variant {number}"
         clean += f" ({number})" if any(variant.name == clean for variant in self.variants) else ""
         what = self._words_of_its_own(what, kept)
-        reported: dict[str, Any] = {"what": what, "gauges": dict(gauges), "outlines": outlines}
-        variant = Variant(id=id_, name=clean, file=f"{id_}.toml", **reported)
+        contents: dict[str, Any] = {"what": what, "gauges": dict(gauges), "outlines": outlines}
+        variant = Variant(id=id_, name=clean, file=f"{id_}.toml", **contents)
         write_text(self.place / variant.file, kept)
         self._write(variants=(*self.variants, variant))
         return variant
@@ -263,13 +263,13 @@ class Project:
         self._write(variants=tuple(variant for variant in self.variants if variant.id != id_))
 
     @property
-    def made(self) -> tuple[MadeFile, ...]:
+    def files(self) -> tuple[MadeFile, ...]:
         """Files that were written, each once, the newest last."""
         return self._state.made
 
-    def note_made(self, name: str, command: str) -> None:
+    def record_file(self, name: str, command: str) -> None:
         """Record a file that was written."""
-        others = (file for file in self.made if file.name != name)
+        others = (file for file in self.files if file.name != name)
         self._write(made=(*others, MadeFile(name=name, command=command)))
 
     def _compared(self) -> str:
@@ -298,9 +298,9 @@ class Project:
             "steps": [step.as_json() for step in self._state.steps],
             "variants": [variant.as_json() for variant in self.variants],
             "compared": self._compared(),
-            "made": [file.as_json() for file in self.made],
+            "made": [file.as_json() for file in self.files],
             "data": self.data(),
-            "limits": told_limits(self.data()),
+            "limits": gauge_limits(self.data()),
             "commands": self.commands(),
             "diff": list(
                 unified_diff(self.text_of(0).splitlines(), self._text.splitlines(), n=1, lineterm="")

@@ -10,7 +10,7 @@ from cranktopo.design.loading import scene_from_dict, value_at
 from cranktopo.design.pitch import lengths_at_pitch
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.tasks.balance.proposal import ProposedCounterweight, propose_counterweight
-from cranktopo.tasks.bench.live import broken_rules_of
+from cranktopo.tasks.bench.live import violated_rules_of
 from cranktopo.throw.envelope import BoxEnvelope
 
 _HALVINGS, _STEPS = 12, 100
@@ -54,21 +54,21 @@ def nearest_sound(data: dict[str, Any], changes: dict[str, float]) -> dict[str, 
     To a hundredth; sound is what lies before the first rule that is broken on the way. Nothing where the
     next hundredth breaks one.
     """
-    ((key, wanted),) = changes.items()
+    ((key, target),) = changes.items()
     begun = float(value_at(data, key))
-    sound, broken = 0.0, 1.0
+    sound, unsound = 0.0, 1.0
     for _ in range(_HALVINGS):
-        middle = (sound + broken) / 2
-        kept = not broken_rules_of(changed_data(data, {key: _on_way(begun, wanted, middle)}))
-        sound, broken = (middle, broken) if kept else (sound, middle)
-    found = _on_way(begun, wanted, sound)
+        middle = (sound + unsound) / 2
+        kept = not violated_rules_of(changed_data(data, {key: _on_way(begun, target, middle)}))
+        sound, unsound = (middle, unsound) if kept else (sound, middle)
+    found = _on_way(begun, target, sound)
     return {} if found == begun else {key: found}
 
 
-def _on_way(begun: float, wanted: float, share: float) -> float:
+def _on_way(begun: float, target: float, share: float) -> float:
     """Return the value at a share of the way, rounded to a hundredth back to where that begins."""
-    steps = (begun + share * (wanted - begun)) * _STEPS
-    back = math.floor if wanted > begun else math.ceil
+    steps = (begun + share * (target - begun)) * _STEPS
+    back = math.floor if target > begun else math.ceil
     return begun if share == 0 else back(round(steps, 6)) / _STEPS
 
 
@@ -81,8 +81,8 @@ def with_pitch_kept(data: dict[str, Any], changes: dict[str, Any]) -> dict[str, 
     )
 
 
-def _room(box: BoxEnvelope, found: ProposedCounterweight) -> dict[str, Any]:
-    radius, turn = found.outer_radius_mm, math.radians(min(found.half_angle_deg, 90.0))
+def _room(box: BoxEnvelope, proposed: ProposedCounterweight) -> dict[str, Any]:
+    radius, turn = proposed.outer_radius_mm, math.radians(min(proposed.half_angle_deg, 90.0))
     room = {
         "envelope.half_width_mm": (box.half_width_mm, radius * math.sin(turn)),
         "envelope.y_min_mm": (-box.y_min_mm, radius),

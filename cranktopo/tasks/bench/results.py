@@ -75,40 +75,43 @@ def _place(job: BenchJob) -> str:
     return f"job {job.known.id}"
 
 
-def _prices(told: ShapeResult) -> list[str]:
+def _prices(shape: ShapeResult) -> list[str]:
     """Return what each limit costs, as `shape` prints it."""
     return [
         f"1 % of {price.quantity} {price.sense} costs {price.goal_percent_per_percent:.2f} % "
-        f"{told.goal.quantity.name}"
-        for price in told.prices
+        f"{shape.goal.quantity.name}"
+        for price in shape.prices
         if abs(price.goal_percent_per_percent or 0.0) >= 0.005  # as it is rounded
     ]
 
 
-def _evaluation_words(told: EvaluationResult) -> list[str]:
-    units = {"torsion": (told.torsion_Nm_per_rad, "kN m/rad"), "bending": (told.bending_N_per_mm, "kN/mm")}
+def _evaluation_words(evaluation: EvaluationResult) -> list[str]:
+    units = {
+        "torsion": (evaluation.torsion_Nm_per_rad, "kN m/rad"),
+        "bending": (evaluation.bending_N_per_mm, "kN/mm"),
+    }
     return [
-        f"{name} {value / 1e3:.4g} {unit}, within {told.error_estimate_percent[name]:.2g} %"
+        f"{name} {value / 1e3:.4g} {unit}, within {evaluation.error_estimate_percent[name]:.2g} %"
         for name, (value, unit) in units.items()
     ]
 
 
-def _shaft_words(told: ShaftAssessment) -> list[str]:
-    stiff = told.stiffness.end_to_end_Nm_per_rad / 1e3
-    lines = [f"whole shaft: {told.mass_kg:.4g} kg, {stiff:.4g} kN m/rad from end to end"]
-    lines += [f"first natural frequency {hz:.4g} Hz" for hz in told.natural_frequencies_Hz[:1]]
-    if told.on_bearings:
-        loads = [bearing for speed in told.on_bearings for bearing in speed.main_bearings]
+def _shaft_words(assessment: ShaftAssessment) -> list[str]:
+    stiff = assessment.stiffness.end_to_end_Nm_per_rad / 1e3
+    lines = [f"whole shaft: {assessment.mass_kg:.4g} kg, {stiff:.4g} kN m/rad from end to end"]
+    lines += [f"first natural frequency {hz:.4g} Hz" for hz in assessment.natural_frequencies_Hz[:1]]
+    if assessment.on_bearings:
+        loads = [bearing for speed in assessment.on_bearings for bearing in speed.main_bearings]
         worst = max(loads, key=lambda bearing: bearing.largest_N)
         lines.append(f"largest main bearing force {worst.largest_N / 1e3:.4g} kN, bearing {worst.bearing}")
-    if found := told.safety:
+    if found := assessment.safety:
         place = found.worst.critical.place
         lines.append(f"least safety {found.safety:.3g}, web {found.worst.web}: {place}")
     return lines
 
 
-def _fatigue_words(told: FatigueResult) -> list[str]:
-    found = told.fatigue[0]
+def _fatigue_words(fatigue: FatigueResult) -> list[str]:
+    found = fatigue.fatigue[0]
     if isinstance(found, FieldFatigue):
         fails = " is below 1, it fails" if found.safety < 1 else ""
         return [f"least safety {found.safety:.3g}{fails}: {found.critical.place}"]

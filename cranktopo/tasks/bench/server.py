@@ -189,7 +189,7 @@ class _Made(_Guarded):
 
     def get(self, token: str, name: str) -> None:
         try:
-            path = self.server.bench.made(name)
+            path = self.server.bench.written_file(name)
         except CranktopoError:
             raise HTTPError(404) from None
         self.set_header("Content-Type", "application/octet-stream")
@@ -270,10 +270,10 @@ class _Talk(_Guarded, WebSocketHandler):
     @override
     async def on_message(self, message: str | bytes) -> None:
         try:
-            requested = from_json(message if isinstance(message, str) else message.decode())
-            if not isinstance(requested, dict):
+            decoded = from_json(message if isinstance(message, str) else message.decode())
+            if not isinstance(decoded, dict):
                 raise ValueError
         except (ValueError, RecursionError):
             self.close(1003)
             return
-        await self.server.bench.hear(requested, self.tell)
+        await self.server.bench.hear(decoded, self.tell)

@@ -51,7 +51,7 @@ class Bench:
     folder: Path
     project: Project | None = None
     _pages: list[Tell] = field(default_factory=list)
-    _made: set[str] = field(default_factory=set)
+    _written_names: set[str] = field(default_factory=set)
     _tasks: set[asyncio.Task[None]] = field(default_factory=set)
     _watch: asyncio.Task[None] | None = None
     _seen: str = ""
@@ -77,13 +77,13 @@ class Bench:
         with suppress(ValueError):
             self._pages.remove(tell)
 
-    async def hear(self, asked: Mapping[str, Any], tell: Tell) -> None:
+    async def hear(self, message: Mapping[str, Any], tell: Tell) -> None:
         """Do what a page asks; a mistake is told to it alone."""
-        action = asked.get("do")
+        action = message.get("do")
         try:
             if not isinstance(action, str) or not _ACTIONS.fullmatch(action):
                 raise CranktopoError(f"there is no action {quoted(action)}.")
-            done: Awaitable[None] | None = getattr(self, f"_{action}")(asked, tell)
+            done: Awaitable[None] | None = getattr(self, f"_{action}")(message, tell)
             if done is not None:
                 await done
         except (CranktopoError, ValidationError) as error:
@@ -132,9 +132,9 @@ class Bench:
             self.open_text(text, source, f"dropped {name}", shlex.join(command))
         return {"opened": name, "told": remarks_of(text) if text and path.suffix != ".toml" else ""}
 
-    def made(self, name: str) -> Path:
+    def written_file(self, name: str) -> Path:
         """Return a file that the bench wrote; raises CranktopoError for any other."""
-        if name not in {file.name for file in self._required.made}:
+        if name not in {file.name for file in self._required.files}:
             raise CranktopoError("file: was not made here.")
         return file_in(self.folder, name, _GIVEN)
 
@@ -169,9 +169,9 @@ class Bench:
         shared = {"type": "state", "designs": builtin_designs(), "files": self._files()}
         if self.project is None:
             return {**shared, "project": None}
-        return {**shared, "project": self.project.as_json(), "jobs": self._told_jobs(self._jobs.all())}
+        return {**shared, "project": self.project.as_json(), "jobs": self._job_states(self._jobs.all())}
 
-    def _told_jobs(self, jobs: list[BenchJob]) -> list[dict[str, Any]]:
+    def _job_states(self, jobs: list[BenchJob]) -> list[dict[str, Any]]:
         return [job.as_json(self.folder) for job in jobs]
 
     def _files(self) -> list[str]:
@@ -192,147 +192,151 @@ class Bench:
 
     # What pages ask.
 
-    def _hello(self, asked: Mapping[str, Any], tell: Tell) -> None:
+    def _hello(self, message: Mapping[str, Any], tell: Tell) -> None:
         tell({"type": "reference", **form_reference(), "materials": sorted(material_library())})
         tell(self._state())
         if self.project is not None:
             self._show(tell)
 
-    def _drag(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        data = self._changed(self._wanted(asked))
-        self.answers.live(data, asked.get("seq"), tell)
-        self.answers.coarse(data, asked.get("seq"), tell)
+    def _drag(self, message: Mapping[str, Any], tell: Tell) -> None:
+        data = self._changed(self._requested_changes(message))
+        self.answers.live(data, message.get("seq"), tell)
+        self.answers.coarse(data, message.get("seq"), tell)
 
-    async def _edit(self, asked: Mapping[str, Any], tell: Tell) -> None:
+    async def _edit(self, message: Mapping[str, Any], tell: Tell) -> None:
         """Take a step; a single value that breaks a sound design is told to the page and not taken.
 
         What was dragged there goes to the nearest value that breaks none. A drag that ended where it began
         is no step: its page is told of the design in hand again.
         """
-        project, changes = self._required, self._wanted(asked)
+        project, changes = self._required, self._requested_changes(message)
         if self._changed(changes) == project.data():
             self._show(tell)
             return
-        broken = await self._newly_broken(asked, changes)
-        nearest = await self._nearest(asked) if broken else {}
-        if broken and not nearest:
-            tell({"type": "live", "seq": None, "broken": broken})
+        violated = await self._newly_violated(message, changes)
+        nearest = await self._nearest(message) if violated else {}
+        if violated and not nearest:
+            tell({"type": "live", "seq": None, "broken": violated})
             return
-        what = str(asked.get("what", ""))[:200] if not nearest else _values_words(nearest)
-        besides = {key: value for key, value in changes.items() if key not in asked["changes"]}
+        what = str(message.get("what", ""))[:200] if not nearest else _values_words(nearest)
+        besides = {key: value for key, value in changes.items() if key not in message["changes"]}
         project.change(nearest or changes, "; ".join(filter(None, [what, _values_words(besides)])))
         self._moved()
         if nearest:
-            rules = [rule["message"] for rule in broken]
+            rules = [rule["message"] for rule in violated]
             tell({"type": "told", "message": "\n".join([*rules, f"Taken is the nearest value, {what}."])})
 
-    async def _newly_broken(self, asked: Mapping[str, Any], changes: dict[str, Any]) -> list[dict[str, str]]:
+    async def _newly_violated(
+        self, message: Mapping[str, Any], changes: dict[str, Any]
+    ) -> list[dict[str, str]]:
         """Return the rules that a single value breaks in a design that broke none."""
-        if len(asked["changes"]) != 1 or isinstance(next(iter(changes.values())), dict | None):
+        if len(message["changes"]) != 1 or isinstance(next(iter(changes.values())), dict | None):
             return []
         found = await self.answers.checked(self._changed(changes))
         return found if found and not await self.answers.checked(self._required.data()) else []
 
-    async def _nearest(self, asked: Mapping[str, Any]) -> dict[str, float]:
+    async def _nearest(self, message: Mapping[str, Any]) -> dict[str, float]:
         """Return the value nearest to where a dimension was dragged that keeps the rules, by its key."""
-        if not asked.get("snap") or asked.get("keep_pitch"):
+        if not message.get("snap") or message.get("keep_pitch"):
             return {}
-        return await self.answers.proposed("nearest_sound", self._required.data(), dict(asked["changes"]))
+        return await self.answers.proposed("nearest_sound", self._required.data(), dict(message["changes"]))
 
-    async def _balance(self, asked: Mapping[str, Any], tell: Tell) -> None:
+    async def _balance(self, message: Mapping[str, Any], tell: Tell) -> None:
         """Give the web the counterweight that balances a share of the oscillating mass."""
-        percent = float(asked["percent"])
+        percent = float(message["percent"])
         changes = await self.answers.proposed("counterweight_changes", self._required.data(), percent)
         self._required.change(changes, f"counterweight for a balance factor of {percent:g} %")
         self._moved()
 
-    def _undo(self, asked: Mapping[str, Any], tell: Tell) -> None:
+    def _undo(self, message: Mapping[str, Any], tell: Tell) -> None:
         self._required.move(-1)
         self._moved()
 
-    def _redo(self, asked: Mapping[str, Any], tell: Tell) -> None:
+    def _redo(self, message: Mapping[str, Any], tell: Tell) -> None:
         self._required.move(1)
         self._moved()
 
-    def _pin(self, asked: Mapping[str, Any], tell: Tell) -> None:
+    def _pin(self, message: Mapping[str, Any], tell: Tell) -> None:
         self._required.pin()
         self._moved()
 
-    async def _keep(self, asked: Mapping[str, Any], tell: Tell) -> None:
+    async def _keep(self, message: Mapping[str, Any], tell: Tell) -> None:
         project = self._required
         original = project.data(project.text_of(project.original))
         changed = difference_words(original, project.data()) or "as the original"
-        text, name = project.text, str(asked.get("name", ""))
+        text, name = project.text, str(message.get("name", ""))
         outlines = await self.answers.outlines(project.data(text))
         project.keep(name, self.answers.known(text), text, changed, outlines)
         self._tell_state()
 
-    def _drop(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        self._required.drop(str(asked["id"]))
+    def _drop(self, message: Mapping[str, Any], tell: Tell) -> None:
+        self._required.drop(str(message["id"]))
         self._tell_state()
 
-    def _take(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        project, id_ = self._required, str(asked["id"])
+    def _take(self, message: Mapping[str, Any], tell: Tell) -> None:
+        project, id_ = self._required, str(message["id"])
         name = next((v.name for v in project.variants if v.id == id_), id_)
         project.replace(project.variant_text(id_), f"took {name}")
         self._moved()
 
-    def _compare(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        self._required.update_variant(str(asked["id"]), pinned=bool(asked["pinned"]))
+    def _compare(self, message: Mapping[str, Any], tell: Tell) -> None:
+        self._required.update_variant(str(message["id"]), pinned=bool(message["pinned"]))
         self._tell_state()
 
-    def _job(self, asked: Mapping[str, Any], tell: Tell) -> None:
+    def _job(self, message: Mapping[str, Any], tell: Tell) -> None:
         design = portable(self._required, self._required.text, "check").read_text(encoding="utf-8")
         step = self._required.step.file
-        options, run = dict(asked.get("options", {})), str(asked.get("run", ""))
-        self._jobs.start(str(asked["kind"]), design, options, step, run)
+        options, run = dict(message.get("options", {})), str(message.get("run", ""))
+        self._jobs.start(str(message["kind"]), design, options, step, run)
         self._tell_state()
 
-    def _stop(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        self._jobs.job(str(asked["id"])).stop()
+    def _stop(self, message: Mapping[str, Any], tell: Tell) -> None:
+        self._jobs.job(str(message["id"])).stop()
 
-    def _resume(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        self._jobs.resume(str(asked["id"]))
+    def _resume(self, message: Mapping[str, Any], tell: Tell) -> None:
+        self._jobs.resume(str(message["id"]))
         self._tell_state()
 
-    def _write(self, asked: Mapping[str, Any], tell: Tell) -> None:
+    def _write(self, message: Mapping[str, Any], tell: Tell) -> None:
         """Have a file written, beside whatever else is asked meanwhile."""
-        kind = WRITTEN[str(asked["kind"])]
-        path = self._target(asked, kind.ending)
-        words, shown = write_lines(self._required, kind, path)
+        kind = WRITTEN[str(message["kind"])]
+        path = self._target(message, kind.ending)
+        words, command = write_lines(self._required, kind, path)
         tell({"type": "busy", "what": f"writing {path.name}"})
-        task = asyncio.get_running_loop().create_task(self._write_by(words, kind.printed, path, shown, tell))
+        task = asyncio.get_running_loop().create_task(
+            self._write_by(words, kind.printed, path, command, tell)
+        )
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 
-    async def _write_by(self, words: list[str], printed: bool, path: Path, shown: str, tell: Tell) -> None:
+    async def _write_by(self, words: list[str], printed: bool, path: Path, command: str, tell: Tell) -> None:
         try:
             warned = await written_by(words, printed, path)
         except CranktopoError as error:
             tell({"type": "error", "message": str(error)})
         else:
-            self._tell_made(path, shown, warned)
+            self._announce_file(path, command, warned)
 
-    def _save(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        path = self._target(asked)
+    def _save(self, message: Mapping[str, Any], tell: Tell) -> None:
+        path = self._target(message)
         project = self._required
         write_text(path, project.text)
         words = ["cranktopo", "designs", "copy", project.runnable(project.at), path.name, "--force"]
-        self._tell_made(path, shlex.join(words))
+        self._announce_file(path, shlex.join(words))
 
-    def _script(self, asked: Mapping[str, Any], tell: Tell) -> None:
+    def _script(self, message: Mapping[str, Any], tell: Tell) -> None:
         """Write a Python script that repeats the session as far as the step in hand."""
-        path, project = self._target(asked, SCRIPT_ENDING), self._required
+        path, project = self._target(message, SCRIPT_ENDING), self._required
         write_text(path, session_script(project))
-        self._tell_made(path, shlex.join(["python", path.name]))
+        self._announce_file(path, shlex.join(["python", path.name]))
 
-    def _start(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        text, name, command, assumed = new_design(dict(asked["answers"]))
+    def _start(self, message: Mapping[str, Any], tell: Tell) -> None:
+        text, name, command, assumed = new_design(dict(message["answers"]))
         self.open_text(text, f"{name}.toml", "begun from usual proportions", command)
         tell({"type": "told", "message": "\n".join(assumed)})
 
-    def _open(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        name = str(asked["name"])
+    def _open(self, message: Mapping[str, Any], tell: Tell) -> None:
+        name = str(message["name"])
         if name in builtin_designs():
             path = resolve_design(name)
             text = changed_files(design_text(name), path.parent)
@@ -341,16 +345,16 @@ class Bench:
             text = read_text_file(path, f"design '{name}'")
         self.open_text(text, path.name, f"opened {name}", f"cranktopo bench {name}")
 
-    def _close(self, asked: Mapping[str, Any], tell: Tell) -> None:
+    def _close(self, message: Mapping[str, Any], tell: Tell) -> None:
         self._leave_project()
         self._tell_state()
 
     # Helpers.
 
-    def _wanted(self, asked: Mapping[str, Any]) -> dict[str, Any]:
+    def _requested_changes(self, message: Mapping[str, Any]) -> dict[str, Any]:
         """Return the changes that a page asks for, with the journals that keep the pitch if it wants that."""
-        changes = dict(asked["changes"])
-        if not asked.get("keep_pitch") or JOURNAL_LENGTHS[0] in changes:
+        changes = dict(message["changes"])
+        if not message.get("keep_pitch") or JOURNAL_LENGTHS[0] in changes:
             return changes
         with suppress(CranktopoError):  # what is broken is told by the answer
             return with_pitch_kept(self._required.data(), changes)
@@ -362,15 +366,15 @@ class Bench:
         check_files_inside(data, project.folder, project.opened_data)
         return data
 
-    def _target(self, asked: Mapping[str, Any], ending: str = "") -> Path:
-        path = file_in(self.folder, f"{asked['name']}{ending}", ENDINGS if ending else (".toml",))
-        if path.exists() and path.name not in self._made and not asked.get("replace"):
+    def _target(self, message: Mapping[str, Any], ending: str = "") -> Path:
+        path = file_in(self.folder, f"{message['name']}{ending}", ENDINGS if ending else (".toml",))
+        if path.exists() and path.name not in self._written_names and not message.get("replace"):
             raise CranktopoError(f"'{path.name}': is in the folder already.", hint="Choose another name.")
         return path
 
-    def _tell_made(self, path: Path, command: str, warned: list[str] | None = None) -> None:
-        self._made.add(path.name)
-        self._required.note_made(path.name, command)
+    def _announce_file(self, path: Path, command: str, warned: list[str] | None = None) -> None:
+        self._written_names.add(path.name)
+        self._required.record_file(path.name, command)
         self._tell_all({"type": "made", "name": path.name, "command": command, "warnings": warned or []})
         self._tell_state()
 
@@ -385,10 +389,10 @@ class Bench:
             for job in jobs:
                 if job.state == "done" and not job.known.variant:
                     await self._keep_result(job)
-            reported = self._told_jobs(jobs)
-            if str(reported) != self._seen:
-                self._seen = str(reported)
-                self._tell_all({"type": "jobs", "jobs": reported})
+            states = self._job_states(jobs)
+            if str(states) != self._seen:
+                self._seen = str(states)
+                self._tell_all({"type": "jobs", "jobs": states})
 
     async def _keep_result(self, job: BenchJob) -> None:
         """Keep what a finished job found: a variant, numbers, or both."""
@@ -399,10 +403,10 @@ class Bench:
             text = await asyncio.to_thread(variant_of, job)
             if text is not None:
                 exact = await self.answers.exact(project.data(text))
-                reported = {**self.answers.known(text), **exact, **numbers}
+                gauges = {**self.answers.known(text), **exact, **numbers}
                 name = f"{job.known.kind} {job.known.id}"
                 outlines = await self.answers.outlines(project.data(text))
-                id_ = project.keep(name, reported, text, "; ".join(found[:1]), outlines).id
+                id_ = project.keep(name, gauges, text, "; ".join(found[:1]), outlines).id
         except (CranktopoError, OSError, subprocess.SubprocessError) as error:
             found = [f"its result cannot be kept: {error}"]
         job.note_result(id_, found, numbers)

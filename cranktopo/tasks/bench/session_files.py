@@ -46,8 +46,8 @@ def write_lines(project: Project, kind: Written, path: Path) -> tuple[list[str],
         original = str(portable(project, project.text_of(project.original), original))
     words = kind.line(str(portable(project, project.text, name)), original, str(path))
     files = project.runnable(project.at), project.runnable(project.original)
-    shown = shlex.join(["cranktopo", *kind.line(*files, path.name)])
-    return words, shown + (f" > {path.name}" if kind.printed else "")
+    command = shlex.join(["cranktopo", *kind.line(*files, path.name)])
+    return words, command + (f" > {path.name}" if kind.printed else "")
 
 
 def session_script(project: Project) -> str:

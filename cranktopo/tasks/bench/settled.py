@@ -9,7 +9,7 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import silent
-from cranktopo.bodies.shown_solid import shown_half
+from cranktopo.bodies.shown_solid import display_half
 from cranktopo.design.halves import difference
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
@@ -119,10 +119,10 @@ def settled_safety(
 
 def _picture(scene: Scene, field: FatigueField, stiffness: Mapping[str, float]) -> dict[str, Any]:
     colours = web_colours(field, stiffness)
-    body = ShownBody(scene.name, mesh_of(shown_half(scene)), scene.web_z_mm, scene.pitch_mm / 2, colours)
+    body = ShownBody(scene.name, mesh_of(display_half(scene)), scene.web_z_mm, scene.pitch_mm / 2, colours)
     scales = tuple(StressScale(one.name, one.label, one.top) for one in colours.cases)
-    shown = [{"name": one.name, "legend": one.label} for one in colours.cases]
-    return {"picture": packed(Scene3D((body,), stress_scales=scales)), "colours": shown}
+    legends = [{"name": one.name, "legend": one.label} for one in colours.cases]
+    return {"picture": packed(Scene3D((body,), stress_scales=scales)), "colours": legends}
 
 
 def _with_stiffness(target: Target, throws_Nm_per_rad: Sequence[float]) -> Target:

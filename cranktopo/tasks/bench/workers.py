@@ -27,7 +27,7 @@ class Worker:
         self._pool: ProcessPoolExecutor | None = None
         self._closed = False
 
-    async def ask(self, function: str, *asked: Any) -> Any:
+    async def ask(self, function: str, *arguments: Any) -> Any:
         """Return what a function says of a design; raises CranktopoError as it, or if its process dies.
 
         What still waits when the process is closed raises one, too: another process would keep the bench.
@@ -40,7 +40,7 @@ class Worker:
                 break
             pool = self._pool = self._pool or self._started()
             try:
-                return await asyncio.get_running_loop().run_in_executor(pool, _answer, function, *asked)
+                return await asyncio.get_running_loop().run_in_executor(pool, _answer, function, *arguments)
             except BrokenProcessPool:
                 if self._pool is pool:
                     self._pool = None
@@ -60,9 +60,9 @@ class Worker:
         return ProcessPoolExecutor(1, context, initializer=_begin, initargs=(self._background,))
 
 
-def _answer(function: str, *asked: Any) -> Any:
+def _answer(function: str, *arguments: Any) -> Any:
     module, _, name = function.rpartition(".")
-    return getattr(importlib.import_module(f"{__package__}.{module}"), name)(*asked)
+    return getattr(importlib.import_module(f"{__package__}.{module}"), name)(*arguments)
 
 
 def _begin(background: bool) -> None:

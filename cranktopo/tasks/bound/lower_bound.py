@@ -79,7 +79,7 @@ def next_densities(
         above, below = np.tensordot(normal[:cases], gains, 1), np.tensordot(normal[cases:], amounts, 1)
         ratio = np.where(below > 0, above / np.where(below > 0, below, 1.0), 1.0)
         found = np.where((above <= 0) & (below <= 0), density, np.sqrt(np.maximum(ratio, 0.0)))
-        return np.clip(underestimator.webs.made(found, above, below), low, high), normal
+        return np.clip(underestimator.webs.makeable(found, above, below), low, high), normal
 
     def loss(y: Array) -> tuple[float, Array]:
         found, normal = densities(y)
@@ -250,12 +250,12 @@ class _DensitySearch:
         """Improve the densities once."""
         goal, mass = self._goal, self._mass
         if self._problem.per_mass:
-            goal = self._told(mass) * goal + self._told(goal) * mass
+            goal = self._weighted_sum(mass) * goal + self._weighted_sum(goal) * mass
         self._weights = self._improve(goal, self._problem.constraints, self._weights)
         if max(self._weights, default=0.0) >= _HOPELESS:
             self._refuted = excluded(self.underestimator, self._problem.constraints, self._weights)
-        value = self._told(self._goal)
-        self.values.append(value * self._told(mass) if self._problem.per_mass else value)
+        value = self._weighted_sum(self._goal)
+        self.values.append(value * self._weighted_sum(mass) if self._problem.per_mass else value)
 
     def certificate(self) -> Certificate:
         """Return what the displacements prove about the goal."""
@@ -271,7 +271,7 @@ class _DensitySearch:
         mass, constraints = self._mass, self._problem.constraints
         kept = [index for index, c in enumerate(constraints) if c.quantity != "mass"]
         others = [constraints[index] for index in kept]
-        slope, reached = self._told(self._goal) / self._told(mass), self.values[-1]
+        slope, reached = self._weighted_sum(self._goal) / self._weighted_sum(mass), self.values[-1]
         low, high = mass_range(self.underestimator, mass, constraints)
         lines = supporting_lines(self.underestimator, self._goal, mass, others, self._weights[kept], slope)
         for _ in range(_CORNERS):
@@ -300,7 +300,7 @@ class _DensitySearch:
         u = self._model.solved(self.density, guess, _TOLERANCE)
         return u, self._model.underestimator(u)
 
-    def _told(self, weights: Array) -> float:
+    def _weighted_sum(self, weights: Array) -> float:
         """Return a weighted sum of the quantities of the present densities."""
         underestimator = self.underestimator
         return float(weights @ (underestimator.base + np.tensordot(underestimator.rows, self.density, 3)))

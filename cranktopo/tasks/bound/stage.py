@@ -18,7 +18,7 @@ from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.outcome import stated_goal
 from cranktopo.design.goal.quantities import QUANTITIES, QuantityName
-from cranktopo.design.goal.wanted import require_goal
+from cranktopo.design.goal.scene_goal import require_goal
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.cost import bound_cell_mm
@@ -123,8 +123,8 @@ def bound_for_goal(
     try:
         model = _model(scene, goal, cell_mm)
         limits = tuple(limit_on_cells(limit, model.original.quantities, judged) for limit in goal.limits)
-        given = dict(zip(limits, goal.limits, strict=True))
-        return _statement(model, prove(model, replace(goal, limits=limits)), given)
+        original_limits = dict(zip(limits, goal.limits, strict=True))
+        return _statement(model, prove(model, replace(goal, limits=limits)), original_limits)
     except CranktopoError as error:
         return NoBound(none=error.message)
 
@@ -177,8 +177,8 @@ def _bounds(model: BoundModel, reached: Mapping[str, float], goal: Goal | None) 
     statements, start = list[BoundStatement](), None
     if goal is not None and goal.quantity in reached:
         bound = prove(model, goal)
-        reported = {"reached_percent": reached[goal.quantity]}
-        statements.append(_statement(model, bound).model_copy(update=reported))
+        reached_values = {"reached_percent": reached[goal.quantity]}
+        statements.append(_statement(model, bound).model_copy(update=reached_values))
         start = bound.density
     mass = reached["mass"]
     masses = np.linspace((1 - _BEYOND) * min(mass, 100.0), (1 + _BEYOND) * max(mass, 100.0), _MASSES).tolist()
@@ -187,8 +187,8 @@ def _bounds(model: BoundModel, reached: Mapping[str, float], goal: Goal | None) 
         bound = prove(model, stiffest(name, mass), start=start)
         start, curves[f"{name}_percent"] = bound.density, stiffness_percent(model, bound, masses)
         if goal is None:
-            reported = {"at_mass_percent": mass, "reached_percent": reached[name]}
-            statements.append(_statement(model, bound).model_copy(update=reported))
+            reached_values = {"at_mass_percent": mass, "reached_percent": reached[name]}
+            statements.append(_statement(model, bound).model_copy(update=reached_values))
     return BoundStatements(
         statements=tuple(statements),
         stiffest={key: tuple(curve) for key, curve in curves.items()},
@@ -201,14 +201,16 @@ def _model(scene: Scene, goal: Goal | None, cell_mm: float) -> BoundModel:
     return bound_model(scene.with_optimise(process="free", draft_deg=0.0), cell_mm, goal)
 
 
-def _statement(model: BoundModel, bound: Bound, given: Mapping[Limit, Limit] | None = None) -> BoundStatement:
-    """Return a bound as it is told; limits that are left out by the words of `given`, where it has them."""
+def _statement(
+    model: BoundModel, bound: Bound, original_limits: Mapping[Limit, Limit] | None = None
+) -> BoundStatement:
+    """Return a bound as it is told; limits left out by the words of `original_limits`, where it has them."""
     scene, problem = model.scene, bound.problem
     error = model_error_percent(scene, model.domain.grid.largest_edge_mm)
     return BoundStatement(
         quantity=problem.goal.quantity,
         value=bound.value,
         percent_of_original=bound.percent,
-        dropped=tuple(str((given or {}).get(limit, limit)) for limit, _ in problem.dropped),
+        dropped=tuple(str((original_limits or {}).get(limit, limit)) for limit, _ in problem.dropped),
         model=BoundCells(cell_mm=scene.optimise.resolution_mm, error_percent=error),
     )

@@ -20,19 +20,19 @@ if TYPE_CHECKING:
 _ABOUT = "proven for every web in the envelope, whatever its topology, in the cells of the optimiser's model"
 
 
-def bound_summary(found: BoundResult) -> str:
+def bound_summary(result: BoundResult) -> str:
     """Return what `cranktopo bound` prints."""
-    head = f"{found.design}: {goal_words(found.goal)}"
-    lines = [head, "", terminal(_table(found)), "", _claim(found), _error(found)]
-    lines += [f"left out, so that the bound is looser: {d.limit}: {d.reason}" for d in found.goal.dropped]
-    if found.process != "free":
+    head = f"{result.design}: {goal_words(result.goal)}"
+    lines = [head, "", terminal(_table(result)), "", _claim(result), _error(result)]
+    lines += [f"left out, so that the bound is looser: {d.limit}: {d.reason}" for d in result.goal.dropped]
+    if result.process != "free":
         lines.append(
             "the web comes from a die; its draft is left out"
-            if found.die
-            else f"process {found.process!r}: what it excludes is left out, so that the bound is looser"
+            if result.die
+            else f"process {result.process!r}: what it excludes is left out, so that the bound is looser"
         )
     outside = OutsideEnvelope(
-        volume_mm3=found.original_outside_envelope_mm3, percent=found.original_outside_envelope_percent
+        volume_mm3=result.original_outside_envelope_mm3, percent=result.original_outside_envelope_percent
     )
     lines += filter(None, [outside_words(outside)])
     return "\n".join(lines)
@@ -58,7 +58,7 @@ def _statement_line(bound: BoundStatement | NoBound) -> str:
         return "bound: no web of the envelope keeps these limits in the cells of the bound"
     quantity, most = QUANTITIES[bound.quantity], percent - 100
     name, at = quantity.label, "" if bound.at_mass_percent is None else " at this mass"
-    cell = f"cells of {bound.model.cell_mm:.3g} mm{_without(bound.dropped)}"
+    cell = f"cells of {bound.model.cell_mm:.3g} mm{_dropped_words(bound.dropped)}"
     if (reached - 100 - most) * (1 if quantity.better == "high" else -1) > 0:
         return (
             f"{name} {reached - 100:+z.1f} %{at}: beyond {most:+z.1f} %, the best that {cell} can hold; what "
@@ -70,7 +70,7 @@ def _statement_line(bound: BoundStatement | NoBound) -> str:
     )
 
 
-def _without(dropped: Sequence[str]) -> str:
+def _dropped_words(dropped: Sequence[str]) -> str:
     """Return the limits that a proof leaves out in words."""
     return f" without the limit{'s' * (len(dropped) > 1)} {', '.join(dropped)}" if dropped else ""
 
@@ -82,25 +82,25 @@ def bound_table(bound: BoundStatement) -> ResultTable:
     return ResultTable({"web": 0, "percent": 1}, rows)
 
 
-def _claim(found: BoundResult) -> str:
-    bound = found.bound
+def _claim(result: BoundResult) -> str:
+    bound = result.bound
     if bound.percent_of_original is None:
         return f"NO WEB of this envelope keeps these limits: {_ABOUT}"
-    best = "at most" if found.goal.maximise else "not below"
+    best = "at most" if result.goal.maximise else "not below"
     change = bound.percent_of_original - 100
-    told = f"{value_text(bound.value, bound.unit)}, {change:+z.1f} % of the original"
-    return f"{best} {told}: {_ABOUT}"
+    value = f"{value_text(bound.value, bound.unit)}, {change:+z.1f} % of the original"
+    return f"{best} {value}: {_ABOUT}"
 
 
-def _error(found: BoundResult) -> str:
-    told = ", ".join(f"{name} {value:.1f} %" for name, value in found.model_error_percent.items())
-    return f"cells of {found.resolution_mm:g} mm; their own error against exact solids: {told}"
+def _error(result: BoundResult) -> str:
+    errors = ", ".join(f"{name} {value:.1f} %" for name, value in result.model_error_percent.items())
+    return f"cells of {result.resolution_mm:g} mm; their own error against exact solids: {errors}"
 
 
-def _table(found: BoundResult) -> ResultTable:
-    bound, relaxed = found.bound, found.variable_stiffness
+def _table(result: BoundResult) -> ResultTable:
+    bound, relaxed = result.bound, result.variable_stiffness
     webs = (
-        ("original", found.original[bound.quantity], 100.0),
+        ("original", result.original[bound.quantity], 100.0),
         ("cells of any stiffness", relaxed.value, relaxed.percent_of_original),
         ("bound", bound.value, bound.percent_of_original),
     )
@@ -116,12 +116,12 @@ _COLOURS = {"original": "0.6", "result": "C0", "bound": "C3"}
 
 def bound_sections(bound: AnyBound | BoundStatement | None, model: str) -> tuple[Section, ...]:
     """Return one section, none where no bound was asked for; `model` judged original and result."""
-    told = _statements(bound)
-    if not told:
+    statements = _statements(bound)
+    if not statements:
         return ()
-    known = [entry for entry in told if isinstance(entry, BoundStatement) and entry.value is not None]
+    known = [entry for entry in statements if isinstance(entry, BoundStatement) and entry.value is not None]
     outside = bound.outside_envelope if isinstance(bound, BoundStatements) else None
-    lines = [*map(_statement_line, told), *filter(None, [outside_words(outside)])]
+    lines = [*map(_statement_line, statements), *filter(None, [outside_words(outside)])]
     if known:
         lines.append(
             f"original and result are those of {model}; the bound is a change against the original in the "
@@ -143,9 +143,9 @@ def bound_sections(bound: AnyBound | BoundStatement | None, model: str) -> tuple
 
 def bound_picture(table: ResultTable, quantity: QuantityName) -> Picture:
     """Draw bars of the webs of a table with columns `web` and `percent`."""
-    told = ", ".join(f"{name} {percent:.1f} %" for name, percent in _rows(table))
+    percents = ", ".join(f"{name} {percent:.1f} %" for name, percent in _rows(table))
     name = QUANTITIES[quantity].label
-    return picture(f"bound-{quantity}", f"{name} of the original: {told}", _draw, table, name)
+    return picture(f"bound-{quantity}", f"{name} of the original: {percents}", _draw, table, name)
 
 
 def _rows(table: ResultTable) -> list[tuple[str, float]]:

@@ -176,7 +176,7 @@ class AdmissibleDensities:
         chosen = np.concatenate(parts).astype(np.float64)
         return float(np.sum(roots)), np.moveaxis(chosen, 0, axis)
 
-    def made(self, density: Array, above: Array, below: Array) -> Array:
+    def makeable(self, density: Array, above: Array, below: Array) -> Array:
         """Return densities that a die can make, with the least above / density + below * density.
 
         Without a die they are those of each cell on its own, `density`.

@@ -117,8 +117,8 @@ def command(
     from cranktopo.tasks.compare.stage import compare_targets, comparison_bound, report_comparison
     from cranktopo.tasks.fea.stage import MeshRequest
 
-    wanted = MeshRequest(element_size_mm, accuracy, budget)
-    found = compare_targets(targets, baseline, wanted, methods, design, align, loads, throw)
+    request = MeshRequest(element_size_mm, accuracy, budget)
+    found = compare_targets(targets, baseline, request, methods, design, align, loads, throw)
     click.echo(comparison_text(found.comparison, "json" if as_json else form))
     bound = None if no_bound or (plot or page) is None else comparison_bound(found)
     if plot is not None:

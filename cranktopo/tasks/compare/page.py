@@ -144,14 +144,14 @@ def _of(base: str, section: Section) -> Section:
     return replace(section, title=f"{section.title}: {base}", text=f"{whose} {section.text}")
 
 
-def undercut_fact(found: Sequence[DesignUndercuts], designs: int) -> Fact:
-    """Return how many designs their process can make; `found` are those that have a surface to look at."""
-    caught = [one.name for one in found if not one.free]
-    unknown = designs - len(found)
+def undercut_fact(undercuts: Sequence[DesignUndercuts], designs: int) -> Fact:
+    """Return how many designs their process can make; `undercuts` are those that have a surface."""
+    caught = [one.name for one in undercuts if not one.free]
+    unknown = designs - len(undercuts)
     status: FactStatus = "bad" if caught else "unknown" if unknown else "good"
     note = f"hollows or undercuts in {', '.join(caught)}" if caught else "each by its own process"
     note += "; STEP files were not examined" * bool(unknown)
-    return Fact("Released by a die", f"{len(found) - len(caught)} of {designs}", note, status)
+    return Fact("Released by a die", f"{len(undercuts) - len(caught)} of {designs}", note, status)
 
 
 def _change(comparison: Comparison, row: int, quantity: Quantity) -> str:
@@ -173,11 +173,11 @@ def _stiffest(comparison: Comparison) -> str:
     row, baseline = comparison.leading(TORSION_PER_MASS), comparison.base.name
     if row == comparison.baseline:
         others = [other for other in range(len(comparison.entries)) if other != row][:_TOLD]
-        told = " ".join(
+        sentences = " ".join(
             comparison_sentence(comparison.entries[other].name, _changes(comparison, other), baseline)
             for other in others
         )
-        return f"None is stiffer in torsion per kilogram than {baseline}. {told}".rstrip()
+        return f"None is stiffer in torsion per kilogram than {baseline}. {sentences}".rstrip()
     level = comparison.level(TORSION_PER_MASS)
     names = " and ".join(comparison.entries[other].name for other in level)
     doubt = f" ({names} within the error estimate)" if level else ""
@@ -195,8 +195,8 @@ _TOLD = 3
 
 def _changes(comparison: Comparison, row: int) -> dict[Quantity, float]:
     """Changes against the baseline that are larger than the bound of their error, %."""
-    told = (MASS, TORSION, BENDING)
-    known = [quantity for quantity in told if comparison.differ(row, comparison.baseline, quantity)]
+    quantities = (MASS, TORSION, BENDING)
+    known = [quantity for quantity in quantities if comparison.differ(row, comparison.baseline, quantity)]
     return {quantity: comparison.percent(row, quantity) - 100 for quantity in known}
 
 

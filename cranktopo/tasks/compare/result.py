@@ -224,8 +224,8 @@ def compare(
             f"baseline '{baseline}' is not among the targets {', '.join(names)}.", code=ExitCode.USAGE
         )
     check_same_supports((e.evaluation.torsion_support, e.evaluation.bending_support) for e in entries)
-    further = tuple(further_fatigue)
-    return Comparison(tuple(entries), names.index(baseline), fatigue, further_fatigue=further)
+    others = tuple(further_fatigue)
+    return Comparison(tuple(entries), names.index(baseline), fatigue, further_fatigue=others)
 
 
 def check_same_supports(supports: Iterable[tuple[str, str]]) -> None:

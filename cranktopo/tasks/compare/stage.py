@@ -14,8 +14,7 @@ from cranktopo.bodies.cells.outside import outside_envelope, outside_words
 from cranktopo.bodies.solid.files import coarse_facet_mm
 from cranktopo.bodies.undercuts import half_throw_undercuts
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
-from cranktopo.design.goal.wanted import asks_for
-from cranktopo.design.goal.wanted import wanted as wanted_goal
+from cranktopo.design.goal.scene_goal import asks_for, goal_of
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.loading import builtin_designs
 from cranktopo.design.pitch import SAME_PITCH_MM
@@ -32,7 +31,7 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh, shell_volumes_mm3
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
 from cranktopo.runs.directories import RunStore, open_run, runs_named
-from cranktopo.runs.kind import SWEEP, kind_of, read_result, resume_command, shown_results
+from cranktopo.runs.kind import SWEEP, kind_of, read_result, reading_results, resume_command
 from cranktopo.runs.manifest import file_hash, settings_hash, timestamp, versions
 from cranktopo.tasks.bound.result import AnyBound
 from cranktopo.tasks.bound.stage import bounds_for_result
@@ -48,7 +47,7 @@ from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, TORSION_PER_M
 from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
 from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_targets
 from cranktopo.tasks.fea.unit_fields import case_stress
-from cranktopo.tasks.importing.imported_body import shown_halves
+from cranktopo.tasks.importing.imported_body import half_surfaces
 from cranktopo.tasks.shaft.stage import with_throw_stiffness
 from cranktopo.tasks.sweep.result import SweepResult
 from cranktopo.tasks.sweep.text import condition_words
@@ -84,7 +83,7 @@ def _picked(run: RunStore) -> list[str]:
         raise CranktopoError(
             f"run '{run.path}': is not finished.", hint=f"Continue it: {resume_command(run)}"
         )
-    with shown_results(run):
+    with reading_results(run):
         result = SweepResult.of_json(data, f"run '{run.path}'")
         points = {point.id: point for point in result.points}
         picked = [points[one] for one in result.picks.values()]
@@ -116,7 +115,7 @@ class ComparedTargets:
 def compare_targets(
     names: Sequence[TargetLike],
     baseline: TargetLike,
-    wanted: MeshRequest | None = None,
+    request: MeshRequest | None = None,
     fatigue: FatigueMethod | Sequence[FatigueMethod] | None = None,
     design: str | None = None,
     align: bool = False,
@@ -137,8 +136,8 @@ def compare_targets(
     Raises:
         CranktopoError: no such target, different supports, a method that can judge none, or a failed solve.
     """
-    given = with_picks(names)
-    every = given if baseline in given else [baseline, *given]
+    picked = with_picks(names)
+    every = picked if baseline in picked else [baseline, *picked]
     index = every.index(baseline)
     targets = _like_for_like(resolve_targets(every, design, align=align, whole=True, throw=throw))
     check_same_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)
@@ -152,7 +151,7 @@ def compare_targets(
     if methods:
         filleted = resolve_targets(every, design, fillets=True, align=align, whole=True, throw=throw)
         fatigues, loaded = judge(filleted, methods, index, loads)
-    found = evaluate_targets(targets, wanted)
+    found = evaluate_targets(targets, request)
     judged = (one for by in fatigues for one in by.result.fatigue if isinstance(one, FieldFatigue))
     stresses = {one.target: one.largest_stress_MPa for one in judged}
     worlds = _both_worlds(fatigues[:1])
@@ -161,10 +160,10 @@ def compare_targets(
         printed = None if target.file else target.scene.published
         safeties = {one.result.method: one.safeties[row] for one in fatigues}
         first = safeties.pop(methods[0]) if methods else None
-        further = {method: safety for method, safety in safeties.items() if safety is not None}
+        others = {method: safety for method, safety in safeties.items() if safety is not None}
         fillets, stress = _fillets(target, bool(bare)), stresses.get(target.name)
         entries.append(
-            Entry(evaluation, printed, first, further, fillets, stress, worlds.get(target.name, {}))
+            Entry(evaluation, printed, first, others, fillets, stress, worlds.get(target.name, {}))
         )
     comparison = compare(entries, entries[index].name, fatigues[0] if fatigues else None, fatigues[1:])
     comparison = replace(
@@ -206,7 +205,7 @@ def balanced_kg_mm(scene: Scene) -> float:
 
     A goal that minimises the unbalance of the throw alone wants 0.
     """
-    goal, balance = wanted_goal(scene), throw_balance(scene)
+    goal, balance = goal_of(scene), throw_balance(scene)
     if goal is not None and goal.quantity == "unbalance":
         return 0.0
     return balance.throw_unbalance_kg_mm - balance.counterweight_kg_mm
@@ -234,7 +233,7 @@ def _evaluated_goals(
     others = [target for row, target in enumerate(targets) if row != baseline]
     swings = any(asks_for(target.scene, "natural_frequency") for target in others)
     values = [_values(*pair, swings=swings) for pair in zip(targets, entries, strict=True)]
-    goals = {row: wanted_goal(target.scene) for row, target in enumerate(targets) if row != baseline}
+    goals = {row: goal_of(target.scene) for row, target in enumerate(targets) if row != baseline}
     return {
         targets[row].name: goal_outcome(goal, values[row], values[baseline])
         for row, goal in goals.items()
@@ -244,12 +243,12 @@ def _evaluated_goals(
 
 def _values(target: Target, entry: Entry, *, swings: bool) -> dict[str, float]:
     """Return the quantities of a goal that are known of a target; where it `swings`, with its frequency."""
-    reported = {
+    replaced = {
         "fatigue_safety": entry.safety,
         "stress_MPa": entry.stress_MPa,
         "natural_frequency_Hz": _frequency_Hz(target) if swings else None,
     }
-    return goal_values(target.scene, entry.evaluation.result.model_copy(update=reported))
+    return goal_values(target.scene, entry.evaluation.result.model_copy(update=replaced))
 
 
 def _frequency_Hz(target: Target) -> float | None:
@@ -263,16 +262,16 @@ def _frequency_Hz(target: Target) -> float | None:
         return None
 
 
-def comparison_bound(found: ComparedTargets) -> AnyBound | None:
+def comparison_bound(compared: ComparedTargets) -> AnyBound | None:
     """Return what no web of the envelope can beat, beside the web that is stiffest in torsion per mass.
 
     None where the baseline is no design with an envelope, the targets have other throws or envelopes, the
     halves of one differ, or the design's effects leave the bound out.
     """
-    comparison, base = found.comparison, found.targets[found.comparison.baseline]
+    comparison, base = compared.comparison, compared.targets[compared.comparison.baseline]
     scene = base.scene
-    alike = all((t.scene.throw, t.scene.envelope) == (scene.throw, scene.envelope) for t in found.targets)
-    alike = alike and not any(difference(t.scene) for t in found.targets)
+    alike = all((t.scene.throw, t.scene.envelope) == (scene.throw, scene.envelope) for t in compared.targets)
+    alike = alike and not any(difference(t.scene) for t in compared.targets)
     if base.file is not None or not alike or plan(scene)["bound"].state == "off":
         return None
     best = comparison.leading(TORSION_PER_MASS)
@@ -283,7 +282,7 @@ def comparison_bound(found: ComparedTargets) -> AnyBound | None:
 
 
 def report_comparison(
-    found: ComparedTargets,
+    compared: ComparedTargets,
     path: Path | str,
     command: Sequence[str] = (),
     stresses: bool = False,
@@ -295,24 +294,24 @@ def report_comparison(
     """
     path = as_path(path)
     check_report_path(path)
-    scene, effects = _loaded(found)
-    effects = with_own_reasons(effects, found.targets[found.comparison.baseline].design)
+    scene, effects = _loaded(compared)
+    effects = with_own_reasons(effects, compared.targets[compared.comparison.baseline].design)
     cases = load_cases(scene, effects.enabled)
-    if found.comparison.bare:
+    if compared.comparison.bare:
         effects = _without_fillets(effects)
-    refused = _no_stresses(found.targets)
+    refused = _no_stresses(compared.targets)
     if stresses and refused:
         note(f"no stresses: {refused}")
     solved = cases if stresses and not refused else ()
-    shown = [half for target in found.targets for half in half_throws(target)]
+    half_bodies = [half for target in compared.targets for half in half_throws(target)]
     record = ComparisonRecord(
-        comparison=found.comparison,
-        bodies=tuple(_body(half, mesh, partner, solved) for half, mesh, partner in shown),
-        undercuts=tuple(design_undercuts(half.name, mesh, half.scene) for half, mesh, _ in shown),
+        comparison=compared.comparison,
+        bodies=tuple(_body(half, mesh, partner, solved) for half, mesh, partner in half_bodies),
+        undercuts=tuple(design_undercuts(half.name, mesh, half.scene) for half, mesh, _ in half_bodies),
         effects=effects,
         cases=cases,
         loads=analyse(scene, effects.enabled) if scene.engine else None,
-        hashes=_hashes(found.targets),
+        hashes=_hashes(compared.targets),
         command=" ".join(command),
         written=timestamp(),
         versions=versions(),
@@ -330,31 +329,31 @@ def _no_stresses(targets: Sequence[Target]) -> str:
     return f"both halves of a throw must be alike, and those of {' and of '.join(unlike)}."
 
 
-def _loaded(found: ComparedTargets) -> tuple[Scene, PhysicsPlan]:
+def _loaded(compared: ComparedTargets) -> tuple[Scene, PhysicsPlan]:
     """Return the baseline's scene with the stiffness that its shaft vibrates with, and its plan."""
-    if found.loaded is not None:
-        return found.loaded, plan_for_stress(found.loaded)
-    scene = with_throw_stiffness(found.targets[found.comparison.baseline]).scene
+    if compared.loaded is not None:
+        return compared.loaded, plan_for_stress(compared.loaded)
+    scene = with_throw_stiffness(compared.targets[compared.comparison.baseline]).scene
     return scene, plan(scene)
 
 
 def _without_fillets(effects: PhysicsPlan) -> PhysicsPlan:
     """Return the plan with the fillets off, and that the comparison left them out, not the design."""
-    reported = {
+    off = {
         "state": "off",
         "reason": "left out of this comparison: the surface of a run has none",
         "estimate_percent": None,
         "changes": "mass and stiffness of the designs, which have fillets",
     }
     return PhysicsPlan(
-        tuple(one.model_copy(update=reported) if one.name == "fillets" else one for one in effects.effects)
+        tuple(one.model_copy(update=off) if one.name == "fillets" else one for one in effects.effects)
     )
 
 
 def half_throws(target: Target) -> list[tuple[Target, SurfaceMesh, int]]:
     """Return half throws, surfaces and partners in the view; one half where it stands for both."""
     scene = target.scene
-    meshes = shown_halves(scene, target.file, coarse_facet_mm(scene), target.align)
+    meshes = half_surfaces(scene, target.file, coarse_facet_mm(scene), target.align)
     parts = [target]
     if len(meshes) > 1:
         names = (f"{target.name}, {web} web" for web in ("first", "second"))

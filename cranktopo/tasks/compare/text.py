@@ -172,8 +172,8 @@ def safety_method(comparison: Comparison) -> list[str]:
 
 def left_off_lines(comparison: Comparison) -> list[str]:
     """Return a line for every target whose safety leaves out loads above the threshold."""
-    told = (entry for one in comparison.fatigues for entry in one.result.fatigue if entry.left_off)
-    return list(dict.fromkeys(f"{entry.target}: {entry.left_off}." for entry in told))
+    entries = (entry for one in comparison.fatigues for entry in one.result.fatigue if entry.left_off)
+    return list(dict.fromkeys(f"{entry.target}: {entry.left_off}." for entry in entries))
 
 
 def safety_places(fatigue: FatigueComparison) -> list[str]:
@@ -188,12 +188,12 @@ def safety_places(fatigue: FatigueComparison) -> list[str]:
 
 def star_lines(comparison: Comparison) -> list[str]:
     """Return what the star of the unbalance marks where the best is not the least."""
-    wanted = comparison.balanced_kg_mm
-    if not wanted or comparison.best(UNBALANCE) is None:
+    balanced_kg_mm = comparison.balanced_kg_mm
+    if not balanced_kg_mm or comparison.best(UNBALANCE) is None:
         return []
     return [
-        f"The star of the unbalance is at the nearest to {plain_number(wanted, 4)} kg mm, with which throw "
-        "and rods together are balanced as the engine asks for."
+        f"The star of the unbalance is at the nearest to {plain_number(balanced_kg_mm, 4)} kg mm, with which "
+        "throw and rods together are balanced as the engine asks for."
     ]
 
 
@@ -202,8 +202,8 @@ def method_lines(comparison: Comparison) -> list[str]:
     methods = list(comparison.safeties)
     if len(methods) < 2:
         return []
-    told = " ".join(f"{method}: {criteria.safety_method(method).includes}." for method in methods)
-    return [f"Safeties of different methods do not compare as numbers. {told}"]
+    inclusions = " ".join(f"{method}: {criteria.safety_method(method).includes}." for method in methods)
+    return [f"Safeties of different methods do not compare as numbers. {inclusions}"]
 
 
 def comparison_tables(comparison: Comparison) -> list[ResultTable]:

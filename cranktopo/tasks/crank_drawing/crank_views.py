@@ -74,17 +74,17 @@ def lengthwise(shape: CrankShape) -> Lengthwise:
 def lengthwise_room(shape: CrankShape, scale: float) -> Room:
     """Return the room of the lengthwise view with its dimensions and callouts."""
     (_, _, low, high), (start, end) = shape.reach_mm, shape.z_mm
-    reported = _CALLOUT_MM[0] * (len(_distinct_mains(shape)) + len(_distinct_pins(shape)))
-    beside = max(2 * _GAP_MM, reported - (end - start) * scale)
+    callouts_mm = _CALLOUT_MM[0] * (len(_distinct_mains(shape)) + len(_distinct_pins(shape)))
+    beside = max(2 * _GAP_MM, callouts_mm - (end - start) * scale)
     under = 2 * _GAP_MM + 3 * _LINE_MM + _under_parts(shape, 1 / scale)
     return Room(shape.z_mm, (low, high), (3 * _GAP_MM, beside, under, _CALLOUT_MM[1] + 2.5 * _GAP_MM))
 
 
-def draw_lengthwise(axes: Any, shape: CrankShape, shown: Lengthwise, scale: float) -> None:
+def draw_lengthwise(axes: Any, shape: CrankShape, view: Lengthwise, scale: float) -> None:
     """Draw the lengthwise view with axes, dimensions, datums, and callouts of distinct journals."""
     mm = 1 / scale
-    hatched(axes, shown.cut)
-    edges(axes, shown.chains)
+    hatched(axes, view.cut)
+    edges(axes, view.chains)
     (start, end), (_, _, low, high) = shape.z_mm, shape.reach_mm
     centre_line(axes, (start - 4 * mm, 0.0), (end + 4 * mm, 0.0))
     for number, throw in enumerate(shape.throws, 1):
@@ -215,8 +215,8 @@ def _surface(scene: Scene, journal: Journal) -> Iterator[str]:
 def _tolerances(scene: Scene, journal: Journal, pin: bool) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the cells of the tolerance frames of a journal: its place to the datums, and its form."""
     drawing, diameter = scene.drawing, journal.outer_diameter_mm
-    sign, given, grade = ("∥", drawing.parallelism_mm, 5) if pin else ("↗", drawing.run_out_mm, 7)
-    place = given or tolerance_um(diameter, grade) / 1000
+    sign, tolerance_mm, grade = ("∥", drawing.parallelism_mm, 5) if pin else ("↗", drawing.run_out_mm, 7)
+    place = tolerance_mm or tolerance_um(diameter, grade) / 1000
     form = drawing.cylindricity_mm or tolerance_um(diameter, 4) / 1000
     return (sign, f"{place:g}", "A-B"), ("/○/", f"{form:g}")
 

@@ -115,5 +115,8 @@ def _largest(
     return None
 
 
-def _readable(found: SheetLayout, crankpin_mm: float) -> bool:
-    return found.scale * crankpin_mm >= _LEAST_MM and found.web_scale * crankpin_mm >= _LEAST_WEB_MM
+def _readable(sheet_layout: SheetLayout, crankpin_mm: float) -> bool:
+    return (
+        sheet_layout.scale * crankpin_mm >= _LEAST_MM
+        and sheet_layout.web_scale * crankpin_mm >= _LEAST_WEB_MM
+    )

@@ -113,7 +113,7 @@ def _column(figure: Figure, page: Any, size: tuple[float, float], paper: Paper) 
     page.text(left + 4, above, "\n".join(paper.notes), va="top", fontsize=TEXT_SIZE, linespacing=1.3)
 
 
-def _title_block(page: Any, width: float, paper: Paper, found: SheetLayout) -> None:
+def _title_block(page: Any, width: float, paper: Paper, sheet_layout: SheetLayout) -> None:
     """Draw the fields of ISO 7200, 180 mm wide."""
     left, drawing, step = width - BORDER_MM - COLUMN_MM, paper.scene.drawing, _TITLE_MM / 6
     rows = (
@@ -124,14 +124,14 @@ def _title_block(page: Any, width: float, paper: Paper, found: SheetLayout) -> N
         (
             ("Number", drawing.number, 80.0),
             ("Rev.", drawing.revision, 50.0),
-            ("Sheet", f"{found.sheet}, {paper.number}", 50.0),
+            ("Sheet", f"{sheet_layout.sheet}, {paper.number}", 50.0),
         ),
         (("Owner", drawing.owner, 130.0), ("Date", f"{paper.written:%Y-%m-%d}", 50.0)),
         (("Drawn", drawing.drawn_by, 80.0), ("Approved", drawing.approved_by, 100.0)),
         (("Material", paper.scene.material.name, 80.0), ("Mass", paper.mass, 100.0)),
         (
-            ("Scale", scale_text(found.scale), 40.0),
-            ("Webs", scale_text(found.web_scale) if paper.webs else "", 40.0),
+            ("Scale", scale_text(sheet_layout.scale), 40.0),
+            ("Webs", scale_text(sheet_layout.web_scale) if paper.webs else "", 40.0),
             ("Units", "mm, degrees; first-angle projection", 100.0),
         ),
     )

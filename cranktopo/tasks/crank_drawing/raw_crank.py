@@ -86,8 +86,8 @@ def raw_crank_figure(
 
 
 def _notes(scene: Scene, shape: CrankShape) -> list[str]:
-    told = parting_text([throw.angle_deg for throw in shape.throws])
-    return [f"Parting: {told}.", *flash_notes(scene), "Dashed: the finished crank."]
+    parting = parting_text([throw.angle_deg for throw in shape.throws])
+    return [f"Parting: {parting}.", *flash_notes(scene), "Dashed: the finished crank."]
 
 
 def _lines(scene: Scene, raw: CrankShape) -> list[str]:
@@ -103,11 +103,15 @@ def _lines(scene: Scene, raw: CrankShape) -> list[str]:
 
 
 def _blocks(shape: CrankShape, raw: CrankShape) -> Any:
-    shown, finished, seen = lengthwise(raw), lengthwise(shape).cut, end_edges(raw)
+    lengthwise_view, finished, seen = lengthwise(raw), lengthwise(shape).cut, end_edges(raw)
 
     def blocks(scale: float, _: float) -> Sequence[ViewBlock]:
         views = (
-            View(_room(raw.z_mm, raw), lambda axes, s: _lengthwise(axes, raw, shown, finished, s), scale),
+            View(
+                _room(raw.z_mm, raw),
+                lambda axes, s: _lengthwise(axes, raw, lengthwise_view, finished, s),
+                scale,
+            ),
             View(_end_room(raw), lambda axes, s: _end(axes, raw, seen, s), scale),
         )
         return [ViewBlock(((view, (0.0, 0.0)),)) for view in views]
@@ -126,15 +130,15 @@ def _end_room(raw: CrankShape) -> Room:
 
 
 def _lengthwise(
-    axes: Any, raw: CrankShape, shown: Lengthwise, finished: Sequence[Array], scale: float
+    axes: Any, raw: CrankShape, view: Lengthwise, finished: Sequence[Array], scale: float
 ) -> None:
     """Draw the raw crank with its upper half in section, the finished one dashed in that, and its sizes."""
     mm, (start, end), (_, _, low, high) = 1 / scale, raw.z_mm, raw.reach_mm
-    hatched(axes, shown.cut)
-    edges(axes, shown.chains)
+    hatched(axes, view.cut)
+    edges(axes, view.chains)
     ghost(axes, list(finished))
     centre_line(axes, (start - 4 * mm, 0.0), (end + 4 * mm, 0.0))
-    points = np.concatenate([*shown.chains, *shown.cut])
+    points = np.concatenate([*view.chains, *view.cut])
     extent(axes, points, 0, low - _GAP_MM * mm, f"{end - start:.1f}")
     extent(axes, points, 1, start - _GAP_MM * mm, f"{high - low:.1f}")
     finish(axes, "Raw crank, upper half in section")

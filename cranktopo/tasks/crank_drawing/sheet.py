@@ -221,11 +221,13 @@ def _end_lines(shape: CrankShape) -> list[str]:
     """Return the steps of both ends with their dimensions, from the free end; its places are in the view."""
     lines = []
     for part in sorted(shape.end_parts, key=lambda one: min(one.z_mm)):
-        given = part.step.model_dump(exclude={"length_mm", "file"}, exclude_defaults=True)
-        kind = given.pop("kind").replace("_", " ")
-        told = ", ".join(f"{stem_and_unit(key)[0].replace('_', ' ')} {value}" for key, value in given.items())
+        step_values = part.step.model_dump(exclude={"length_mm", "file"}, exclude_defaults=True)
+        kind = step_values.pop("kind").replace("_", " ")
+        dimensions = ", ".join(
+            f"{stem_and_unit(key)[0].replace('_', ' ')} {value}" for key, value in step_values.items()
+        )
         lines += textwrap.wrap(
-            f"{kind}, length {part.step.length_mm:g}, {told}",
+            f"{kind}, length {part.step.length_mm:g}, {dimensions}",
             _END_LETTERS,
             subsequent_indent="   ",
         )

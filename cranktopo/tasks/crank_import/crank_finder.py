@@ -69,7 +69,7 @@ def find_crank(faces: Faces, name: str, ends: EndJournals = "auto") -> FoundCran
     ]
     if ends == "auto" and len(journals) == 2 and any(steps):
         ends = "whole"
-    halves, reported = _halves(journals, pins, ends)
+    halves, missing = _halves(journals, pins, ends)
     if not halves:
         raise _no_crank(name, "no crankpin lies next to a main journal")
     taken = [
@@ -85,7 +85,7 @@ def find_crank(faces: Faces, name: str, ends: EndJournals = "auto") -> FoundCran
         pins,
         halves,
         (taken[0], taken[1]),
-        tuple(assumed + reported),
+        tuple(assumed + missing),
         tuple(left + found.spare + holes),
     )
     return replace(crank, unread=(*crank.unread, *_flying_words(crank)))
@@ -299,7 +299,7 @@ def _halves(
     """Return the half throws from low to high, and what was assumed of the outer journals."""
     inner = [journal.length_mm for journal in journals if not any(journal.free)]
     outer = [journal for journal in journals if any(journal.free)]
-    cut, reported = _are_cut(outer, inner, len(pins), ends)
+    cut, missing = _are_cut(outer, inner, len(pins), ends)
     halves = []
     for number, pin in enumerate(pins, 1):
         below = max(
@@ -319,7 +319,7 @@ def _halves(
             halves.append(
                 FoundHalf(number, main, pin, plane, middle, (main.faces_mm[1 - side], pin.faces_mm[side]))
             )
-    return tuple(halves), reported
+    return tuple(halves), missing
 
 
 def _web_between(main: FoundJournal, pin: FoundJournal) -> bool:

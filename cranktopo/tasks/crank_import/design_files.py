@@ -40,14 +40,14 @@ class DesignFiles:
         throws: designs of the throws that differ from the first one's.
         same_as: of each throw the index of the first one that is alike.
         volume_mm3: of the crank of the designs; None where they are no whole crank.
-        told: what the designs do not say, in words.
+        omissions: what the designs do not say, in words.
     """
 
     design: str
     throws: tuple[str, ...]
     same_as: tuple[int, ...]
     volume_mm3: float | None
-    told: tuple[str, ...]
+    omissions: tuple[str, ...]
 
 
 def half_names(webs: Sequence[ImportedWeb], crank: FoundCrank, name: str) -> list[str]:
@@ -70,7 +70,7 @@ def write_designs(
         bodies = web.body.file, second_body(webs, crank) if web is webs[0] else None
         text = design_text(web.read.scene, crank, bodies, heading, near, throws)
         write_text(folder / f"{web.name}.toml", text)
-    same, reported = different(throws), list(unsaid(throws))
+    same, omissions = different(throws), list(unsaid(throws))
     design, others = f"{webs[0].name}.toml", list[str]()
     if uneven(throws):
         design, others = f"{name}.toml", _write_throws(folder, throws, webs, crank, name, headings[0][0])
@@ -79,8 +79,8 @@ def write_designs(
         if throws:
             volume = _crank_volume_mm3(load_scene(folder / design, whole=True), len(crank.pins))
     except CranktopoError as error:
-        reported.append(f"the crank of the designs: {error.message}")
-    return DesignFiles(design, tuple(others), tuple(same), volume, tuple(reported))
+        omissions.append(f"the crank of the designs: {error.message}")
+    return DesignFiles(design, tuple(others), tuple(same), volume, tuple(omissions))
 
 
 def _write_throws(

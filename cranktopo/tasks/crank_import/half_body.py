@@ -48,7 +48,7 @@ class HalfBody:
 
     Attributes:
         file: name of the file that holds it.
-        shown: triangles of it.
+        mesh: triangles of it.
         others: halves of the crank that are alike, this one first.
         mirrored: those of them that are its mirror image.
     """
@@ -56,7 +56,7 @@ class HalfBody:
     half: FoundHalf
     file: str
     faces: Faces
-    shown: SurfaceMesh
+    mesh: SurfaceMesh
     solid: SolidProperties
     others: tuple[FoundHalf, ...]
     mirrored: tuple[FoundHalf, ...]

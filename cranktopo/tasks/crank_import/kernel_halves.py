@@ -83,8 +83,8 @@ def _written(gmsh: Any, kept: Path, crank: FoundCrank, group: HalfGroup, file: P
     occ.remove([pair for pair in occ.getEntities(3) if pair != cut[0]], recursive=True)
     occ.synchronize()
     properties = solid_properties(occ, cut)
-    faces, shown = exact_faces(gmsh), kernel_surface(gmsh)
+    faces, mesh = exact_faces(gmsh), kernel_surface(gmsh)
     file.parent.mkdir(parents=True, exist_ok=True)
     with quiet_stdout():
         gmsh.write(str(file))
-    return HalfBody(group.halves[0], file.name, faces, shown, properties, group.halves, group.mirrored, EXACT)
+    return HalfBody(group.halves[0], file.name, faces, mesh, properties, group.halves, group.mirrored, EXACT)

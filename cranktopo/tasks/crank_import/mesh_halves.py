@@ -113,10 +113,10 @@ def _found(mesh: SurfaceMesh, path: Path, ends: EndJournals) -> tuple[Faces, Fou
         except CranktopoError as error:
             first = first or error
             continue
-        reported = [*crank.unread, *_leaning(faces, crank.axis)]
+        remarks = [*crank.unread, *_leaning(faces, crank.axis)]
         if off > _TOLD_MM:
-            reported.append(f"{SCATTER} by {off:.2g} mm about the journals: no dimension is better")
-        return faces, replace(crank, unread=tuple(reported))
+            remarks.append(f"{SCATTER} by {off:.2g} mm about the journals: no dimension is better")
+        return faces, replace(crank, unread=tuple(remarks))
     assert first is not None
     raise first
 
@@ -128,8 +128,8 @@ def _leaning(faces: Faces, axis: Array) -> list[str]:
         return []
     normal = max(across, key=lambda plane: plane.area_mm2).normal
     lean = float(np.degrees(np.arcsin(min(1.0, float(np.linalg.norm(np.cross(normal, axis)))))))
-    reported = f"faces of the webs lean by {lean:.3g} deg: the body is sheared, or has draft"
-    return [reported] if lean > _LEAN_DEG else []
+    remark = f"faces of the webs lean by {lean:.3g} deg: the body is sheared, or has draft"
+    return [remark] if lean > _LEAN_DEG else []
 
 
 def _cut(body: Manifold, crank: FoundCrank, half: FoundHalf) -> Manifold:

@@ -42,7 +42,7 @@ def mesh_solids(path: Path, unit: Unit | None) -> tuple[dict[str, SurfaceMesh], 
         CranktopoError: it cannot be read, holds no closed solid, or its size asks for a unit.
     """
     check_input(path, f"'{path}'", GEOMETRY_LIMIT_MIB, "Give a closed body in mm.")
-    parts, told_mm = _parts(path)
+    parts, file_unit_mm = _parts(path)
     triangles = sum(len(mesh.faces) for mesh in parts.values())
     if not triangles:
         raise CranktopoError(f"'{path}': holds no triangles.", hint=_AGAIN)
@@ -52,8 +52,8 @@ def mesh_solids(path: Path, unit: Unit | None) -> tuple[dict[str, SurfaceMesh], 
             hint="Export it with facets of 0.02 mm, or as STEP.",
         )
     size = max(mesh.extent_mm for mesh in parts.values())
-    factor = UNIT_MM[unit] if unit else told_mm or 1.0
-    assumed = [] if unit or told_mm else _assumed_unit(path, size)
+    factor = UNIT_MM[unit] if unit else file_unit_mm or 1.0
+    assumed = [] if unit or file_unit_mm else _assumed_unit(path, size)
     found: dict[str, SurfaceMesh] = {}
     for name, mesh in parts.items():
         bodies = _bodies(path, SurfaceMesh(factor * mesh.vertices_mm, mesh.faces))

@@ -82,24 +82,24 @@ def read_crank(
     return own, found
 
 
-def chosen(found: tuple[FoundSolid, ...], path: Path, name: str | None) -> FoundSolid:
+def chosen(solids: tuple[FoundSolid, ...], path: Path, name: str | None) -> FoundSolid:
     """Return the named solid, the only one, or the only one that looks so; raises CranktopoError."""
     if name is not None:
-        own = [solid for solid in found if solid.name == name]
+        own = [solid for solid in solids if solid.name == name]
         if len(own) != 1:
             said = f"holds {len(own)} solids named '{name}'" if own else f"holds no solid '{name}'"
-            raise CranktopoError(f"'{path}': {said}.", hint=suggest(name, [solid.name for solid in found]))
+            raise CranktopoError(f"'{path}': {said}.", hint=suggest(name, [solid.name for solid in solids]))
         return own[0]
-    likely = [solid for solid in found if solid.looks_like_a_crank]
-    if len(found) == 1 or len(likely) == 1:
-        return (likely or list(found))[0]
-    if not found:
+    likely = [solid for solid in solids if solid.looks_like_a_crank]
+    if len(solids) == 1 or len(likely) == 1:
+        return (likely or list(solids))[0]
+    if not solids:
         raise CranktopoError(f"'{path}': holds no solid.", hint="Close its surfaces to a solid in CAD.")
     rows = "; ".join(
         f"'{solid.name}' {solid.size_mm[0]:.4g} x {solid.size_mm[1]:.4g} x {solid.size_mm[2]:.4g} mm"
-        for solid in (likely or found)[:_LISTED]
+        for solid in (likely or solids)[:_LISTED]
     )
     what = f"{len(likely)} of them look like a crank" if likely else "none of them looks like a crank"
     raise CranktopoError(
-        f"'{path}': holds {len(found)} solids, {what}: {rows}.", hint="Choose one with --solid NAME."
+        f"'{path}': holds {len(solids)} solids, {what}: {rows}.", hint="Choose one with --solid NAME."
     )

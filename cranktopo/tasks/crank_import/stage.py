@@ -137,13 +137,15 @@ def throw_table(body: HalfBody, crank: FoundCrank) -> dict[str, Any]:
     }
 
 
-def _journal(body: HalfBody, found: FoundJournal, length_mm: float, y_mm: float) -> dict[str, float]:
+def _journal(body: HalfBody, journal: FoundJournal, length_mm: float, y_mm: float) -> dict[str, float]:
     table = {
-        "outer_diameter_mm": round(2 * found.radius_mm, DIGITS),
-        "bore_diameter_mm": round(found.bore_mm, DIGITS),
+        "outer_diameter_mm": round(2 * journal.radius_mm, DIGITS),
+        "bore_diameter_mm": round(journal.bore_mm, DIGITS),
         "length_mm": round(length_mm, DIGITS),
     }
-    fillet = fillet_keys(body.faces, found.radius_mm, y_mm, _web_face(body.half, y_mm), body.near.outline_mm)
+    fillet = fillet_keys(
+        body.faces, journal.radius_mm, y_mm, _web_face(body.half, y_mm), body.near.outline_mm
+    )
     return table | {key: round(value, DIGITS) for key, value in fillet.items()}
 
 

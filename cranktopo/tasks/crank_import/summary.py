@@ -36,7 +36,7 @@ _Webs = Sequence[ImportedWeb]
 
 def result_of(
     source: tuple[Path, Unit | None],
-    found: FoundBody,
+    body: FoundBody,
     webs: _Webs,
     halves: tuple[ImportedHalf, ...],
     files: DesignFiles,
@@ -44,23 +44,23 @@ def result_of(
     material: str,
 ) -> CrankImport:
     """Return the result of an import into a folder; `source` is the file, and the unit asked for."""
-    crank, taken = found.crank, found.taken
+    crank, taken = body.crank, body.taken
     x, y, z = (float(v) for v in crank.origin_mm)
     along = tuple(float(v) for v in crank.axis)
-    reported = (*crank.unread, *files.told, *volume_words(taken.volume_mm3, files, webs))
-    lacks = [ImportedLack(where="crank", what=line) for line in reported]
+    losses = (*crank.unread, *files.omissions, *volume_words(taken.volume_mm3, files, webs))
+    lacks = [ImportedLack(where="crank", what=line) for line in losses]
     lacks += [ImportedLack(where=f"half {half.number}", what=line) for half in halves for line in half.unread]
     return CrankImport(
         source=ImportSource(
             file=str(source[0]),
             solid=taken.name,
             unit=source[1] or "file",
-            faces=found.faces,
-            triangles=found.triangles,
+            faces=body.faces,
+            triangles=body.triangles,
         ),
         file=str(source[0]),
         solids=tuple(
-            ImportedSolid(**{k: v for k, v in vars(one).items() if k != "tag"}) for one in found.solids
+            ImportedSolid(**{k: v for k, v in vars(one).items() if k != "tag"}) for one in body.solids
         ),
         solid=taken.name,
         origin_mm=(x, y, z),
@@ -72,7 +72,7 @@ def result_of(
         ),
         halves=halves,
         material=material,
-        assumed=(*found.assumed, *crank.assumed, f"material = {material}: CAD does not tell it"),
+        assumed=(*body.assumed, *crank.assumed, f"material = {material}: CAD does not tell it"),
         volume_mm3=taken.volume_mm3,
         design_volume_mm3=files.volume_mm3,
         deviation_mm=ImportDeviation(
@@ -191,7 +191,7 @@ def _numbers(data: Any, key: str) -> Iterator[tuple[str, float]]:
 def _unread(web: ImportedWeb) -> Iterator[str]:
     """Yield what a body has that its design does not say."""
     scene, faces = web.read.scene, web.body.faces
-    yield from web.read.told_of(web.body)
+    yield from web.read.differences_from(web.body)
     for key, name in (("main_journal", "main journal"), ("crankpin", "crankpin")):
         if not getattr(scene.throw, key).fillet_mm:
             yield f"no round fillet was found at the {name}: its corner is sharp in the design"

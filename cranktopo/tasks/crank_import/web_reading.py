@@ -47,7 +47,7 @@ class ReadWeb:
         outline: its outline and counterweight in words.
         outline_mm, outline_rms_mm: largest distance of both silhouettes along the crank, and its root mean
             square.
-        solid, shown: the half throw of the body, and that of the scene.
+        solid, scene_solid: the half throw of the body, and that of the scene.
     """
 
     scene: Scene
@@ -55,37 +55,37 @@ class ReadWeb:
     outline_mm: float
     outline_rms_mm: float
     solid: Manifold
-    shown: Manifold
+    scene_solid: Manifold
 
     @cached_property
     def missing_mm3(self) -> float:
         """Volume that the body has and the scene lacks."""
-        return float((self.solid - self.shown).volume())
+        return float((self.solid - self.scene_solid).volume())
 
     @cached_property
     def extra_mm3(self) -> float:
         """Volume that the scene has and the body lacks."""
-        return float((self.shown - self.solid).volume())
+        return float((self.scene_solid - self.solid).volume())
 
     @property
-    def told(self) -> Iterator[str]:
+    def differences(self) -> Iterator[str]:
         """Volumes, in words, that one of body and scene lacks, each with the place of its largest part."""
         for what, one, other in (
-            ("the design lacks", self.solid, self.shown),
-            ("the design adds", self.shown, self.solid),
+            ("the design lacks", self.solid, self.scene_solid),
+            ("the design adds", self.scene_solid, self.solid),
         ):
             apart = one - other
             if apart.volume() > _TOLD * self.solid.volume():
                 x, y, z = largest_middle_mm(apart)
                 yield f"{what} {apart.volume():.4g} mm3, most of it near ({x:.4g}, {y:.4g}, {z:.4g}) mm"
 
-    def told_of(self, body: HalfBody) -> Iterator[str]:
-        """Yield what `told` does, or else the least difference that the exact volumes of both show."""
-        found = list(self.told)
+    def differences_from(self, body: HalfBody) -> Iterator[str]:
+        """Yield what `differences` does, or else the least difference that the exact volumes of both show."""
+        found = list(self.differences)
         yield from found
         off = body.solid.volume_mm3 - half_throw_volume_mm3(self.scene)
         if not found and body.near == EXACT and abs(off) > _TOLD_EXACT * body.solid.volume_mm3:
-            apart = (self.solid - self.shown) if off > 0 else (self.shown - self.solid)
+            apart = (self.solid - self.scene_solid) if off > 0 else (self.scene_solid - self.solid)
             x, y, z = _largest_centre_mm(apart)
             what = "lacks" if off > 0 else "adds"
             yield f"the design {what} {abs(off):.4g} mm3, perhaps near ({x:.4g}, {y:.4g}, {z:.4g}) mm"
@@ -123,7 +123,7 @@ def read_web(body: HalfBody, throw: Mapping[str, Any], material: Mapping[str, An
     Raises:
         CranktopoError: no web of the family fits the throw.
     """
-    solid, exact_mm = solid_of(body.shown, name), max(_EXACT * throw["radius_mm"], body.near.outline_mm)
+    solid, exact_mm = solid_of(body.mesh, name), max(_EXACT * throw["radius_mm"], body.near.outline_mm)
     found: list[tuple[tuple[float, float], tuple[float, int], str, Scene]] = []
     refusals: list[CranktopoError] = []
     start = throw["main_journal"]["length_mm"] / 2
@@ -144,7 +144,7 @@ def read_web(body: HalfBody, throw: Mapping[str, Any], material: Mapping[str, An
     if not found:
         raise refusals[-1]
     off, _, words, scene = min(found, key=lambda one: (one[0][0] > exact_mm, one[1]))
-    return _with_features(body, ReadWeb(scene, words, *off, solid, _shown(scene)))
+    return _with_features(body, ReadWeb(scene, words, *off, solid, _scene_solid(scene)))
 
 
 def rounded(data: Any, digits: int) -> Any:
@@ -156,7 +156,7 @@ def rounded(data: Any, digits: int) -> Any:
     return round(data, digits) if isinstance(data, float) else data
 
 
-def _shown(scene: Scene) -> Manifold:
+def _scene_solid(scene: Scene) -> Manifold:
     return solid_of(kernel_surface_of(scene, "half"), scene.name)
 
 
@@ -174,7 +174,7 @@ def _with_features(body: HalfBody, read: ReadWeb) -> ReadWeb:
         tried = {**data, table: {**data[table], key: changed}}
         try:
             scene = scene_from_dict(tried, read.scene.name)
-            found = replace(read, scene=scene, shown=_shown(scene))
+            found = replace(read, scene=scene, scene_solid=_scene_solid(scene))
         except CranktopoError:
             continue
         if found.differs_mm3 < read.differs_mm3:
@@ -182,5 +182,5 @@ def _with_features(body: HalfBody, read: ReadWeb) -> ReadWeb:
     outlets = with_outlet_radius(body, read.scene) if read.scene.throw.drilling else None
     if outlets is None:
         return read
-    found = replace(read, scene=outlets, shown=_shown(outlets))
+    found = replace(read, scene=outlets, scene_solid=_scene_solid(outlets))
     return found if found.differs_mm3 < _OUTLETS * read.differs_mm3 else read

@@ -68,8 +68,8 @@ def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, soli
     values = values_of(tuple(response.value for response in known.values()), design)
     bolted = bolted_mass(scene).volume
     web_kg = float(kg[:, :, first:last].sum()) / 2
-    reported = dict(zip(known, values.tolist(), strict=True))
-    return Assessment(cases, float(kg.sum()) + 2 * bolted, web_kg + bolted, reported)
+    quantities_of_body = dict(zip(known, values.tolist(), strict=True))
+    return Assessment(cases, float(kg.sum()) + 2 * bolted, web_kg + bolted, quantities_of_body)
 
 
 _moduli = jax.jit(relative_moduli)
@@ -84,7 +84,7 @@ def check_limits(problem: DensityProblem, scene: Scene, domain: Domain) -> None:
     Call it inside `double_precision()`.
     """
     limits = problem.optimisation.limits
-    _check_together(limits)
+    _check_ranges(limits)
     check_reach(limits, problem.model, problem.density_chain, scene, domain)
 
 
@@ -114,16 +114,16 @@ def check_reach(
             for limit in limits
             if _monotone(limit) and limit.response.name in full
         ]
-    broken = [item for item in found if item[0].constraint.violation(item[1]) > allowed]
-    if broken:
+    violated = [item for item in found if item[0].constraint.violation(item[1]) > allowed]
+    if violated:
         raise CranktopoError(
-            "; ".join(f"{limit}: {what} {limit.shown(value)}" for limit, value, what in broken) + ".",
+            "; ".join(f"{limit}: {what} {limit.value_text(value)}" for limit, value, what in violated) + ".",
             hint="No design meets it: ask for less, or give the web another envelope.",
             code=ExitCode.CRITERION_NOT_MET,
         )
 
 
-def _check_together(limits: Sequence[ResponseConstraint]) -> None:
+def _check_ranges(limits: Sequence[ResponseConstraint]) -> None:
     """Refuse a range whose ends, in different units, have changed places."""
     upper = {limit.response.name: limit for limit in limits if limit.constraint.sense == "<="}
     for low in (limit for limit in limits if limit.constraint.sense == ">="):
@@ -133,7 +133,7 @@ def _check_together(limits: Sequence[ResponseConstraint]) -> None:
         percent, bounds = low if low.percent else high, (low.constraint.bound, high.constraint.bound)
         raise invalid(
             f"goal.limits.{low.response.name}",
-            f">= {low.shown(bounds[0])}, <= {high.shown(bounds[1])}",
+            f">= {low.value_text(bounds[0])}, <= {high.value_text(bounds[1])}",
             f"contradictory: the original web has {percent.in_unit(percent.constraint.original)}, so nothing "
             f"is >= {low.in_unit(bounds[0])} and <= {high.in_unit(bounds[1])}",
             "Give both in the same unit, the lower one first.",

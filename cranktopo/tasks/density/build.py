@@ -15,7 +15,7 @@ from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.goal.constraint import Constraint, minimum_scale, scale_of
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.quantities import quantity_named
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Optimise, Scene
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.numerics.filters.density_filter import ConeFilter, boundary_correction
@@ -54,7 +54,7 @@ def build_problem(
     model = build_model(scene, domain, cases, incompatible_modes=solving.incompatible_modes)
     density_chain = build_chain(scene, domain)
     weights = tuple(float(getattr(settings.weights, case.kind)) for case in cases)
-    goal = wanted(scene)
+    goal = goal_of(scene)
     original = None if goal is None else assess_original(model, scene, domain)
     optimisation = (
         _of_volume(density_chain, model, weights, settings)
@@ -110,7 +110,7 @@ def _of_goal(goal: Goal, known: Mapping[str, Response], original: Mapping[str, f
     return OptimisationProblem(
         (Objective(first, goal.sense, scale_of(original[goal.quantity], 0.0, least)),),
         tuple(
-            requirement(limit, _known(known, limit.quantity, "goal.limits"), original)
+            response_constraint(limit, _known(known, limit.quantity, "goal.limits"), original)
             for limit in goal.limits
             if "density" in quantity_named(limit.quantity).optimisers
         ),
@@ -131,12 +131,12 @@ def _known(known: Mapping[str, Response], quantity: str, key: str) -> Response:
     raise invalid(key, quantity, f"its load case '{case}' is off", f"Set effects.{case} = 'auto'.")
 
 
-def requirement(limit: Limit, response: Response, original: Mapping[str, float]) -> ResponseConstraint:
+def response_constraint(
+    limit: Limit, response: Response, original: Mapping[str, float]
+) -> ResponseConstraint:
     """Return a limit of a goal on a response, with the original web's quantities for percentages."""
-    own = original[limit.quantity]
-    bound = limit.value / 100 * own if limit.percent else limit.value
-    least = minimum_scale(limit.quantity, original)
-    constraint = Constraint(limit.quantity, limit.sense, bound, own, least)
+    constraint = limit.constraint(original)
+    assert constraint is not None
     return ResponseConstraint(response, constraint, limit.percent)
 
 

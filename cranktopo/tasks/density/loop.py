@@ -65,12 +65,14 @@ def _advance(problem: DensityProblem, state: State, new_x: Array) -> State:
         )
         return replace(following, status="converged", reason=reason)
     if _stuck(problem, state, in_stage):
-        reason = f"no design was found that meets every limit, the last one breaks {_broken(problem, last)}"
+        reason = (
+            f"no design was found that meets every limit, the last one breaks {_violations(problem, last)}"
+        )
         return replace(following, status="infeasible", reason=reason)
     if len(state.history) >= problem.max_iterations:
         reason = f"iteration limit {problem.max_iterations} reached before the objective settled"
-        broken = _broken(problem, last)
-        reason += f"; limits not met: {broken}" if broken else ""
+        violations = _violations(problem, last)
+        reason += f"; limits not met: {violations}" if violations else ""
         return replace(following, status="stopped", reason=reason)
     return following
 
@@ -86,10 +88,10 @@ def _kept(problem: DensityProblem) -> str:
     return f"every limit within {100 * LIMIT_FEASIBILITY:g} %"
 
 
-def _broken(problem: DensityProblem, last: Record) -> str:
+def _violations(problem: DensityProblem, last: Record) -> str:
     pairs = zip(problem.optimisation.limits, last.limits, strict=False)
     texts = [
-        f"{limit}: reached {limit.shown(value)}"
+        f"{limit}: reached {limit.value_text(value)}"
         for limit, value in pairs
         if limit.constraint.violation(value) > LIMIT_FEASIBILITY
     ]
@@ -168,7 +170,7 @@ def check_fits(problem: DensityProblem, state: State) -> None:
     if any(found is None or found.shape != own.shape for found, own in arrays):
         raise damaged("its arrays are those of another design")
     counted = state.stage_start <= len(rows) and len(state.bounds) in (0, limits)
-    alike = set(rows) in ({(len(problem.model.cases), reported)} for reported in (0, limits))
+    alike = set(rows) in ({(len(problem.model.cases), limit_count)} for limit_count in (0, limits))
     if not counted or not alike:
         raise damaged("its history is that of another design")
 
@@ -195,7 +197,7 @@ def step(problem: DensityProblem, state: State) -> State:
         notice=next((solution.notice for solution in solutions if solution.notice), ""),
         goals=proposal.goals,
         limits=proposal.limits,
-        broken=proposal.broken,
+        broken=proposal.violation,
     )
     advanced = replace(
         state,

@@ -73,8 +73,8 @@ def projection_for(scene: Scene, radius_mm: float) -> Projection:
 
 def filter_radius_mm(scene: Scene, domain: Domain) -> float:
     """Return the filter radius: the scene's own, the usual one, or what its least member and gap need."""
-    given = scene.optimise.filter_radius_mm
-    return given or max(_usual_filter_radius_mm(domain), _needed_filter_radius_mm(scene))
+    radius_mm = scene.optimise.filter_radius_mm
+    return radius_mm or max(_usual_filter_radius_mm(domain), _needed_filter_radius_mm(scene))
 
 
 def _usual_filter_radius_mm(domain: Domain) -> float:
@@ -102,19 +102,19 @@ def check_lengths(scene: Scene) -> None:
                 f"most {largest:g} mm (web.thickness_mm)",
                 "Smaller cells resolve smaller lengths.",
             )
-    given, needed = settings.filter_radius_mm, _needed_filter_radius_mm(scene)
-    if given is not None and given < needed:
+    radius, needed = settings.filter_radius_mm, _needed_filter_radius_mm(scene)
+    if radius is not None and radius < needed:
         raise invalid(
             "optimise.filter_radius_mm",
-            given,
-            f"must be at least {needed:.3g} mm for {_asked(scene)}",
+            radius,
+            f"must be at least {needed:.3g} mm for {_lengths_text(scene)}",
             "Leave it out: the radius follows from the lengths.",
         )
     x_min, x_max, y_min, y_max = envelope_bounds_mm(scene.envelope) if scene.envelope else (0, np.inf) * 2
     widest = max(x_max - x_min, y_max - y_min) / 2
-    if given is not None and given > max(widest, needed):
+    if radius is not None and radius > max(widest, needed):
         what = f"must be at most {widest:.3g} mm, half of the design space: a larger one leaves it uniform"
-        raise invalid("optimise.filter_radius_mm", given, what, "2 to 4 cells are usual.")
+        raise invalid("optimise.filter_radius_mm", radius, what, "2 to 4 cells are usual.")
 
 
 def length_notice(scene: Scene, domain: Domain) -> str:
@@ -122,10 +122,12 @@ def length_notice(scene: Scene, domain: Domain) -> str:
     usual, used = _usual_filter_radius_mm(domain), filter_radius_mm(scene, domain)
     if scene.optimise.filter_radius_mm is not None or used == usual:
         return ""
-    return f"the filter radius is {used:.3g} mm instead of {usual:.3g} mm, as needed for {_asked(scene)}"
+    return (
+        f"the filter radius is {used:.3g} mm instead of {usual:.3g} mm, as needed for {_lengths_text(scene)}"
+    )
 
 
-def _asked(scene: Scene) -> str:
+def _lengths_text(scene: Scene) -> str:
     lengths = {name: getattr(scene.optimise, name) for name in ("min_member_mm", "min_gap_mm")}
     return " and ".join(f"optimise.{name} = {value:g}" for name, value in lengths.items() if value)
 

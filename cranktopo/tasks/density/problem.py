@@ -42,16 +42,19 @@ class Objective:
 
 @dataclass(frozen=True)
 class ResponseConstraint:
-    """A constraint on a response; `percent` where messages give values in percent of the original's."""
+    """A constraint, and the response that gives cells its value and gradient.
+
+    `percent` where messages give values in percent of the original's.
+    """
 
     response: Response
     constraint: Constraint
     percent: bool = False
 
     def __str__(self) -> str:
-        return f"{self.response.name} {self.constraint.sense} {self.shown(self.constraint.bound)}"
+        return f"{self.response.name} {self.constraint.sense} {self.value_text(self.constraint.bound)}"
 
-    def shown(self, value: float) -> str:
+    def value_text(self, value: float) -> str:
         """Return a value of the response with its unit, as in messages."""
         if self.percent:
             return f"{100 * value / self.constraint.original:.4g} %"
@@ -63,7 +66,7 @@ class ResponseConstraint:
 
     def at(self, bound: float) -> ResponseConstraint:
         """Return the same with another bound."""
-        return replace(self, constraint=replace(self.constraint, bound=bound))
+        return replace(self, constraint=self.constraint.at(bound))
 
     def scaled(self, design: Design) -> jax.Array:
         """Share by which the limit is broken: at most 0 where it holds.

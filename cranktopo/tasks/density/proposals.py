@@ -224,7 +224,7 @@ def by_moving_asymptotes(problem: DensityProblem, state: State, design: Design, 
         objective=float(jnp.max(values[:goals])),
         goals=reached[:goals],
         limits=reached[goals:],
-        broken=float(jnp.max(values[goals:], initial=-jnp.inf)),
+        violation=float(jnp.max(values[goals:], initial=-jnp.inf)),
         memory=kept,
     )
 

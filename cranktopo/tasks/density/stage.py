@@ -19,7 +19,7 @@ from cranktopo.bodies.cells.domain import Domain, build_domain, laterally_symmet
 from cranktopo.bodies.cells.outside import outside_envelope, outside_words
 from cranktopo.bodies.envelope_file import symmetrised
 from cranktopo.bodies.memory import WALL_CELLS, available_memory_MiB, check_resolution, thinnest_wall_mm
-from cranktopo.design.goal.wanted import check_known, wanted
+from cranktopo.design.goal.scene_goal import check_known, goal_of
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LoadCase
@@ -85,10 +85,10 @@ def first_state(
             state = loop.step(coarse, state)
         progress(coarse, state)
     x = interpolated(state.x, np.asarray(coarse.density_chain.design_fraction), there, domain)
-    reported = CoarseStart(there.grid.largest_edge_mm, len(state.history), time.perf_counter() - began)
+    coarse_start = CoarseStart(there.grid.largest_edge_mm, len(state.history), time.perf_counter() - began)
     beta = max(schedule.projection_first, schedule.projection_last / 2**_SOFTER)
     start = replace(loop.init(problem), x=x, evaluated=x, beta=beta)
-    return replace(start, initial_N_mm=state.initial_N_mm, coarse_start=reported)
+    return replace(start, initial_N_mm=state.initial_N_mm, coarse_start=coarse_start)
 
 
 def interpolated(x: Array, design: Array, there: Domain, here: Domain) -> Array:
@@ -124,7 +124,7 @@ class Prepared:
 def prepare(scene: DesignLike) -> Prepared:
     """Check a scene for optimisation and build its load cases and domain."""
     scene = as_scene(scene, whole=False)
-    goal = wanted(scene)
+    goal = goal_of(scene)
     if goal is not None:
         check_known(goal, "density")
     effects = plan(scene, goal=goal)

@@ -129,7 +129,7 @@ class Proposal(NamedTuple):
     objective: float
     goals: tuple[float, ...] = ()
     limits: tuple[float, ...] = ()
-    broken: float = 0.0
+    violation: float = 0.0
     memory: Mapping[str, Array] = MappingProxyType({})
 
 

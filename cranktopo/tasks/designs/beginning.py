@@ -57,15 +57,15 @@ def begun(
         CranktopoError: no usual firing order, an angle of banks without banks, or a power that no gas gives
             such an engine.
     """
-    given = {key: value for key, value in (known or {}).items() if value is not None}
+    figures = {key: value for key, value in (known or {}).items() if value is not None}
     values = starting_values(layout, cylinders, bore_mm, stroke_mm)
-    if "bank_angle_deg" in given:
+    if "bank_angle_deg" in figures:
         values |= _kept_throws(name, layout, values)
-    values |= {key: given[short] for short, key in KNOWN.items() if short in given}
+    values |= {key: figures[short] for short, key in KNOWN.items() if short in figures}
     scene = parse_scene(template(name, values), name)
-    if "power_kW" in given:
-        peak, ratio = given.get("peak_pressure_MPa"), given.get("compression_ratio")
-        found = gas_for_power(scene, given["power_kW"], peak, ratio)
+    if "power_kW" in figures:
+        peak, ratio = figures.get("peak_pressure_MPa"), figures.get("compression_ratio")
+        found = gas_for_power(scene, figures["power_kW"], peak, ratio)
         values |= {f"engine.gas.{key}": value for key, value in found.items()}
         scene = parse_scene(template(name, values), name)
     assumed = (arrangement_line(scene), gas_line(scene))

@@ -187,8 +187,8 @@ def new_command(
 
     check_file(file, "file", (".toml",), replace=force)
     title = name or design_name(file)
-    reported: tuple[str, ...] = ()
-    if all(given is None for given in (layout, cylinders, bore_mm, stroke_mm, *known.values())):
+    remarks: tuple[str, ...] = ()
+    if all(value is None for value in (layout, cylinders, bore_mm, stroke_mm, *known.values())):
         text = template(title)
         parse_scene(text, str(file))
     else:
@@ -197,12 +197,12 @@ def new_command(
         count = cylinders or USUAL_CYLINDERS[layout]
         beginning = begun(title, layout, count, size, stroke_mm or size, known)
         text, doubtful = beginning.text, map("warning: {}.".format, beginning.warnings)
-        reported = (
+        remarks = (
             *beginning.assumed,
             *doubtful,
             *map("material: {}.".format, strength_remarks(beginning.scene)),
         )
     write_text(file, text)
-    for line in reported:
+    for line in remarks:
         click.echo(line)
     click.echo(f"{file}: edit it, then for example: {shlex.join(['cranktopo', 'plan', str(file)])}")

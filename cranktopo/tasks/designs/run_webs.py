@@ -157,8 +157,8 @@ def _newest_remodel(run: RunStore) -> Path | None:
     """Return the scene file of the newest re-model of a run, in it or beside it or under runs/."""
     places = ((run.path, 1), (run.path.resolve().parent, 1), (RUNS, 1), (RUNS, 2))
     found = {file.resolve() for folder, depth in places for file in folder.glob("*/" * depth + REMODEL)}
-    made = [file for file in found if read_json(file).get("run") == run.name]
-    newest = max(made, key=lambda file: (file.stat().st_mtime_ns, str(file)), default=None)
+    remodels = [file for file in found if read_json(file).get("run") == run.name]
+    newest = max(remodels, key=lambda file: (file.stat().st_mtime_ns, str(file)), default=None)
     return None if newest is None else _design_of(newest.parent)
 
 

@@ -33,7 +33,7 @@ def command(as_json: bool) -> int:
     Example: cranktopo doctor
     """
     try:
-        return _told(as_json)
+        return _report(as_json)
     except Exception as error:
         if not lacks_memory(error):
             raise
@@ -42,7 +42,7 @@ def command(as_json: bool) -> int:
         ) from None
 
 
-def _told(as_json: bool) -> int:
+def _report(as_json: bool) -> int:
     from cranktopo.tasks.doctor.stage import check_machine
 
     checks = check_machine()

@@ -262,8 +262,8 @@ def _title_block(paper: Any, page: SheetPage, scale: str, written: datetime) -> 
         paper.text(left + 2, y + step / 2, name, fontsize=TEXT_SIZE - 1, va="center", color=INK)
         paper.text(left + 18, y + step / 2, text, fontsize=TEXT_SIZE + 0.5, va="center", color=INK)
     projection_symbol(paper, left + _TABLE_MM - 18, bottom + step * (len(rows) - 3.5))
-    reported = "\n".join(notes)
-    paper.text(left + 2, top - 2, reported, fontsize=TEXT_SIZE - 0.5, va="top", linespacing=1.3)
+    note_text = "\n".join(notes)
+    paper.text(left + 2, top - 2, note_text, fontsize=TEXT_SIZE - 0.5, va="top", linespacing=1.3)
     if page.ghost:
         paper.plot([left + 2, left + 12], [top + 4] * 2, color=GHOST, lw=1, ls="--")
         paper.text(left + 14, top + 4, page.ghost, fontsize=TEXT_SIZE, va="center")

@@ -99,7 +99,7 @@ class Sheet:
         return [drilling.drawing(self.scene) for _, drilling in self.scene.throw.features()]
 
     @cached_property
-    def shown(self) -> FeatureDrawing | None:
+    def sectioned_feature(self) -> FeatureDrawing | None:
         """The first feature that has a best section across the throw."""
         return next((feature for feature in self.features if feature.section_y_mm is not None), None)
 
@@ -140,7 +140,7 @@ class Sheet:
     def rooms(self) -> tuple[Room, Room, Room]:
         """Rooms of the front view, of the section through both axes and of the section across the throw."""
         wide, half, end = self.half_width_mm, self.scene.web.largest_half_width_mm, self.scene.pitch_mm / 2
-        if self.shown is not None and self.shown.added:
+        if self.sectioned_feature is not None and self.sectioned_feature.added:
             half = wide
         text = _TEXT_MM if isinstance(self.scene.web, ProfileWeb) else _GAP_MM
         above = 8.0 * any(round(x, 2) for x, _ in self.places)
@@ -264,14 +264,14 @@ def cross_section(axes: Any, sheet: Sheet, scale: float) -> None:
     """
     scene, web = sheet.scene, sheet.scene.web
     (start, end), gap = scene.web_z_mm, _GAP_MM / scale
-    shown = sheet.shown
-    y = scene.throw.radius_mm / 2 if shown is None or shown.section_y_mm is None else shown.section_y_mm
+    feature = sheet.sectioned_feature
+    y = scene.throw.radius_mm / 2 if feature is None or feature.section_y_mm is None else feature.section_y_mm
     half = sheet.half_at_mm(y)
     cross_body(axes, sheet, y)
     dimension(axes, (-half, start), (half, start), (0, -gap), f"{2 * half:.2f}")
     dimension(axes, (-half, start), (-half, end), (-gap, 0), f"{web.thickness_mm:g}")
-    if shown is not None:
-        for one in shown.across:
+    if feature is not None:
+        for one in feature.across:
             _sized(axes, one, 1 / scale)
     axes.invert_yaxis()
     alone = ", web alone" * any(abs(y - at) < journal.radius_mm for journal, at in scene.throw.journals)

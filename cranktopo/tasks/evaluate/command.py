@@ -57,7 +57,7 @@ def command(
     from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
     from cranktopo.tasks.fea.targets import resolve_targets, unlike_fillet_line
 
-    wanted, texts = MeshRequest(element_size_mm, accuracy, budget), targets or (DEFAULT_DESIGN,)
+    request, texts = MeshRequest(element_size_mm, accuracy, budget), targets or (DEFAULT_DESIGN,)
     if web and not sensitivities:
         raise click.UsageError("--web names the web of --sensitivities; both webs are evaluated without it")
     worth = []
@@ -70,7 +70,7 @@ def command(
     )
     if line := unlike_fillet_line(resolved):
         note(line)
-    found = evaluate_targets(resolved, wanted)
+    found = evaluate_targets(resolved, request)
     for evaluation in found.evaluations:
         fine = evaluation.fine
         detail(

@@ -16,7 +16,7 @@ from cranktopo.design.named import DesignLike
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
-from cranktopo.runs.kind import LOOP, SHAPE, kind_of, shown_results
+from cranktopo.runs.kind import LOOP, SHAPE, kind_of, reading_results
 from cranktopo.tasks.designs.run_webs import REMODEL, WebTarget, parametric_scene, web_target
 from cranktopo.tasks.evaluate.result import WebSensitivities
 from cranktopo.tasks.fatigue.needs import check_inputs
@@ -109,9 +109,9 @@ def _read(text: str, scene: Scene, limits: ManufacturingLimits) -> WebRead:
     return found
 
 
-def _with_free(found: WebRead, scene: Scene) -> tuple[Any, Any]:
+def _with_free(web_read: WebRead, scene: Scene) -> tuple[Any, Any]:
     names = tuple(name for name in free_dimensions(scene) if own_dimension_mm(scene, name))
-    return with_free(found.layout, found.values, scene, names)
+    return with_free(web_read.layout, web_read.values, scene, names)
 
 
 def _limits(target: WebTarget, scene: Scene) -> ManufacturingLimits:
@@ -119,7 +119,7 @@ def _limits(target: WebTarget, scene: Scene) -> ManufacturingLimits:
     if run is None or file is None:
         return usual_limits(scene)
     options = run.manifest()["options"]
-    with shown_results(run):
+    with reading_results(run):
         if (file.parent / REMODEL).is_file():
             return ManufacturingLimits(**read_json(file.parent / REMODEL).get("rules", {}))
         if kind_of(run) == LOOP:

@@ -61,12 +61,16 @@ def _format(form: SurfaceFormat | None, out: Path | None, force: bool) -> Surfac
     return next(name for name in SURFACES if out.suffix.lower() == f".{name}")
 
 
-def _text(found: Extraction, path: Path) -> str:
+def _text(extraction: Extraction, path: Path) -> str:
     from cranktopo.report.result_table import labelled
     from cranktopo.tasks.extraction.result import LEAST_MEMBER_CELLS
     from cranktopo.tasks.extraction.text import undercut_text
 
-    surface, masses, distance = found.surface, found.mass_kg, found.surface.distance_to_iso_surface_mm
+    surface, masses, distance = (
+        extraction.surface,
+        extraction.mass_kg,
+        extraction.surface.distance_to_iso_surface_mm,
+    )
     lengths = (
         ("thinnest member", surface.minimum_member_mm, surface.minimum_member_cells),
         ("narrowest gap", surface.minimum_gap_mm, surface.minimum_gap_cells),
@@ -93,7 +97,7 @@ def _text(found: Extraction, path: Path) -> str:
     ]
     if surface.fallback:
         rows.append(("fallback", f"the usual surface was not sound: {surface.fallback}"))
-    lines = [f"{found.run}, iteration {found.iteration}", labelled(rows)]
+    lines = [f"{extraction.run}, iteration {extraction.iteration}", labelled(rows)]
     cells = surface.minimum_member_cells
     if cells is not None and cells < LEAST_MEMBER_CELLS:
         lines.append(f"warning: members thinner than {LEAST_MEMBER_CELLS:g} cells are not resolved")

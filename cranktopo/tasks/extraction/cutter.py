@@ -180,9 +180,9 @@ def fine_field(
 ) -> FineField:
     """Return the resampled field whose iso-surface bounds the web."""
     usable = cutter.usable(grid) if solid_fraction is None else solid_fraction > 0
-    made = scene.effects.manufacturing_constraint == "on"
-    release = partial(released, scene=scene) if made else None
-    ways = withdrawal_of(scene).axes if made else ()
+    by_process = scene.effects.manufacturing_constraint == "on"
+    release = partial(released, scene=scene) if by_process else None
+    ways = withdrawal_of(scene).axes if by_process else ()
     return resample(grid if smooth is None else replace(grid, density=smooth), usable, release, ways)
 
 

@@ -129,8 +129,8 @@ def _released(
     beyond = [(n, n) for n in np.where(along, REFINE * _PAD_CELLS, 0)]
     inner = tuple(slice(n, size - n) for (n, _), size in zip(beyond, fine.shape, strict=True))
     first = grid.origin_mm + spacing / 2 - cells * grid.cell_mm
-    made = release(fine[inner], first, spacing, within)
-    return np.clip(np.pad(made, beyond, mode="reflect", reflect_type="odd"), 0.0, 1.0)
+    released_field = release(fine[inner], first, spacing, within)
+    return np.clip(np.pad(released_field, beyond, mode="reflect", reflect_type="odd"), 0.0, 1.0)
 
 
 def _smoothed_share(vertices: Array, rough_mm: Array, spacing_mm: Array) -> Array:

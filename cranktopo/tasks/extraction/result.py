@@ -34,15 +34,15 @@ class UndercutMeasures(Result):
     by: str = "a die that parts in x = 0"
 
     @classmethod
-    def of(cls, found: Undercuts) -> Self:
+    def of(cls, undercuts: Undercuts) -> Self:
         """Return what is told of undercuts."""
         return cls(
-            rays=found.rays,
-            caught_rays=found.caught,
-            deepest_mm=found.deepest_mm,
-            volume_mm3=found.volume_mm3,
-            released=found.negligible,
-            by=found.by,
+            rays=undercuts.rays,
+            caught_rays=undercuts.caught,
+            deepest_mm=undercuts.deepest_mm,
+            volume_mm3=undercuts.volume_mm3,
+            released=undercuts.negligible,
+            by=undercuts.by,
         )
 
 

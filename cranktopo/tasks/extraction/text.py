@@ -37,21 +37,22 @@ _COLUMNS: tuple[Column[DesignUndercuts], ...] = (
 )
 
 
-def undercut_table(found: Sequence[DesignUndercuts]) -> ResultTable:
+def undercut_table(undercuts: Sequence[DesignUndercuts]) -> ResultTable:
     """Return the hollows and undercuts of each design."""
-    return tabulate(_COLUMNS, found)
+    return tabulate(_COLUMNS, undercuts)
 
 
-def undercut_text(found: UndercutMeasures) -> str:
+def undercut_text(undercuts: UndercutMeasures) -> str:
     """Tell whether a die, mould or mill leaves the web as it is, and what it would have to leave behind."""
-    if not found.caught_rays:
-        return f"none: {released_text(found.by)} the web"
-    lateral = found.by == LATERAL_DIE.text
-    missed = "no such die releases the web" if lateral else f"{found.by} misses some of it"
-    verdict = f"{released_text(found.by)} the web" if found.released else missed
+    if not undercuts.caught_rays:
+        return f"none: {released_text(undercuts.by)} the web"
+    lateral = undercuts.by == LATERAL_DIE.text
+    missed = "no such die releases the web" if lateral else f"{undercuts.by} misses some of it"
+    verdict = f"{released_text(undercuts.by)} the web" if undercuts.released else missed
     return (
-        f"{found.volume_mm3:.1f} mm3{' along x' * lateral}, behind {found.caught_rays} of {found.rays} rays, "
-        f"{found.deepest_mm:.1f} mm deep at most: {verdict}"
+        f"{undercuts.volume_mm3:.1f} mm3{' along x' * lateral}, behind {undercuts.caught_rays} of "
+        f"{undercuts.rays} rays, "
+        f"{undercuts.deepest_mm:.1f} mm deep at most: {verdict}"
     )
 
 
@@ -83,8 +84,8 @@ def release_text(undercuts: ShapedUndercuts | None) -> str:
         straight = ", ".join(undercuts.without_draft)
         return f"{released_text(undercuts.by)} it" + f"; too little draft: {straight}" * bool(straight)
     held = f", held by {undercuts.held_by}" if undercuts.held_by else ""
-    asked = " (the process is free)" if undercuts.process == "free" else ""
-    return f"{obstacles}{held}, {undercuts.deepest_mm:.1f} mm deep at most{asked}"
+    remark = " (the process is free)" if undercuts.process == "free" else ""
+    return f"{obstacles}{held}, {undercuts.deepest_mm:.1f} mm deep at most{remark}"
 
 
 def release_verdict(undercuts: ShapedUndercuts | None) -> str:
@@ -96,7 +97,7 @@ def release_verdict(undercuts: ShapedUndercuts | None) -> str:
     return "yes, too little draft" if undercuts.without_draft else "yes"
 
 
-def asked_lengths(walls: WallMeasures | None) -> dict[str, tuple[float | None, float]]:
+def required_lengths(walls: WallMeasures | None) -> dict[str, tuple[float | None, float]]:
     """Return measured and asked lengths of what was asked for, mm; None where no walls face each other."""
     if walls is None:
         return {}
@@ -104,19 +105,22 @@ def asked_lengths(walls: WallMeasures | None) -> dict[str, tuple[float | None, f
         "thinnest member": (walls.least_member_mm, walls.asked_member_mm),
         "narrowest gap": (walls.least_gap_mm, walls.asked_gap_mm),
     }
-    return {words: (measured, asked) for words, (measured, asked) in known.items() if asked is not None}
+    return {
+        words: (measured, required) for words, (measured, required) in known.items() if required is not None
+    }
 
 
-def kept(measured_mm: float | None, asked_mm: float) -> bool:
+def kept(measured_mm: float | None, required_mm: float) -> bool:
     """Tell whether a measured length is the asked one, as nearly as a surface is known."""
-    return measured_mm is None or measured_mm >= _KEPT * asked_mm
+    return measured_mm is None or measured_mm >= _KEPT * required_mm
 
 
 def length_lines(walls: WallMeasures | None) -> list[str]:
     """Return one line for every length that was asked for."""
     return [
-        f"{words} {length_text(measured)}, {asked:g} mm asked{'' if kept(measured, asked) else ': NOT KEPT'}"
-        for words, (measured, asked) in asked_lengths(walls).items()
+        f"{words} {length_text(measured)}, {required:g} mm asked"
+        + ": NOT KEPT" * (not kept(measured, required))
+        for words, (measured, required) in required_lengths(walls).items()
     ]
 
 

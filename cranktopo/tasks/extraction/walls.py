@@ -73,8 +73,8 @@ def _shaped(walls: Walls, envelope: Manifold, scene: Scene) -> Walls:
     inside = (z > start + _ON_MM) & (z < end - _ON_MM)
     for journal, centre in scene.throw.journals:
         radius = np.hypot(x, y - centre)
-        for given in (journal.bore_radius_mm, journal.radius_mm):
-            inside &= ~((np.abs(radius - given) < _ON_MM) & (np.abs(walls.normals[:, Z]) < 0.01))
+        for journal_radius in (journal.bore_radius_mm, journal.radius_mm):
+            inside &= ~((np.abs(radius - journal_radius) < _ON_MM) & (np.abs(walls.normals[:, Z]) < 0.01))
     found = walls.where(inside)
     found = found.where(slice(None, None, max(1, len(found.areas_mm2) // _MOST_POINTS)))
     return found.where(distances_mm(found.points_mm, mesh_of(envelope)) > _ON_MM)

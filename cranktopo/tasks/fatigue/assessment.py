@@ -70,10 +70,10 @@ class FatigueAssessment:
         """Return the assessment as `fatigue --json` prints it."""
         results, baseline = self.results, self.baseline
         entries: list[FieldFatigue | RuleFatigue] = [
-            _field_fatigue(one, reported, by)
+            _field_fatigue(one, assumed, by)
             if isinstance(one, FatigueField)
-            else _rule_fatigue(one, reported, by)
-            for one, reported, by in zip(results, self.assumed, map(_treatment, self.targets), strict=True)
+            else _rule_fatigue(one, assumed, by)
+            for one, assumed, by in zip(results, self.assumed, map(_treatment, self.targets), strict=True)
         ]
         entries = [
             entry.model_copy(update=self._remarks(target))

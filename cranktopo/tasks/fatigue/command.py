@@ -110,28 +110,28 @@ def command(
     return ExitCode.DONE if accepted else ExitCode.CRITERION_NOT_MET
 
 
-def _text(found: FatigueAssessment) -> str:
+def _text(assessment: FatigueAssessment) -> str:
     from cranktopo.report.result_table import terminal
     from cranktopo.tasks.fatigue import text as tables
     from cranktopo.tasks.fatigue.verdicts import verdicts
 
-    baseline = found.baseline
-    if found.fields:
-        parts = [terminal(tables.field_table(found.fields, baseline))]
-        parts += ["\n".join(lines)] if (lines := tables.field_remarks(found.fields)) else []
+    baseline = assessment.baseline
+    if assessment.fields:
+        parts = [terminal(tables.field_table(assessment.fields, baseline))]
+        parts += ["\n".join(lines)] if (lines := tables.field_remarks(assessment.fields)) else []
     else:
         outside = "".join(
             f"\n{check.name}: outside the rule's polynomials: {'; '.join(check.outside)}."
-            for check in found.checks
+            for check in assessment.checks
             if check.outside
         )
-        remarks = tables.rule_remarks(found.checks)
+        remarks = tables.rule_remarks(assessment.checks)
         parts = [
             *(["\n".join(remarks)] if remarks else []),
-            terminal(tables.rule_table(found.checks, baseline)),
-            terminal(tables.factor_table(found.checks)) + outside,
+            terminal(tables.rule_table(assessment.checks, baseline)),
+            terminal(tables.factor_table(assessment.checks)) + outside,
         ]
-        if any(check.outlets for check in found.checks):
-            parts.append(terminal(tables.outlet_table(found.checks)))
-    reported = [] if baseline is None else verdicts(found.results, baseline)
-    return "\n\n".join([*parts, *(["\n".join(reported)] if reported else [])])
+        if any(check.outlets for check in assessment.checks):
+            parts.append(terminal(tables.outlet_table(assessment.checks)))
+    sentences = [] if baseline is None else verdicts(assessment.results, baseline)
+    return "\n\n".join([*parts, *(["\n".join(sentences)] if sentences else [])])

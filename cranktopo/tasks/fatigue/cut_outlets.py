@@ -28,10 +28,10 @@ def judged_places(scene: Scene, whole: bool) -> str:
         whole: the model is the whole throw, with the outlets of both halves.
     """
     near, far = halves(scene)
-    reported = [named_in_throw(line, scene, "first") for line in _of_half(near)]
+    lines = [named_in_throw(line, scene, "first") for line in _of_half(near)]
     if whole and far is not near:
-        reported += [named_in_throw(line, scene, "second") for line in _of_half(far)]
-    return " ".join(dict.fromkeys(reported))
+        lines += [named_in_throw(line, scene, "second") for line in _of_half(far)]
+    return " ".join(dict.fromkeys(lines))
 
 
 def _of_half(half: Scene) -> Iterator[str]:

@@ -56,27 +56,27 @@ def check_dossier(method: FatigueMethod, targets: int, path: Path) -> None:
     check_file(path, "report", _SUFFIXES)
 
 
-def write_dossier(found: FatigueAssessment, path: Path, command: Sequence[str] = ()) -> None:
+def write_dossier(assessment: FatigueAssessment, path: Path, command: Sequence[str] = ()) -> None:
     """Write the dossier of one target as HTML, Markdown or PDF, by the ending of the path.
 
     Args:
-        found: an assessment by the rule.
+        assessment: an assessment by the rule.
 
     Raises:
         CranktopoError: as `check_dossier`.
     """
-    check_dossier(found.method, len({id(target) for target in found.targets}), path)
-    target, scene = found.targets[0], found.targets[0].scene
+    check_dossier(assessment.method, len({id(target) for target in assessment.targets}), path)
+    target, scene = assessment.targets[0], assessment.targets[0].scene
     effects = with_own_reasons(plan_for_stress(scene), target.design)
     record = RuleRecord(
         name=target.name,
-        checks=found.checks,
+        checks=assessment.checks,
         scene=scene,
         effects=effects,
         cases=load_cases(scene, effects.enabled),
         loads=analyse(scene, effects.enabled),
-        history=_HISTORY[found.loads],
-        assumed=tuple(assumed_json(assumed_by(target.assumed, (found.method,)))),
+        history=_HISTORY[assessment.loads],
+        assumed=tuple(assumed_json(assumed_by(target.assumed, (assessment.method,)))),
         drawings=() if target.file else _drawings(target),
         scene_sha256=settings_hash(scene.model_dump(mode="json"), {}),
         command=" ".join(command),
@@ -92,8 +92,8 @@ def write_dossier(found: FatigueAssessment, path: Path, command: Sequence[str] =
 
 def _vibration(target: Target) -> VibrationStudy | None:
     engine = target.scene.engine
-    given = target.scene.shaft is not None and engine is not None and engine.gas is not None
-    if not given:
+    computable = target.scene.shaft is not None and engine is not None and engine.gas is not None
+    if not computable:
         return None
     several = engine is not None and engine.cylinders > 1
     return shaft_vibration(target, misfire="worst" if several else ())

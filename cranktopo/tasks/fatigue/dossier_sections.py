@@ -72,8 +72,8 @@ def _performance_rows(scene: Scene, engine: Engine, cycle: Cycle | None) -> _Row
 
 
 def _gas_rows(gas: Gas | None, cycle: Cycle | None) -> _Rows:
-    given = {} if gas is None else gas.model_dump(include=gas.model_fields_set)
-    intake, ratio = given.get("intake_pressure_MPa"), given.get("compression_ratio")
+    gas_values = {} if gas is None else gas.model_dump(include=gas.model_fields_set)
+    intake, ratio = gas_values.get("intake_pressure_MPa"), gas_values.get("compression_ratio")
     return [
         ("charge-air pressure (intake, absolute)", f"{intake:g} MPa" if intake else _UNKNOWN),
         ("compression ratio", f"{ratio:g}" if ratio else _UNKNOWN),
@@ -153,8 +153,10 @@ def _rotor_rows(shaft: ShaftTable) -> _Rows:
     for name in ("damper", *ROTORS):
         rotor = getattr(shaft, name)
         if rotor is not None:
-            given = rotor.model_dump(exclude_none=True, exclude=set() if name == "damper" else _DAMPING_KEYS)
-            rows.append((name, ", ".join(quantity_words(key, value) for key, value in given.items())))
+            rotor_values = rotor.model_dump(
+                exclude_none=True, exclude=set() if name == "damper" else _DAMPING_KEYS
+            )
+            rows.append((name, ", ".join(quantity_words(key, value) for key, value in rotor_values.items())))
     return rows or [("rotors", "none")]
 
 

@@ -123,7 +123,7 @@ def of_nodes(
     return tuple(replace(one, nodes=one.nodes[nodes]) for one in fillets)
 
 
-def told_fillet(judge: Judge, treated: TreatedFillet, local: LocalStress) -> HardenedFillet:
+def fillet_result(judge: Judge, treated: TreatedFillet, local: LocalStress) -> HardenedFillet:
     """Return what is told of a treated fillet at its point of least safety."""
     found, layer = over_depth(judge, treated, local), treated.layer
     at = found.deciding

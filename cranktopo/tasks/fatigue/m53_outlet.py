@@ -44,7 +44,7 @@ class OutletCheck:
         outside: what lies outside the validity of the factors, in words.
         elements: factors of finite elements; None before these are solved.
         sharp: the outlet has no rounding, so that its largest stress is that of an edge.
-        wanted: set of factors that the scene lets govern.
+        m53_factors: set of factors that the scene lets govern.
         bore_mm: diameter of the bore.
         rounding_mm: radius of the outlet's rounding.
     """
@@ -59,7 +59,7 @@ class OutletCheck:
     outside: tuple[str, ...]
     elements: OutletFactors | None = None
     sharp: bool = False
-    wanted: M53Factors = "lower"
+    m53_factors: M53Factors = "lower"
     bore_mm: float = 0.0
     rounding_mm: float = 0.0
 
@@ -86,7 +86,7 @@ class OutletCheck:
     def waits_for_mesh(self) -> bool:
         """Tell whether elements of a finer mesh may judge it."""
         missed = self.elements is not None and not self.elements.checks.within_limits
-        return self.judged is None and missed and not self.sharp and self.wanted != "polynomials"
+        return self.judged is None and missed and not self.sharp and self.m53_factors != "polynomials"
 
     @property
     def governed_by(self) -> GoverningFactors | None:
@@ -96,9 +96,9 @@ class OutletCheck:
         unless the polynomials refuse it by themselves. Those of an edge without rounding say nothing at all.
         """
         found: dict[GoverningFactors, FilletCheck] = {}
-        if not self.outside and (self.wanted != "elements" or self.elements is None):
+        if not self.outside and (self.m53_factors != "elements" or self.elements is None):
             found["polynomials"] = self.check
-        if self.by_elements and not self.unproven and self.wanted != "polynomials":
+        if self.by_elements and not self.unproven and self.m53_factors != "polynomials":
             found["elements"] = self.by_elements
         if not found or self.doubted:
             return None
@@ -109,7 +109,7 @@ class OutletCheck:
     def doubted(self) -> bool:
         """Valid polynomials accept the outlet, and elements of a mesh that is too coarse have less."""
         found = self.by_elements
-        if found is None or self.sharp or self.outside or self.wanted != "lower" or not self.unproven:
+        if found is None or self.sharp or self.outside or self.m53_factors != "lower" or not self.unproven:
             return False
         return self.check.accepted and found.acceptability < self.check.acceptability
 
@@ -119,7 +119,7 @@ class OutletCheck:
         return {"polynomials": self.check, "elements": self.by_elements, None: None}[self.governed_by]
 
     @property
-    def told(self) -> FilletCheck:
+    def decisive_check(self) -> FilletCheck:
         """The outlet with the factors that govern; where none does, with those that are valid there."""
         return self.judged or (self.by_elements if self.outside else None) or self.check
 
@@ -239,7 +239,7 @@ def _check(
         check,
         _outside(bore / size, mouth),
         sharp=not mouth.rounding_mm,
-        wanted=settings.m53_factors,
+        m53_factors=settings.m53_factors,
         bore_mm=bore,
         rounding_mm=mouth.rounding_mm,
     )

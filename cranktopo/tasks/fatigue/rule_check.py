@@ -60,7 +60,7 @@ class RuleCheck:
         scf_rule, scf_fem: concentration factors by polynomial and by finite elements.
         web: which one of two that differ; empty where they are alike.
         rule_checks, fem_checks: pin and journal fillet with either set of factors.
-        wanted_factors: set that the scene lets govern.
+        m53_factors: set that the scene lets govern.
         journal_outlets: outlets on the main journal that the rule has no factors for, and why.
         not_covered: why the rule does not apply to the material; empty where it does.
         process_remark: where its factor K does not fit the way the crank is made; empty else.
@@ -79,7 +79,7 @@ class RuleCheck:
     quality: Quality
     outlets: tuple[OutletCheck, ...] = ()
     web: str = ""
-    wanted_factors: M53Factors = "lower"
+    m53_factors: M53Factors = "lower"
     journal_outlets: Mapping[str, str] = field(default_factory=dict)
     not_covered: str = ""
     process_remark: str = ""
@@ -103,12 +103,12 @@ class RuleCheck:
         if chosen == "polynomials" or self.quality.within_limits:
             return chosen
         refused = not (self.outside or self.rule_checks[fillet].accepted)
-        return "polynomials" if refused and self.wanted_factors == "lower" else None
+        return "polynomials" if refused and self.m53_factors == "lower" else None
 
     def _chosen(self, fillet: str) -> GoverningFactors:
         """The set that the scene asks for, proven or not."""
-        if self.wanted_factors != "lower":
-            return self.wanted_factors
+        if self.m53_factors != "lower":
+            return self.m53_factors
         by_rule, by_elements = self.rule_checks[fillet], self.fem_checks[fillet]
         lower = by_rule.acceptability < by_elements.acceptability
         return "polynomials" if lower and not self.outside else "elements"

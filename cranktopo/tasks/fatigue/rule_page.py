@@ -146,8 +146,8 @@ def _headline(checks: Sequence[RuleCheck]) -> str:
 
 def _barred(study: VibrationStudy | None) -> list[str]:
     """Return that the engine runs at a barred speed, which the rule's factors say nothing of."""
-    told = "" if study is None else runs_barred(study.scene, study.barred_rpm or ())
-    return [f"But {told}."] if told else []
+    sentence = "" if study is None else runs_barred(study.scene, study.barred_rpm or ())
+    return [f"But {sentence}."] if sentence else []
 
 
 def _strength(record: RuleRecord) -> list[str]:
@@ -164,13 +164,13 @@ def _factors_at(check: RuleCheck, place: str) -> str:
 
 
 def _facts(check: RuleCheck) -> tuple[Fact, ...]:
-    requested, of_web = f"at least {LEAST_FACTOR:g}", _of_web(check)
+    limit, of_web = f"at least {LEAST_FACTOR:g}", _of_web(check)
     facts = [Fact(f"Material{of_web}", "not covered", check.not_covered, "bad")] * bool(check.not_covered)
     facts += [
         Fact(
             f"Q at the {place}{of_web}",
             f"{found.acceptability:.3f}",
-            requested,
+            limit,
             "bad" if not found.accepted else "neutral" if check.not_covered else "good",
         )
         for place, found in check.places.items()
@@ -215,7 +215,7 @@ def _governs(check: RuleCheck) -> str:
         f"{by or 'neither set'} at the {fillet} fillet" for fillet, by in check.governing.items()
     )
     differ = "".join(f" The sets differ at the {line}." for line in check.departures)
-    return f"Factors that govern (fatigue.m53_factors = '{check.wanted_factors}'): {chosen}.{differ}"
+    return f"Factors that govern (fatigue.m53_factors = '{check.m53_factors}'): {chosen}.{differ}"
 
 
 def _input(record: RuleRecord) -> Section:

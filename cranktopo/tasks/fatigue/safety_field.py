@@ -19,9 +19,9 @@ from cranktopo.tasks.fatigue.hardening import (
     Judge,
     TreatedFillet,
     at_nodes,
+    fillet_result,
     harden,
     of_nodes,
-    told_fillet,
     treated_fillets,
 )
 from cranktopo.tasks.fatigue.lsa import lsa_strength, point_strength_MPa
@@ -126,15 +126,15 @@ def _safety(
     model: StressModel,
     method: str,
     cycles: list[Array],
-    found: list[SignedVonMisesRange],
+    ranges: list[SignedVonMisesRange],
     webs: list[NDArray[np.bool_]],
 ) -> Array:
     """Return the safety of every node of every image."""
     chosen = safety_method(method)
     if not isinstance(chosen, PlaneCriterion):
-        return np.stack([point_safety(model, method, extremes.local) for extremes in found])
+        return np.stack([point_safety(model, method, extremes.local) for extremes in ranges])
     parts = [model.judged, model.sharp, model.on_journal, model.on_pin, model.judged_outlet, *webs]
-    strength = np.stack([_reversed_strength_MPa(model, extremes.local) for extremes in found])
+    strength = np.stack([_reversed_strength_MPa(model, extremes.local) for extremes in ranges])
     stress = model.stress.stress_MPa
     return least_safety(stress, cycles, strength, parts, chosen, model.scene)
 
@@ -157,15 +157,15 @@ def judge(scene: Scene, method: str) -> Judge:
 
 
 def _hardening(
-    model: StressModel, method: str, found: list[SignedVonMisesRange], safety: Array
+    model: StressModel, method: str, ranges: list[SignedVonMisesRange], safety: Array
 ) -> dict[str, HardenedFillet]:
     """Return the treated fillets of a model, each at its point of least safety."""
-    reported: dict[str, HardenedFillet] = {}
+    by_fillet: dict[str, HardenedFillet] = {}
     for one in treated_fillets(model):
         image, node = np.unravel_index(int(np.where(one.nodes, safety, np.inf).argmin()), safety.shape)
-        here = told_fillet(judge(model.scene, method), one, at_nodes(found[image].local, np.array([node])))
-        reported[one.fillet] = min(reported.get(one.fillet, here), here, key=lambda fillet: fillet.safety)
-    return reported
+        here = fillet_result(judge(model.scene, method), one, at_nodes(ranges[image].local, np.array([node])))
+        by_fillet[one.fillet] = min(by_fillet.get(one.fillet, here), here, key=lambda fillet: fillet.safety)
+    return by_fillet
 
 
 def _treated_at(model: StressModel, node: int) -> TreatedFillet | None:
@@ -209,19 +209,19 @@ class _Judged:
     method: str
     labels: tuple[str, ...]
     cycles: list[Array]
-    found: list[SignedVonMisesRange]
+    ranges: list[SignedVonMisesRange]
     safety: Array
 
     def critical(self, among: NDArray[np.bool_]) -> CriticalPoint:
         """Return the point of least safety among some nodes."""
         image, node = self._least(among)
-        model, e = self.model, self.found[image]
+        model, e = self.model, self.ranges[image]
         local = e.local
         one = LocalStress(*(v[[node]] for v in (local.amplitude_MPa, local.mean_MPa, local.gradient_per_mm)))
-        made, rest = self._made(image, node, one)
+        terms, rest = self._safety_terms(image, node, one)
         point = model.images[image].points_mm(model.surface.points_mm[:, [node]], model.scene.pitch_mm)[:, 0]
-        at, share = place(model.scene, point), float(made.amplitude_share[0])
-        reported = self._told(node, one)
+        at, share = place(model.scene, point), float(terms.amplitude_share[0])
+        hardened = self._hardened_fillet(node, one)
         return CriticalPoint(
             place=str(at),
             fillet=at.fillet or None,
@@ -233,18 +233,18 @@ class _Judged:
             amplitude_MPa=float(one.amplitude_MPa[0]),
             mean_MPa=float(one.mean_MPa[0]),
             gradient_per_mm=float(one.gradient_per_mm[0]),
-            strength_MPa=float(made.strength_MPa[0]) * (1.0 if reported is None else reported.gain),
+            strength_MPa=float(terms.strength_MPa[0]) * (1.0 if hardened is None else hardened.gain),
             amplitude_share=share,
             decided_by="amplitude" if share >= 0.5 else rest,
-            factors={name: float(value[0]) for name, value in made.factors.items()},
+            factors={name: float(value[0]) for name, value in terms.factors.items()},
             states=(self.labels[e.highest[node]], self.labels[e.lowest[node]]),
-            depth_mm=None if reported is None else reported.depth_mm,
+            depth_mm=None if hardened is None else hardened.depth_mm,
         )
 
-    def _told(self, node: int, one: LocalStress) -> HardenedFillet | None:
+    def _hardened_fillet(self, node: int, one: LocalStress) -> HardenedFillet | None:
         """Return what is told of the treated fillet that a node lies on."""
         treated = _treated_at(self.model, node)
-        return None if treated is None else told_fillet(judge(self.model.scene, self.method), treated, one)
+        return None if treated is None else fillet_result(judge(self.model.scene, self.method), treated, one)
 
     def scatter(self) -> dict[str, PointScatter]:
         """Return the probability of failure where each fillet, and all else, is least safe."""
@@ -259,7 +259,7 @@ class _Judged:
         def safety_at(scene: Scene, local: LocalStress) -> float:
             return float(point_safety(replace(self.model, scene=scene), self.method, local, at)[0])
 
-        return point_scatter(self.model, node, at_nodes(self.found[image].local, at), safety_at)
+        return point_scatter(self.model, node, at_nodes(self.ranges[image].local, at), safety_at)
 
     def diagram(self) -> PlaneDiagram | None:
         """Return the stresses of the critical point in every state, where the method judges these."""
@@ -267,7 +267,7 @@ class _Judged:
         if not isinstance(chosen, PlaneCriterion):
             return None
         image, node = self._least(self.model.judged)
-        strength = _reversed_strength_MPa(self.model, self.found[image].local)[node]
+        strength = _reversed_strength_MPa(self.model, self.ranges[image].local)[node]
         return chosen.diagram(self.model.scene, self._history(image, node)[0], float(strength))
 
     def _least(self, among: NDArray[np.bool_]) -> tuple[int, int]:
@@ -277,7 +277,7 @@ class _Judged:
     def _history(self, image: int, node: int) -> Array:
         return histories(self.model.stress.stress_MPa[:, [node]], self.cycles[image])
 
-    def _made(self, image: int, node: int, one: LocalStress) -> tuple[PointSafety, str]:
+    def _safety_terms(self, image: int, node: int, one: LocalStress) -> tuple[PointSafety, str]:
         """Return what makes the safety of a node, and the name of what is not of the amplitude."""
         scene = self.model.scene if self.model.on_fillet[node] else _off_the_fillets(self.model.scene)
         chosen = safety_method(self.method)

@@ -39,11 +39,11 @@ def point_scatter(model: StressModel, node: int, local: LocalStress, safety_at: 
         local: stress of that node, arrays of length one.
         safety_at: its safety, by scene and stress.
     """
-    given, scene = model.scene.fatigue.scatter, model.scene
-    assert given is not None
+    scatter, scene = model.scene.fatigue.scatter, model.scene
+    assert scatter is not None
     radius_mm, exponent = _fillet(model, node)
-    radius_share = given.fillet_radius_mm / radius_mm if radius_mm else 0.0
-    variations = np.array([given.strength_percent / 100, given.load_percent / 100, radius_share])
+    radius_share = scatter.fillet_radius_mm / radius_mm if radius_mm else 0.0
+    variations = np.array([scatter.strength_percent / 100, scatter.load_percent / 100, radius_share])
 
     def margin(normal: Array) -> float:
         strength, load, radius = lognormal(normal, variations)

@@ -105,8 +105,8 @@ def assess_by_methods(
         note_strength(target.name, target.scene, strengths_of(methods))
         note_pressure(target.name, target.scene)
         spectrum = target.scene.fatigue.spectrum
-        if spectrum and (told := pressure_words(target.scene, [step.rpm for step in spectrum.step])):
-            note(f"{target.name}: spectrum: {told}")
+        if spectrum and (pressure := pressure_words(target.scene, [step.rpm for step in spectrum.step])):
+            note(f"{target.name}: spectrum: {pressure}")
         if target.scene.fatigue.treatment:
             note(f"{target.name}: {target.scene.fatigue.treatment}")
     resolved = [with_throw_stiffness(target) for target in resolved]
@@ -177,29 +177,26 @@ def _fields(
         return fatigue_fields(target, methods, loads, fillet_fraction)
     note(f"{target.name}: effect continuous_shaft: every angle of the cycle, throws on all main bearings")
     on_bearings = worst_throw(target, methods, fillet_fraction)
-    is_asked_for = target.scene.effects.continuous_shaft == "on"
-    if is_asked_for and not both_worlds:
+    switched_on = target.scene.effects.continuous_shaft == "on"
+    if switched_on and not both_worlds:
         return on_bearings
     alone = fatigue_fields(target, methods, loads, fillet_fraction)
     return tuple(
-        _of_both(target.name, *pair, is_asked_for=is_asked_for)
-        for pair in zip(alone, on_bearings, strict=True)
+        _of_both(target.name, *pair, switched_on=switched_on) for pair in zip(alone, on_bearings, strict=True)
     )
 
 
-def _of_both(
-    name: str, alone: FatigueField, on_bearings: FatigueField, *, is_asked_for: bool
-) -> FatigueField:
+def _of_both(name: str, alone: FatigueField, on_bearings: FatigueField, *, switched_on: bool) -> FatigueField:
     """Return the field that is told of both, with the safety of the other one."""
     safety_as: dict[JudgedAs, float] = {
         "throw_alone": alone.critical.safety,
         "continuous_shaft": on_bearings.critical.safety,
     }
-    told = on_bearings if is_asked_for else min(alone, on_bearings, key=lambda one: one.critical.safety)
+    governing = on_bearings if switched_on else min(alone, on_bearings, key=lambda one: one.critical.safety)
     safeties = f"{alone.critical.safety:.3f} of a throw alone, {on_bearings.critical.safety:.3f} in its shaft"
-    reason = "the design asks for the latter" if is_asked_for else "the lower one is told"
+    reason = "the design asks for the latter" if switched_on else "the lower one is told"
     note(f"{name}: safety by {alone.method} {safeties}: {reason}")
-    return replace(told, safety_as=safety_as)
+    return replace(governing, safety_as=safety_as)
 
 
 def _note_fields(target: Target, fields: Sequence[FatigueField]) -> None:
@@ -208,8 +205,8 @@ def _note_fields(target: Target, fields: Sequence[FatigueField]) -> None:
     note_yielding(fields[0], target.scene.material.yield_MPa)
     for field in fields:
         if field.web_safety:
-            told = ", ".join(f"{web} web {safety:.3f}" for web, safety in field.web_safety.items())
-            note(f"{target.name}: least safety: {told}")
+            safeties = ", ".join(f"{web} web {safety:.3f}" for web, safety in field.web_safety.items())
+            note(f"{target.name}: least safety: {safeties}")
 
 
 def _by_rule(
@@ -227,8 +224,8 @@ def _by_rule(
         before, own = sum(map(len, found[:baseline])), found[baseline]
         baseline = before + min(range(len(own)), key=lambda web: own[web].safety)
     each = [
-        (told, target)
-        for told, target, checks in zip(_assumed(targets, "m53"), targets, found, strict=True)
+        (assumed, target)
+        for assumed, target, checks in zip(_assumed(targets, "m53"), targets, found, strict=True)
         for _ in checks
     ]
     return FatigueAssessment(
@@ -237,7 +234,7 @@ def _by_rule(
         (),
         tuple(check for checks in found for check in checks),
         baseline,
-        tuple(told for told, _ in each),
+        tuple(assumed for assumed, _ in each),
         tuple(target for _, target in each),
     )
 

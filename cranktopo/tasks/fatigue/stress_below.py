@@ -61,5 +61,5 @@ def stress_share(shape: NotchShape, gradient_per_mm: Array, depth_mm: float) -> 
     notch = (1 - nominal) * np.exp(-rate * depth_mm)
     linear = nominal - slope * depth_mm
     share = np.maximum(notch + np.maximum(linear, 0.0), 1e-9)
-    fall = rate * notch + np.where(linear > 0, slope, 0.0)
-    return share, fall / share
+    decay = rate * notch + np.where(linear > 0, slope, 0.0)
+    return share, decay / share

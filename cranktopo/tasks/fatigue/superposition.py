@@ -32,7 +32,7 @@ class SignedVonMisesRange:
     lowest: Index
 
 
-def signed_von_mises_range(found: SurfaceStress, loads: Array) -> SignedVonMisesRange:
+def signed_von_mises_range(stress: SurfaceStress, loads: Array) -> SignedVonMisesRange:
     """Return the extreme signed von Mises stresses over load states at every surface node.
 
     On a surface free of traction the dominating principal stress has the sign of the first invariant.
@@ -40,34 +40,36 @@ def signed_von_mises_range(found: SurfaceStress, loads: Array) -> SignedVonMises
     Args:
         loads: factor of each field in each state, shape (states, fields).
     """
-    return signed_von_mises_ranges(found, (loads,))[0]
+    return signed_von_mises_ranges(stress, (loads,))[0]
 
 
-def signed_von_mises_ranges(found: SurfaceStress, cycles: Sequence[Array]) -> list[SignedVonMisesRange]:
+def signed_von_mises_ranges(
+    surface_stress: SurfaceStress, cycles: Sequence[Array]
+) -> list[SignedVonMisesRange]:
     """Return what `signed_von_mises_range` does of each of several cycles, (states, fields) each."""
-    count = found.stress_MPa.shape[1]
+    count = surface_stress.stress_MPa.shape[1]
     extreme = np.empty((len(cycles), 2, count), dtype=np.intp)
     products = [_products(loads) for loads in cycles]
     step = max(_VALUES // max(len(loads) for loads in cycles), 1)
     for start in range(0, count, step):
         chunk = slice(start, start + step)
-        stress = found.stress_MPa[:, chunk]
+        stress = surface_stress.stress_MPa[:, chunk]
         form, trace = _form(stress), stress[..., :3].sum(axis=-1).T
         for cycle, (loads, squares) in enumerate(zip(cycles, products, strict=True)):
             signed = form @ squares
             np.maximum(signed, 0.0, out=signed)
             np.copysign(signed, trace @ loads.T, out=signed)
             extreme[cycle, :, chunk] = signed.argmax(axis=1), signed.argmin(axis=1)
-    return [_range(found, loads, *states) for loads, states in zip(cycles, extreme, strict=True)]
+    return [_range(surface_stress, loads, *states) for loads, states in zip(cycles, extreme, strict=True)]
 
 
-def _range(found: SurfaceStress, loads: Array, high: Index, low: Index) -> SignedVonMisesRange:
+def _range(stress: SurfaceStress, loads: Array, high: Index, low: Index) -> SignedVonMisesRange:
     """Return the range between the states of the largest and the smallest value of every node."""
-    upper, lower = (_at(found.stress_MPa, loads[state]) for state in (high, low))
+    upper, lower = (_at(stress.stress_MPa, loads[state]) for state in (high, low))
     top, bottom = signed_von_mises(upper), signed_von_mises(lower)
     worst = np.where(np.abs(top) >= np.abs(bottom), high, low)
     gradient = _related_gradient(
-        _at(found.stress_MPa, loads[worst]), _at(found.depth_MPa_per_mm, loads[worst])
+        _at(stress.stress_MPa, loads[worst]), _at(stress.depth_MPa_per_mm, loads[worst])
     )
     return SignedVonMisesRange(LocalStress((top - bottom) / 2, (top + bottom) / 2, gradient), high, low)
 
@@ -103,5 +105,5 @@ def signed_von_mises(stress_MPa: Array) -> Array:
 def _related_gradient(stress: Array, depth: Array) -> Array:
     """Fall of the von Mises stress into the depth over its surface value, 1/mm; zero where it rises."""
     squared = np.einsum("ni,ij,nj->n", stress, DEVIATOR, stress)
-    fall = -np.einsum("ni,ij,nj->n", stress, DEVIATOR, depth)
-    return np.asarray(np.maximum(fall / np.maximum(squared, 1e-30), 0.0))
+    gradient = -np.einsum("ni,ij,nj->n", stress, DEVIATOR, depth)
+    return np.asarray(np.maximum(gradient / np.maximum(squared, 1e-30), 0.0))

@@ -18,24 +18,24 @@ def taken_keys(methods: Sequence[str]) -> set[str]:
     return {key for name in methods for key in safety_method(name).takes}
 
 
-def assumed_by(found: Sequence[Assumption], methods: Sequence[str]) -> tuple[Assumption, ...]:
+def assumed_by(assumptions: Sequence[Assumption], methods: Sequence[str]) -> tuple[Assumption, ...]:
     """Return the assumptions without those of `[fatigue]` that none of the methods takes."""
     taken = taken_keys(methods)
-    paths = [(item, item.key.split(".")) for item in found]
+    paths = [(item, item.key.split(".")) for item in assumptions]
     return tuple(item for item, (table, key, *_) in paths if table != FATIGUE or key in taken)
 
 
 def unused_keys(settings: Fatigue, methods: Sequence[str]) -> tuple[str, ...]:
     """Return the keys of `[fatigue]` that a design gives and none of the methods takes."""
-    unused = _given(settings) - taken_keys(methods) - _TOLD_BY_THEMSELVES
+    unused = _given_keys(settings) - taken_keys(methods) - _TOLD_BY_THEMSELVES
     return tuple(key for key in Fatigue.model_fields if key in unused)
 
 
-def _given(settings: Fatigue) -> set[str]:
+def _given_keys(settings: Fatigue) -> set[str]:
     """Return the keys that a design gives; a stored scene has every key: those not at their default."""
-    given = settings.model_fields_set
-    if not set(Fatigue.model_fields) - _TOLD_BY_THEMSELVES <= given:
-        return given
+    fields_set = settings.model_fields_set
+    if not set(Fatigue.model_fields) - _TOLD_BY_THEMSELVES <= fields_set:
+        return fields_set
     return {key for key, of in Fatigue.model_fields.items() if getattr(settings, key) != of.default}
 
 

@@ -79,19 +79,19 @@ def _fields(
     return tuple(with_lives(one, speeds) for one in fields) if lived else fields
 
 
-def with_lives(found: FatigueField, speeds: Sequence[Sequence[LoadHistory]]) -> FatigueField:
+def with_lives(field: FatigueField, speeds: Sequence[Sequence[LoadHistory]]) -> FatigueField:
     """Return the field with the lives of its parts, where the scene has a spectrum."""
-    model = found.model
-    if not counts_lives(model.scene, safety_method(found.method)):
-        return found
+    model = field.model
+    if not counts_lives(model.scene, safety_method(field.method)):
+        return field
 
     def judged(local: LocalStress, nodes: Index) -> Array:
-        return point_safety(model, found.method, local, nodes)
+        return point_safety(model, field.method, local, nodes)
 
     def loads_of(history: LoadHistory) -> Array:
         return unit_loads(history, model.kinds)
 
-    return replace(found, lives=part_lives(model, found.safety, judged, loads_of, speeds))
+    return replace(field, lives=part_lives(model, field.safety, judged, loads_of, speeds))
 
 
 def least_field(fields: Iterable[FatigueField]) -> FatigueField:

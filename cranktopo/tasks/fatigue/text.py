@@ -69,18 +69,18 @@ class FatigueComparison:
     @property
     def failing(self) -> dict[str, str]:
         """Targets that fail, with the reason: a safety below 1, or no acceptance by the rule."""
-        told = {}
+        reasons = {}
         for one in self.result.fatigue:
             if isinstance(one, RuleFatigue):
                 if one.verdict != "accepted":
-                    told[one.target] = _by_the_rule(one.verdict, one.safety)
+                    reasons[one.target] = _by_the_rule(one.verdict, one.safety)
             elif one.safety < 1:
-                told[one.target] = f"fails by {self.result.method}, safety {one.safety:.3f}, below 1"
-        return told
+                reasons[one.target] = f"fails by {self.result.method}, safety {one.safety:.3f}, below 1"
+        return reasons
 
 
 def compare_fatigue(
-    results: Sequence[FatigueOutcome], baseline: int | None, found: FatigueResult
+    results: Sequence[FatigueOutcome], baseline: int | None, fatigue_result: FatigueResult
 ) -> FatigueComparison:
     """Return what a comparison shows of the fatigue of its targets; no verdicts without a baseline."""
     safeties = tuple(summary(result).safety for result in results)
@@ -90,11 +90,11 @@ def compare_fatigue(
     remarks += field_remarks(fields)
     remarks += dict.fromkeys(
         f"{entry.target}: material: {remark}."
-        for entry in found.fatigue
+        for entry in fatigue_result.fatigue
         for remark in entry.strength_remarks or ()
     )
-    told = [] if baseline is None else verdicts(results, baseline)
-    return FatigueComparison(safeties, (*remarks, *told), found)
+    sentences = [] if baseline is None else verdicts(results, baseline)
+    return FatigueComparison(safeties, (*remarks, *sentences), fatigue_result)
 
 
 def _acceptance(check: RuleCheck) -> str:
@@ -134,8 +134,8 @@ def outlet_table(checks: Sequence[RuleCheck]) -> ResultTable:
             "gamma_T_FE": outlet.elements.gamma_torsion if outlet.elements else None,
             "bending_MPa": outlet.bending_MPa,
             "torsion_MPa": outlet.torsion_MPa,
-            "equivalent_MPa": outlet.told.equivalent_MPa,
-            "strength_MPa": outlet.told.strength_MPa,
+            "equivalent_MPa": outlet.decisive_check.equivalent_MPa,
+            "strength_MPa": outlet.decisive_check.strength_MPa,
             "Q": outlet.acceptability,
             "Q_FE": outlet.by_elements.acceptability if outlet.by_elements else None,
             "governed_by": outlet.governed_by or "not judged",
@@ -191,16 +191,16 @@ def _outlet_remarks(check: RuleCheck) -> list[str]:
     """Return outlets that elements judge, and lower numbers of elements that prove nothing."""
     found = []
     for outlet in check.outlets:
-        told = outlet.by_elements
-        if told is None:
+        elements = outlet.by_elements
+        if elements is None:
             continue
         if outlet.governed_by == "elements" and outlet.outside:
             found.append(f"{outlet.place}: judged by elements, {'; '.join(outlet.outside)}")
-        if outlet.governed_by == "polynomials" and told.acceptability < outlet.check.acceptability:
+        if outlet.governed_by == "polynomials" and elements.acceptability < outlet.check.acceptability:
             why = outlet.unproven or "fatigue.m53_factors is 'polynomials'"
             found.append(
                 f"{outlet.place}: Q {outlet.check.acceptability:.3f} by polynomials govern, elements have "
-                f"{told.acceptability:.3f}: {why}"
+                f"{elements.acceptability:.3f}: {why}"
             )
     return found
 

@@ -74,12 +74,12 @@ def _both_worlds(one: FatigueOutcome, base: FatigueOutcome) -> list[str]:
         return []
     if not (one.safety_as and base.safety_as):
         return []
-    told = [
+    changes = [
         f"{change_text(100 * (one.safety_as[world] / base.safety_as[world] - 1))} safety {where} "
         f"({one.safety_as[world]:.3f} against {base.safety_as[world]:.3f})"
         for world, where in WORLDS.items()
     ]
-    return [f"{one.model.name}: {', '.join(told)}."]
+    return [f"{one.model.name}: {', '.join(changes)}."]
 
 
 def _as_safe(ratio: float, one: Summary, base: Summary) -> str:

@@ -171,9 +171,9 @@ def _whole_body(nodes_mm: Array, motions: tuple[int, ...], pitch_mm: float) -> t
     """As `_stress_free` for the sections of a whole throw, which as one body moves in every way."""
     far = np.eye(6)
     far[UY, RX], far[UX, RY] = -pitch_mm, pitch_mm
-    together = np.vstack([np.eye(len(motions)), far[np.ix_(motions, motions)]])
-    axes = np.linalg.svd(together)[0]
-    whole = body_motions(nodes_mm)[:, motions] @ np.linalg.pinv(together)
+    both_faces = np.vstack([np.eye(len(motions)), far[np.ix_(motions, motions)]])
+    axes = np.linalg.svd(both_faces)[0]
+    whole = body_motions(nodes_mm)[:, motions] @ np.linalg.pinv(both_faces)
     return whole, axes[:, len(motions) :]
 
 

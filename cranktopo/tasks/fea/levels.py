@@ -101,18 +101,18 @@ def _solve(target: Target, mesh: EvaluationMesh) -> Level:
     )
 
 
-def stiffnesses(found: MeshResult) -> dict[str, float]:
+def stiffnesses(level: MeshResult) -> dict[str, float]:
     """Return both stiffnesses with the supports of the design, by the names of the tables."""
-    supports = found.target.scene.supports
-    torsion, bending = found.stiffness.torsion[supports.torsion], found.stiffness.bending[supports.bending]
+    supports = level.target.scene.supports
+    torsion, bending = level.stiffness.torsion[supports.torsion], level.stiffness.bending[supports.bending]
     return {name: v for name, v in ((TORSION, torsion), (BENDING, bending)) if v is not None}
 
 
-def _own_bounds(found: MeshResult) -> dict[str, float]:
+def _own_bounds(level: MeshResult) -> dict[str, float]:
     """Return the bounds by the mesh itself; none for triangles, whose surface the mesh moves."""
-    if found.target.triangles:
+    if level.target.triangles:
         return {}
-    supports, stiffness = found.target.scene.supports, found.stiffness
+    supports, stiffness = level.target.scene.supports, level.stiffness
     bounds = (
         (TORSION, stiffness.torsion_error_percent.get(supports.torsion)),
         (BENDING, stiffness.bending_error_percent.get(supports.bending)),
@@ -138,7 +138,7 @@ class ErrorTarget:
 
 
 def evaluate_to(
-    target: Target, wanted: ErrorTarget, measured: StoredStudy | None = None
+    target: Target, error_target: ErrorTarget, measured: StoredStudy | None = None
 ) -> tuple[Evaluation, bool]:
     """Return the last evaluation on ever finer meshes, and whether it has the accuracy.
 
@@ -150,31 +150,31 @@ def evaluate_to(
     began = time.perf_counter()
     solved: dict[EvaluationMesh, MeshResult] = {}
     found: Evaluation | None = None
-    for fine in LEVELS[first_level(wanted, measured, target.triangles) :]:
+    for fine in LEVELS[first_level(error_target, measured, target.triangles) :]:
         meshes = _meshes(fine, target.triangles)
         todo = [mesh for mesh in meshes if mesh not in solved]
-        if found is not None and _too_long(wanted, time.perf_counter() - began, todo, solved):
+        if found is not None and _too_long(error_target, time.perf_counter() - began, todo, solved):
             break
         for mesh in todo:
             size = mesh.size_mm(target)
             solved[mesh] = evaluate_on_mesh(target, size, graded=mesh.graded)
         coarse = solved[meshes[0]] if target.triangles else None
         found = evaluation(solved[fine], coarse, time.perf_counter() - began)
-        if wanted.percent is not None and found.error_percent <= wanted.percent:
+        if error_target.percent is not None and found.error_percent <= error_target.percent:
             return found, True
     assert found is not None, "the first level is always solved"
-    return found, wanted.percent is None
+    return found, error_target.percent is None
 
 
-def first_level(wanted: ErrorTarget, measured: StoredStudy | None, triangles: bool) -> int:
+def first_level(error_target: ErrorTarget, measured: StoredStudy | None, triangles: bool) -> int:
     """Return the number of the level to start on."""
     first_levels = []
-    if wanted.percent is not None:
-        enough = [n for n in range(len(LEVELS)) if _expected_percent(n, measured) <= wanted.percent]
+    if error_target.percent is not None:
+        enough = [n for n in range(len(LEVELS)) if _expected_percent(n, measured) <= error_target.percent]
         first_levels.append(enough[0] if enough else len(LEVELS) - 1)
-    if wanted.budget_s is not None:
+    if error_target.budget_s is not None:
         seconds = [expected_seconds(level, measured, triangles) for level in LEVELS]
-        fit = [n for n, s in enumerate(seconds) if s is not None and s <= wanted.budget_s]
+        fit = [n for n, s in enumerate(seconds) if s is not None and s <= error_target.budget_s]
         first_levels.append(fit[-1] if fit else 0)
     return min(first_levels, default=0)
 
@@ -204,10 +204,13 @@ def _stored_level(mesh: EvaluationMesh, measured: StoredStudy | None) -> LevelRe
 
 
 def _too_long(
-    wanted: ErrorTarget, spent: float, todo: list[EvaluationMesh], solved: dict[EvaluationMesh, MeshResult]
+    error_target: ErrorTarget,
+    spent: float,
+    todo: list[EvaluationMesh],
+    solved: dict[EvaluationMesh, MeshResult],
 ) -> bool:
-    if wanted.budget_s is None:
+    if error_target.budget_s is None:
         return False
     mesh, last = list(solved.items())[-1]
     rate = last.seconds / mesh.relative_cost
-    return spent + sum(rate * mesh.relative_cost for mesh in todo) > wanted.budget_s
+    return spent + sum(rate * mesh.relative_cost for mesh in todo) > error_target.budget_s

@@ -12,7 +12,7 @@ from typing import Literal
 
 from cranktopo.base.units import number_text, stem_and_unit
 from cranktopo.design.balance_factor import balance_factor_percent
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.states import load_cases
@@ -21,32 +21,36 @@ from cranktopo.tasks.fea.evaluation import Evaluation
 from cranktopo.tasks.fea.result import EvaluationResult
 
 
-def goal_values(scene: Scene, found: EvaluationResult) -> dict[str, float]:
+def goal_values(scene: Scene, evaluation: EvaluationResult) -> dict[str, float]:
     """Return the quantities of a goal that an evaluation tells, each in its internal unit."""
-    mass, torsion, bending = found.mass_kg.throw, found.torsion_Nm_per_rad, found.bending_N_per_mm
-    reported = {
-        "balance_factor": balance_factor_percent(scene, found.unbalance_kg_mm),
-        "natural_frequency": found.natural_frequency_Hz,
-        "fatigue_safety": found.fatigue_safety,
-        "stress": found.stress_MPa,
+    mass, torsion, bending = (
+        evaluation.mass_kg.throw,
+        evaluation.torsion_Nm_per_rad,
+        evaluation.bending_N_per_mm,
+    )
+    known = {
+        "balance_factor": balance_factor_percent(scene, evaluation.unbalance_kg_mm),
+        "natural_frequency": evaluation.natural_frequency_Hz,
+        "fatigue_safety": evaluation.fatigue_safety,
+        "stress": evaluation.stress_MPa,
     }
     return {
         "mass": mass,
-        "inertia": found.inertia_kg_mm2,
-        "unbalance": found.unbalance_kg_mm,
+        "inertia": evaluation.inertia_kg_mm2,
+        "unbalance": evaluation.unbalance_kg_mm,
         "torsion": torsion,
         "bending": bending,
         "torsion_per_mass": torsion / mass,
         "bending_per_mass": bending / mass,
         **_motions(scene, torsion, bending),
-        **{name: value for name, value in reported.items() if value is not None},
+        **{name: value for name, value in known.items() if value is not None},
     }
 
 
 def _motions(scene: Scene, torsion: float, bending: float) -> dict[str, float]:
     if scene.engine is None:
         return {}
-    cases = {case.kind: case for case in load_cases(scene, plan(scene, goal=wanted(scene)).enabled)}
+    cases = {case.kind: case for case in load_cases(scene, plan(scene, goal=goal_of(scene)).enabled)}
     motions = {}
     if "bending" in cases:
         motions["pin_displacement"] = abs(cases["bending"].radial_N) / bending

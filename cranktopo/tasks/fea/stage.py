@@ -43,16 +43,16 @@ class Evaluations:
     missed: tuple[str, ...] = ()
 
 
-def evaluate_target(target: TargetLike, wanted: MeshRequest | None = None) -> Evaluation:
+def evaluate_target(target: TargetLike, request: MeshRequest | None = None) -> Evaluation:
     """Return the evaluation of one target: a target, a scene, or a path or name as the user types it.
 
     Raises:
         CranktopoError: no such target, no valid mesh, or a failed solve.
     """
-    return evaluate_targets([target], wanted).evaluations[0]
+    return evaluate_targets([target], request).evaluations[0]
 
 
-def evaluate_targets(targets: Sequence[TargetLike], wanted: MeshRequest | None = None) -> Evaluations:
+def evaluate_targets(targets: Sequence[TargetLike], request: MeshRequest | None = None) -> Evaluations:
     """Evaluate targets one after the other.
 
     Raises:
@@ -64,7 +64,7 @@ def evaluate_targets(targets: Sequence[TargetLike], wanted: MeshRequest | None =
     pace = Pace("evaluation", len(resolved))
     for target in resolved:
         pace.begin(target.name)
-        evaluation, reached = _evaluate(target, wanted or MeshRequest())
+        evaluation, reached = _evaluate(target, request or MeshRequest())
         evaluations.append(evaluation)
         missed += [] if reached else [f"{target.name} ({evaluation.error_percent:.2f} %)"]
     return Evaluations(tuple(evaluations), tuple(missed))
@@ -80,11 +80,11 @@ def print_assumed(targets: Sequence[Target], tables: Sequence[str]) -> None:
             note(f"{target.name}: {assumed_text(found)}")
 
 
-def _evaluate(target: Target, wanted: MeshRequest) -> tuple[Evaluation, bool]:
-    if wanted.accuracy_percent is None and wanted.budget_s is None:
-        return evaluate(target, wanted.element_size_mm), True
+def _evaluate(target: Target, request: MeshRequest) -> tuple[Evaluation, bool]:
+    if request.accuracy_percent is None and request.budget_s is None:
+        return evaluate(target, request.element_size_mm), True
     measured = load_study(key_of(target), EVALUATION)
-    found, reached = evaluate_to(target, ErrorTarget(wanted.accuracy_percent, wanted.budget_s), measured)
-    if wanted.budget_s is not None and found.total_seconds > wanted.budget_s:
-        note(f"note: {target.name}: took {found.total_seconds:.1f} s, --budget was {wanted.budget_s:g} s.")
+    found, reached = evaluate_to(target, ErrorTarget(request.accuracy_percent, request.budget_s), measured)
+    if request.budget_s is not None and found.total_seconds > request.budget_s:
+        note(f"note: {target.name}: took {found.total_seconds:.1f} s, --budget was {request.budget_s:g} s.")
     return found, reached

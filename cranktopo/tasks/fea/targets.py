@@ -128,8 +128,8 @@ def resolve_target(
 
 
 def _refuse_for_bodies(design: str | None, align: bool) -> None:
-    for option, given in (("--design", design is not None), ("--align", align)):
-        if given:
+    for option, used in (("--design", design is not None), ("--align", align)):
+        if used:
             raise CranktopoError(
                 f"{option} is for bodies from CAD, and no target is an STL or STEP file.",
                 hint="Leave it out: designs and runs have journals, material and place of their own.",

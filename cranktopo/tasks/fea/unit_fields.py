@@ -117,9 +117,9 @@ def _by_side(
     for lateral in laterals:
         parity = {"none": _KINDS, "odd": _ODD, "even": set(_KINDS) - set(_ODD)}[lateral]
         elsewhere = {"torsion"} if span == "symmetric" else set()
-        wanted = [kind for kind in _KINDS if kind in kinds and kind in parity and kind not in elsewhere]
-        if wanted:
-            found |= _loaded(model, scene, span, lateral, wanted, residual)
+        solved = [kind for kind in _KINDS if kind in kinds and kind in parity and kind not in elsewhere]
+        if solved:
+            found |= _loaded(model, scene, span, lateral, solved, residual)
     return found
 
 
@@ -127,8 +127,8 @@ def _loaded(
     model: Elasticity, scene: Scene, span: Span, lateral: Lateral, kinds: list[FieldKind], residual: float
 ) -> dict[FieldKind, UnitField]:
     """Fields of some loads from one condensation, which holds the radial load already."""
-    further: list[FieldKind] = [kind for kind in kinds if kind in ("tangential", "centrifugal")]
-    forces = [unit_force(model, scene, kind, span, lateral) for kind in further]
+    extra_loads: list[FieldKind] = [kind for kind in kinds if kind in ("tangential", "centrifugal")]
+    forces = [unit_force(model, scene, kind, span, lateral) for kind in extra_loads]
     block = condense(model, scene, span, lateral, np.column_stack(forces) if forces else None, residual)
     found = loaded(block, scene, [kind for kind in kinds if kind != "torsion"])
     if "torsion" in kinds:
@@ -141,7 +141,7 @@ def loaded(block: Superelement, scene: Scene, kinds: Collection[FieldKind]) -> d
 
     Those of `tangential` and `centrifugal` are the block's further loads, in this order.
     """
-    further: list[FieldKind] = [kind for kind in kinds if kind in ("tangential", "centrifugal")]
+    extra_loads: list[FieldKind] = [kind for kind in kinds if kind in ("tangential", "centrifugal")]
     turns: dict[FieldKind, int] = {"moment": RX, "side_moment": RY}
     cases: dict[FieldKind, tuple[Array, Array]] = {
         kind: (
@@ -153,8 +153,8 @@ def loaded(block: Superelement, scene: Scene, kinds: Collection[FieldKind]) -> d
     if "bending" in kinds:
         field = block.displacement[:, len(block.motions)]
         cases["bending"] = (field / (block.copies * block.parts), block.load / block.copies)
-    start = block.displacement.shape[1] - len(further)
-    for column, kind in enumerate(further):
+    start = block.displacement.shape[1] - len(extra_loads)
+    for column, kind in enumerate(extra_loads):
         cases[kind] = (block.displacement[:, start + column], block.extra_loads[:, column])
     spring = support_spring(scene, scene.supports.bending)
     found: dict[FieldKind, UnitField] = {}
@@ -250,8 +250,8 @@ def case_stress(
     meshed = mesh_target(target, size)
     youngs, poisson = target.scene.material.E_GPa * MPA_PER_GPA, target.scene.material.poisson
     model = assemble(meshed.mesh, youngs, poisson)
-    wanted = [kind for kind, factor in UNIT_LOADS.items() if any(factor(case) for case in cases)]
-    fields = unit_fields(model, target.scene, meshed.mesh.mirrored, wanted)
+    kinds = [kind for kind, factor in UNIT_LOADS.items() if any(factor(case) for case in cases)]
+    fields = unit_fields(model, target.scene, meshed.mesh.mirrored, kinds)
     share = np.array([[UNIT_LOADS[kind](case) for kind in (f.kind for f in fields)] for case in cases])
     found = nodal_stress(model, share @ np.stack([f.displacement_mm for f in fields]), youngs, poisson)
     stress = von_mises(found.nodal_MPa)

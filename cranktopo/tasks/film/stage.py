@@ -106,9 +106,9 @@ def film_change(before: Scene, after: Scene) -> str:
     )
 
 
-def _least_um(found: Sequence[BearingFilm]) -> tuple[float, float]:
+def _least_um(films: Sequence[BearingFilm]) -> tuple[float, float]:
     """Least film of the main bearings, and of the big end."""
-    return min(one.film_um for one in found[:-1]), found[-1].film_um
+    return min(one.film_um for one in films[:-1]), films[-1].film_um
 
 
 def films_at(scenes: Sequence[Scene]) -> list[tuple[BearingFilm, ...]]:

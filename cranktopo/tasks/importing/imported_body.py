@@ -178,12 +178,12 @@ def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> _Solid:
     if apart:
         for half in _both(surface, scene):
             _placed(half, scene, path, align=False)
-        motion, reported = None, f"{apart}. The whole throw is taken"
+        motion, remark = None, f"{apart}. The whole throw is taken"
     else:
-        motion, reported = _placed(surface, scene, path, align)
+        motion, remark = _placed(surface, scene, path, align)
     if motion is not None:
         moved_rigidly(occ, body, motion.matrix, motion.shift_mm)
-    return _Solid(body, solid_properties(occ, body), _web_mm3(gmsh, body, scene, path), reported, bool(apart))
+    return _Solid(body, solid_properties(occ, body), _web_mm3(gmsh, body, scene, path), remark, bool(apart))
 
 
 def _web_mm3(gmsh: Any, body: DimTags, scene: Scene, path: Path) -> float:
@@ -288,7 +288,7 @@ def _placed(body: Manifold, scene: Scene, path: Path, align: bool) -> tuple[Plac
     return motion, f"moved to where the journals are: it {motion.words}" if motion else lacking
 
 
-def shown_halves(scene: Scene, file: Path | None, facet_mm: float, align: bool = False) -> list[SurfaceMesh]:
+def half_surfaces(scene: Scene, file: Path | None, facet_mm: float, align: bool = False) -> list[SurfaceMesh]:
     """Return the surface of a half throw, of the scene or the file, or of both where they differ."""
     if difference(scene):
         throw = solid_of(surface_of(scene, "throw", facet_mm), "throw")

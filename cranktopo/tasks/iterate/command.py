@@ -118,7 +118,7 @@ def command(
         command_line = ["cranktopo", *sys.argv[1:]]
         done = start_loop(scene, settings, out, design_text(name), command_line)
     files = {what: str(done.folder / name) for what, name in LOOP_FILES.items()}
-    reported = {**done.result.as_json(), "files": files}
-    click.echo(json.dumps(reported) if as_json else loop_summary(done.result, done.folder))
+    printed = {**done.result.as_json(), "files": files}
+    click.echo(json.dumps(printed) if as_json else loop_summary(done.result, done.folder))
     if done.result.lost_step:
         raise click.exceptions.Exit(ExitCode.NOT_CONVERGED)

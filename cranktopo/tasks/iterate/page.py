@@ -62,7 +62,7 @@ def iterate_page(loop: LoopResult, manifest: Mapping[str, Any], bodies: tuple[Sh
             _provenance(loop, manifest),
             versions_section(manifest["versions"]),
         ),
-        scene3d=Scene3D(bodies, first=_shown_step(loop)),
+        scene3d=Scene3D(bodies, first=_result_step(loop)),
         picture=gallery_picture(bodies),
     )
 
@@ -82,12 +82,12 @@ def _headline(loop: LoopResult) -> str:
     )
 
 
-def _shown_step(loop: LoopResult) -> int:
+def _result_step(loop: LoopResult) -> int:
     return (loop.best or loop.steps[-1]).number
 
 
 def _facts(loop: LoopResult) -> tuple[Fact, ...]:
-    step, original = loop.steps[_shown_step(loop)], loop.steps[0]
+    step, original = loop.steps[_result_step(loop)], loop.steps[0]
     return tuple(_fact(step, original, quantity) for quantity, _, _ in _LINES)
 
 

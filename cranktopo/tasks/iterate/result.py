@@ -146,7 +146,7 @@ class LoopStep(Result):
 
 def step_of(
     number: int,
-    found: Evaluation,
+    evaluation: Evaluation,
     transition_mm: float,
     overlap_percent: float | None = None,
     removed_percent: float | None = None,
@@ -156,12 +156,12 @@ def step_of(
     """Return a step from its evaluation and what else was measured; see `LoopStep`."""
     return LoopStep(
         number=number,
-        throw_kg=found.throw_kg,
-        web_kg=found.web_kg,
-        torsion_Nm_per_rad=found.torsion_Nm_per_rad,
-        bending_N_per_mm=found.bending_N_per_mm,
-        torsion_error_percent=found.torsion_error_percent,
-        bending_error_percent=found.bending_error_percent,
+        throw_kg=evaluation.throw_kg,
+        web_kg=evaluation.web_kg,
+        torsion_Nm_per_rad=evaluation.torsion_Nm_per_rad,
+        bending_N_per_mm=evaluation.bending_N_per_mm,
+        torsion_error_percent=evaluation.torsion_error_percent,
+        bending_error_percent=evaluation.bending_error_percent,
         transition_mm=transition_mm,
         overlap_percent=overlap_percent,
         removed_percent=removed_percent,

@@ -12,7 +12,7 @@ from cranktopo.base.notes import indented
 from cranktopo.bodies.solid.files import coarse_facet_mm, surface_of
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.outcome import GoalOutcome, GoalWords, goal_outcome
-from cranktopo.design.goal.wanted import wanted, with_goal
+from cranktopo.design.goal.scene_goal import goal_of, with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.runs.directories import RunStore, open_run
@@ -49,17 +49,17 @@ def shape_step(
 
     `number` is that of the row in the table of steps. Without `begun` the design's own web is the first.
     """
-    wanted_scene = shape_scene(scene)
-    goal = wanted(wanted_scene)
+    searched = shape_scene(scene)
+    goal = goal_of(searched)
     assert goal is not None
-    requested = GoalWords.model_validate({goal.sense: goal.quantity})
+    goal_words = GoalWords.model_validate({goal.sense: goal.quantity})
     try:
         with indented():
-            data = _shaped(run.path / SHAPE, wanted_scene, begun, settings)
+            data = _shaped(run.path / SHAPE, searched, begun, settings)
     except CranktopoError as error:
         if error.code == ExitCode.INTERRUPTED:
             raise
-        return _none(str(error), requested)
+        return _none(str(error), goal_words)
     if not data.makeable:
         return _none(release_text(data.undercuts), data.goal)
     if not data.held:
@@ -101,12 +101,12 @@ def _compared(row: LoopStep, best: LoopStep | None, goal: Goal, data: ShapeResul
     if best is None:
         return ShapeStep(row, _outcome(data, better_than_best_step=True))
     original, shaped, own = data.values.original, data.values.result, _values(best)
-    reported = goal_outcome(goal, own, original, HELD).limits
-    unknown = tuple(dict.fromkeys(o.quantity for o in reported if o.holds is None))
-    broken = any(outcome.holds is False for outcome in reported)
+    outcomes = goal_outcome(goal, own, original, HELD).limits
+    unknown = tuple(dict.fromkeys(o.quantity for o in outcomes if o.holds is None))
+    violated = any(outcome.holds is False for outcome in outcomes)
     name = goal.quantity
     percent = 100 * own[name] / original[name] if name in own else None
-    step_wins = not broken and name in own and _clearly_better(own[name], shaped[name], goal)
+    step_wins = not violated and name in own and _clearly_better(own[name], shaped[name], goal)
     found = _outcome(
         data,
         better_than_best_step=not step_wins,

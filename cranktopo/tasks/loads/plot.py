@@ -59,8 +59,8 @@ def _draw_piston_forces(axes: Any, analysis: LoadAnalysis) -> None:
 def _draw_crankpin_forces(axes: Any, analysis: LoadAnalysis) -> None:
     """Radial and tangential force on the crankpin, of more than two webs that differ the larger one's."""
     cycle = _cycle(analysis)
-    shown = cycle.unlike if len(cycle.unlike) <= _MOST_WEBS else ((cycle.place, cycle.forces),)
-    for (place, forces), style in zip(shown, ("-", "--"), strict=False):
+    drawn = cycle.unlike if len(cycle.unlike) <= _MOST_WEBS else ((cycle.place, cycle.forces),)
+    for (place, forces), style in zip(drawn, ("-", "--"), strict=False):
         of_web = f", {place}" if place else ""
         axes.plot(forces.angle_deg, forces.radial_force_N / 1000, f"C0{style}", label=f"radial{of_web}")
         axes.plot(

@@ -230,24 +230,24 @@ def engine_torque_of(cycle: Cycle | None) -> EngineTorque:
     return EngineTorque(mean=mean, max=high.value, max_deg=high.deg, min=low.value, min_deg=low.deg)
 
 
-def balance_of(found: ThrowBalance) -> ThrowMassProperties:
+def balance_of(balance: ThrowBalance) -> ThrowMassProperties:
     """Return the balance of a throw with units in the names."""
     return ThrowMassProperties(
-        rotating_unbalance_kg_mm=found.rotating_unbalance_kg_mm,
-        inertia_kg_mm2=found.inertia_kg_mm2,
-        counterweight_kg_mm=found.counterweight_kg_mm,
-        balance_factor_percent=found.balance_factor_percent,
-        own_counterweight_kg_mm=found.own_counterweight_kg_mm,
-        own_counterweight_kg=found.own_counterweights_kg[0],
-        own_second_counterweight_kg=found.own_counterweights_kg[1],
-        throw_unbalance_kg_mm=found.throw_unbalance_kg_mm,
-        lateral_unbalance_kg_mm=found.lateral_unbalance_kg_mm,
-        rod_inertia_kg_mm2=found.rod_inertia_kg_mm2,
-        throw_mass_kg=found.mass_kg,
-        web_mass_kg=found.web_kg,
-        second_web_mass_kg=found.second_web_kg,
-        journal_mass_kg=found.journal_kg,
-        crankpin_mass_kg=found.crankpin_kg,
+        rotating_unbalance_kg_mm=balance.rotating_unbalance_kg_mm,
+        inertia_kg_mm2=balance.inertia_kg_mm2,
+        counterweight_kg_mm=balance.counterweight_kg_mm,
+        balance_factor_percent=balance.balance_factor_percent,
+        own_counterweight_kg_mm=balance.own_counterweight_kg_mm,
+        own_counterweight_kg=balance.own_counterweights_kg[0],
+        own_second_counterweight_kg=balance.own_counterweights_kg[1],
+        throw_unbalance_kg_mm=balance.throw_unbalance_kg_mm,
+        lateral_unbalance_kg_mm=balance.lateral_unbalance_kg_mm,
+        rod_inertia_kg_mm2=balance.rod_inertia_kg_mm2,
+        throw_mass_kg=balance.mass_kg,
+        web_mass_kg=balance.web_kg,
+        second_web_mass_kg=balance.second_web_kg,
+        journal_mass_kg=balance.journal_kg,
+        crankpin_mass_kg=balance.crankpin_kg,
     )
 
 

@@ -48,9 +48,9 @@ def loads_at_speeds(scene: DesignLike, speeds_rpm: Sequence[float] | None = None
     """
     scene = as_scene(scene)
     assumed = assumptions(scene, (THROW, LOADS, VIBRATION))
-    reported = pressure_words(scene, speeds_rpm or ())
+    pressure = pressure_words(scene, speeds_rpm or ())
     found = (_loads(at, plan(all_firing(at)), assumed) for at in _at_speeds(scene, speeds_rpm))
-    return tuple(one.model_copy(update={"pressure": reported}) for one in found)
+    return tuple(one.model_copy(update={"pressure": pressure}) for one in found)
 
 
 def _loads(scene: Scene, effects: PhysicsPlan, assumed: tuple[Assumption, ...]) -> Loads:

@@ -60,8 +60,8 @@ def _heading(loads: Loads) -> str:
     heading = f"{loads.design} at {loads.speed_rpm:g} rpm"
     if not loads.points:
         return f"{heading}: the scene gives only peak loads, no curves"
-    told = f"\n{loads.pressure}" if loads.pressure else ""
-    return f"{heading}, cycle {loads.cycle_deg:g} deg\npressure: {loads.pressure_source}{told}"
+    pressure = f"\n{loads.pressure}" if loads.pressure else ""
+    return f"{heading}, cycle {loads.cycle_deg:g} deg\npressure: {loads.pressure_source}{pressure}"
 
 
 def _extremes(extremes: Mapping[str, Range]) -> str:

@@ -107,8 +107,8 @@ def _part(name: str, carried: Carried, inertia_kg_m2: float, spring: float | Non
     polar = _polar(inertia_kg_m2)
     if carried.mass_kg is None:
         return Part(name, polar, spring)
-    given = carried.diametral_inertia_kg_m2
-    diametral = polar / 2 if given is None else _polar(given)
+    diametral_inertia = carried.diametral_inertia_kg_m2
+    diametral = polar / 2 if diametral_inertia is None else _polar(diametral_inertia)
     mass = carried.mass_kg / KG_PER_TONNE
     return Part(name, polar, spring, mass, polar, diametral, carried.overhang_mm)
 

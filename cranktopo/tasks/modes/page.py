@@ -27,27 +27,27 @@ _OVER_SPEED = (
 )
 
 
-def modes_page(found: ShaftModes, written: str) -> Page:
+def modes_page(modal: ShaftModes, written: str) -> Page:
     """Return the natural vibrations of a shaft as content; `written` is a date."""
-    turning, bearings, *shapes = modes_pictures(found)
-    high = found.speeds_rpm[-1]
+    turning, bearings, *shapes = modes_pictures(modal)
+    high = modal.speeds_rpm[-1]
     return Page(
-        title=f"Natural vibrations of the crankshaft: {found.design}",
-        subtitle=f"{found.bearings} bearings, {found.speeds_rpm[0]:,.0f} to {high:,.0f} rpm; {written}",
-        headline=critical_sentence(found),
-        facts=_facts(found),
+        title=f"Natural vibrations of the crankshaft: {modal.design}",
+        subtitle=f"{modal.bearings} bearings, {modal.speeds_rpm[0]:,.0f} to {high:,.0f} rpm; {written}",
+        headline=critical_sentence(modal),
+        facts=_facts(modal),
         sections=(
             Section(
                 "frequencies",
                 "Frequencies at rest",
-                f"{PLANES} {_fluid(found)}{error_sentence(found)}".replace("\n", " "),
-                (("By mode", modes_table(found)),),
+                f"{PLANES} {_fluid(modal)}{error_sentence(modal)}".replace("\n", " "),
+                (("By mode", modes_table(modal)),),
             ),
             Section(
                 "over-speed",
                 "Over speed",
                 _OVER_SPEED,
-                ((f"At {high:,.0f} rpm", speed_table(found)), *_critical(found)),
+                ((f"At {high:,.0f} rpm", speed_table(modal)), *_critical(modal)),
                 (turning, bearings),
             ),
             Section(
@@ -62,21 +62,21 @@ def modes_page(found: ShaftModes, written: str) -> Page:
     )
 
 
-def _fluid(found: ShaftModes) -> str:
-    return f"{fluid_sentence(found)} " if found.disks_with_fluid_Hz else ""
+def _fluid(modal: ShaftModes) -> str:
+    return f"{fluid_sentence(modal)} " if modal.disks_with_fluid_Hz else ""
 
 
-def _critical(found: ShaftModes) -> tuple[tuple[str, ResultTable], ...]:
-    table = critical_table(found)
+def _critical(modal: ShaftModes) -> tuple[tuple[str, ResultTable], ...]:
+    table = critical_table(modal)
     return (("Lowest orders that meet each mode", table),) if table.rows else ()
 
 
-def _facts(found: ShaftModes) -> tuple[Fact, ...]:
+def _facts(modal: ShaftModes) -> tuple[Fact, ...]:
     first: dict[str, ShaftMode] = {}
-    for mode in found.modes:
+    for mode in modal.modes:
         first.setdefault(mode.kind.split()[0], mode)
-    parts = " and ".join(found.torsion_only)
-    missing = (Fact("Mass not given", parts, torsion_only_sentence(found), "bad"),) if parts else ()
+    parts = " and ".join(modal.torsion_only)
+    missing = (Fact("Mass not given", parts, torsion_only_sentence(modal), "bad"),) if parts else ()
     return missing + tuple(
         Fact(f"First {kind}", frequency_text(mode.frequency_Hz), f"mode {mode.mode}, {mode.kind}", "neutral")
         for kind, mode in first.items()

@@ -19,18 +19,18 @@ _OFFSET: dict[str, Any] = {"textcoords": "offset points"}
 _LINES = (("in_plane", "in plane", "-"), ("across", "across", "--"), ("axial", "axial", ":"))
 
 
-def modes_pictures(found: ShaftModes) -> tuple[Picture, ...]:
+def modes_pictures(modal: ShaftModes) -> tuple[Picture, ...]:
     """Return the Campbell diagrams and the first shapes, with their text."""
-    frequencies = ", ".join(f"{mode.frequency_Hz:.0f}" for mode in found.modes)
-    low, high = found.speeds_rpm[0], found.speeds_rpm[-1]
+    frequencies = ", ".join(f"{mode.frequency_Hz:.0f}" for mode in modal.modes)
+    low, high = modal.speeds_rpm[0], modal.speeds_rpm[-1]
     over = f"modes {frequencies} Hz at rest, {low:.0f} to {high:.0f} rpm"
     campbell = picture(
-        "campbell-turning", f"Campbell diagram in the frame that turns: {over}", _draw_turning, found
+        "campbell-turning", f"Campbell diagram in the frame that turns: {over}", _draw_turning, modal
     )
     bearings = picture(
-        "campbell-bearings", f"Campbell diagram as bearings have it: {over}", _draw_bearings, found
+        "campbell-bearings", f"Campbell diagram as bearings have it: {over}", _draw_bearings, modal
     )
-    return campbell, bearings, *(_shape(mode) for mode in found.modes[:_SHOWN])
+    return campbell, bearings, *(_shape(mode) for mode in modal.modes[:_SHOWN])
 
 
 def _shape(mode: ShaftMode) -> Picture:
@@ -38,25 +38,25 @@ def _shape(mode: ShaftMode) -> Picture:
     return picture(f"mode-{mode.mode}", f"{name}; motion along the shaft", _draw_shape, mode)
 
 
-def _draw_turning(axes: Any, found: ShaftModes) -> None:
-    speeds, top = np.array(found.speeds_rpm), _top(found)
-    for order in np.arange(1, found.highest_order + 1):
+def _draw_turning(axes: Any, modal: ShaftModes) -> None:
+    speeds, top = np.array(modal.speeds_rpm), _top(modal)
+    for order in np.arange(1, modal.highest_order + 1):
         if order * speeds[0] / 60 < top:
             axes.plot(speeds, order * speeds / 60, color="0.8", lw=0.6)
             at = min(speeds[-1], 60 * top / order)
             style: dict[str, Any] = {"va": "center", "fontsize": 6, "color": GREY, "annotation_clip": False}
             axes.annotate(f"{order:g}", (at, order * at / 60), (2, 0), **_OFFSET, **style)
-    for mode in found.modes:
+    for mode in modal.modes:
         axes.plot(speeds, mode.frequencies_Hz, color=_colour(mode), lw=1.2)
         for at in mode.critical_speeds:
             axes.plot([at.speed_rpm], [at.order * at.speed_rpm / 60], "o", color=_colour(mode), ms=3)
-    _frame(axes, found)
+    _frame(axes, modal)
 
 
-def _draw_bearings(axes: Any, found: ShaftModes) -> None:
+def _draw_bearings(axes: Any, modal: ShaftModes) -> None:
     """Draw what is seen at rest: a bending mode forward and backward, the weaker of them fainter."""
-    speeds = np.array(found.speeds_rpm)
-    for mode in found.modes:
+    speeds = np.array(modal.speeds_rpm)
+    for mode in modal.modes:
         frequency, whirl = np.array(mode.frequencies_Hz), np.array(mode.whirl)
         if not mode.kind.startswith("bending"):
             axes.plot(speeds, frequency, color=_colour(mode), lw=1.2)
@@ -65,14 +65,14 @@ def _draw_bearings(axes: Any, found: ShaftModes) -> None:
             share = (1 + sign * whirl.mean()) / 2
             seen = np.abs(frequency + sign * speeds / 60)
             axes.plot(speeds, seen, style, color=_colour(mode), lw=1.2, alpha=float(0.15 + 0.85 * share))
-    _frame(axes, found)
+    _frame(axes, modal)
 
 
-def _frame(axes: Any, found: ShaftModes) -> None:
-    first, last = found.speeds_rpm[0], found.speeds_rpm[-1]
-    for name in dict.fromkeys(mode.kind.split()[0] for mode in found.modes):
+def _frame(axes: Any, modal: ShaftModes) -> None:
+    first, last = modal.speeds_rpm[0], modal.speeds_rpm[-1]
+    for name in dict.fromkeys(mode.kind.split()[0] for mode in modal.modes):
         axes.plot([], [], color=_COLOURS[name], label=name)
-    axes.set(xlim=(first, last), ylim=(0, _top(found)), xlabel="speed (rpm)", ylabel="frequency (Hz)")
+    axes.set(xlim=(first, last), ylim=(0, _top(modal)), xlabel="speed (rpm)", ylabel="frequency (Hz)")
     plain(axes)
 
 
@@ -87,10 +87,10 @@ def _draw_shape(axes: Any, mode: ShaftMode) -> None:
     plain(axes)
 
 
-def _top(found: ShaftModes) -> float:
+def _top(modal: ShaftModes) -> float:
     """The highest frequency that is drawn: all orders, and some modes however far above."""
-    orders = found.highest_order * found.speeds_rpm[-1] / 60
-    return 1.15 * max(orders, *(max(mode.frequencies_Hz) for mode in found.modes[:_DRAWN]))
+    orders = modal.highest_order * modal.speeds_rpm[-1] / 60
+    return 1.15 * max(orders, *(max(mode.frequencies_Hz) for mode in modal.modes[:_DRAWN]))
 
 
 def _colour(mode: ShaftMode) -> str:

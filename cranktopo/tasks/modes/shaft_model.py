@@ -163,13 +163,13 @@ def _add_end(join: _Assembly, scene: Scene, side: Side, section: list[int]) -> N
     """Add an end of the crank as beams, and what it carries at its tip."""
     outward = -1 if side == "free" else 1
     pieces, parts = crank_end(scene, side), parts_on(scene.shaft or ShaftTable(), side)
-    given = parts[0].spring_Nmm_per_rad if parts else None
+    spring = parts[0].spring_Nmm_per_rad if parts else None
     material = scene.material
     shear_MPa = material.E_GPa * MPA_PER_GPA / (2 * (1 + material.poisson))
     own = shear_MPa / sum(piece.twist_per_mm3 for piece in pieces) if pieces else 0.0
     tip = section
     for piece in pieces:
-        along = section_of(piece, scene, given / own if given is not None else 1.0)
+        along = section_of(piece, scene, spring / own if spring is not None else 1.0)
         length = piece.step.length_mm / _ELEMENTS
         for number in range(_ELEMENTS):
             outer, z = join.new([0] * 6), piece.z_mm[0] + outward * (number + 0.5) * length

@@ -13,21 +13,21 @@ _CIRCLING = 0.2
 """Whirl from which a motion is said to circle."""
 
 
-def modes_text(found: ShaftModes) -> str:
+def modes_text(modal: ShaftModes) -> str:
     """Return what `cranktopo modes` prints."""
     return "\n\n".join(
         (
-            f"{found.design}: natural vibrations of the whole crankshaft, {found.bearings} bearings",
-            terminal(modes_table(found)),
+            f"{modal.design}: natural vibrations of the whole crankshaft, {modal.bearings} bearings",
+            terminal(modes_table(modal)),
             PLANES,
-            f"At {found.speeds_rpm[-1]:,.0f} rpm, in the frame that turns with the shaft and as bearings "
+            f"At {modal.speeds_rpm[-1]:,.0f} rpm, in the frame that turns with the shaft and as bearings "
             "have it:",
-            terminal(speed_table(found)),
-            critical_sentence(found),
-            *([terminal(critical_table(found))] if critical_table(found).rows else []),
-            *([torsion_only_sentence(found)] if found.torsion_only else []),
-            *([fluid_sentence(found)] if found.disks_with_fluid_Hz else []),
-            error_sentence(found),
+            terminal(speed_table(modal)),
+            critical_sentence(modal),
+            *([terminal(critical_table(modal))] if critical_table(modal).rows else []),
+            *([torsion_only_sentence(modal)] if modal.torsion_only else []),
+            *([fluid_sentence(modal)] if modal.disks_with_fluid_Hz else []),
+            error_sentence(modal),
         )
     )
 
@@ -38,7 +38,7 @@ PLANES = (
 )
 
 
-def modes_table(found: ShaftModes) -> ResultTable:
+def modes_table(modal: ShaftModes) -> ResultTable:
     """Return frequency and kind of every mode at rest."""
     rows: tuple[Row, ...] = tuple(
         {
@@ -48,7 +48,7 @@ def modes_table(found: ShaftModes) -> ResultTable:
             **{f"{name}_percent": _share(getattr(mode.shares_percent, name)) for name in _SHARES},
             "disks_Hz": mode.disks_Hz,
         }
-        for mode in found.modes
+        for mode in modal.modes
     )
     shares = {f"{name}_percent": 0 for name in _SHARES}
     return ResultTable({"mode": 0, "frequency_Hz": 1, "kind": 0, **shares, "disks_Hz": 1}, rows)
@@ -59,11 +59,11 @@ def _share(percent: float) -> float:
     return min(max(percent, 0.0), 100.0)
 
 
-def speed_table(found: ShaftModes) -> ResultTable:
+def speed_table(modal: ShaftModes) -> ResultTable:
     """Return the modes at the highest speed: frequency, whirl, and what bearings see of it."""
-    turn = found.speeds_rpm[-1] / 60
+    turn = modal.speeds_rpm[-1] / 60
     rows: list[Row] = []
-    for mode in found.modes:
+    for mode in modal.modes:
         frequency = mode.frequencies_Hz[-1]
         word = whirl_word(mode)
         row: dict[str, Cell] = {"mode": str(mode.mode), "turning_Hz": frequency, "whirl": word}
@@ -85,10 +85,10 @@ def whirl_word(mode: ShaftMode, index: int = -1) -> str:
     return "forward" if whirl > 0 else "backward"
 
 
-def critical_table(found: ShaftModes) -> ResultTable:
+def critical_table(modal: ShaftModes) -> ResultTable:
     """Return where the lowest orders of the forces meet each mode within the range of speeds."""
     rows: list[Row] = []
-    for mode in found.modes:
+    for mode in modal.modes:
         lowest = sorted(mode.critical_speeds, key=lambda at: at.order)[:_ORDERS_SHOWN]
         for at in lowest:
             row: dict[str, Cell] = {"mode": str(mode.mode), "kind": mode.kind, "order": at.order}
@@ -96,12 +96,12 @@ def critical_table(found: ShaftModes) -> ResultTable:
     return ResultTable({"mode": 0, "kind": 0, "order": 1, "speed_rpm": 0}, tuple(rows))
 
 
-def critical_sentence(found: ShaftModes) -> str:
+def critical_sentence(modal: ShaftModes) -> str:
     """Return whether orders of the forces meet modes within the range of speeds."""
-    over = f"from {found.speeds_rpm[0]:,.0f} to {found.speeds_rpm[-1]:,.0f} rpm"
-    met = [(at.order, at.speed_rpm, mode) for mode in found.modes for at in mode.critical_speeds]
+    over = f"from {modal.speeds_rpm[0]:,.0f} to {modal.speeds_rpm[-1]:,.0f} rpm"
+    met = [(at.order, at.speed_rpm, mode) for mode in modal.modes for at in mode.critical_speeds]
     if not met:
-        return f"No order up to {found.highest_order:g} meets a mode {over}."
+        return f"No order up to {modal.highest_order:g} meets a mode {over}."
     order, speed, mode = min(met, key=lambda one: one[:2])
     return (
         f"The lowest order that meets a mode {over} is {order:g}: mode {mode.mode} ({mode.kind}) at "
@@ -109,28 +109,28 @@ def critical_sentence(found: ShaftModes) -> str:
     )
 
 
-def torsion_only_sentence(found: ShaftModes) -> str:
+def torsion_only_sentence(modal: ShaftModes) -> str:
     """Return which parts bend no mode, as their mass is not given."""
-    parts = ", ".join(f"shaft.{name}.mass_kg" for name in found.torsion_only)
-    verb = "is" if len(found.torsion_only) == 1 else "are"
+    parts = ", ".join(f"shaft.{name}.mass_kg" for name in modal.torsion_only)
+    verb = "is" if len(modal.torsion_only) == 1 else "are"
     return f"{parts} {verb} not given: in bending and along the axis the shaft swings without it."
 
 
-def fluid_sentence(found: ShaftModes) -> str:
+def fluid_sentence(modal: ShaftModes) -> str:
     """Return that the fluid of a viscous damper holds nothing here, and what it would change."""
-    with_it = ", ".join(f"{frequency:.1f}" for frequency in found.disks_with_fluid_Hz)
+    with_it = ", ".join(f"{frequency:.1f}" for frequency in modal.disks_with_fluid_Hz)
     return (
         "The fluid of shaft.damper is left out, as all damping is: a ring without springs turns loose.\n"
         f"cranktopo vibration has the fluid: torsion by disks is at {with_it} Hz with it."
     )
 
 
-def error_sentence(found: ShaftModes) -> str:
+def error_sentence(modal: ShaftModes) -> str:
     """Return how far the frequencies are off, as far as it is told."""
-    worst = max(found.modes, key=lambda mode: abs(mode.last_step_percent))
-    mesh = found.stiffness_error_percent / 2
+    worst = max(modal.modes, key=lambda mode: abs(mode.last_step_percent))
+    mesh = modal.stiffness_error_percent / 2
     return (
-        f"{found.unknowns} unknowns. The last of {found.steps} steps of the reduction changed a frequency\n"
+        f"{modal.unknowns} unknowns. The last of {modal.steps} steps of the reduction changed a frequency\n"
         f"by at most {abs(worst.last_step_percent):.2g} % (mode {worst.mode}). Mesh: frequencies of torsion "
         f"are at most {mesh:.2g} % too high."
     )

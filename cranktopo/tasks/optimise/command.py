@@ -159,9 +159,9 @@ def _scene(
     return with_cells_for(scene, accuracy, budget) if accuracy or budget else scene
 
 
-def _beside_goal(goal: GoalTable, asked: str | None) -> str:
+def _beside_goal(goal: GoalTable, goal_option: str | None) -> str:
     """Return why a goal, by an option or the design's own, leaves no place for a volume fraction."""
-    if asked:
+    if goal_option:
         return "--volume-fraction excludes a goal: limit the mass instead"
     key, word = ("minimise", goal.minimise) if goal.minimise else ("maximise", goal.maximise)
     return (
@@ -176,8 +176,8 @@ def _exit_code(metrics: RunMetrics) -> ExitCode:
     if metrics.status != "converged":
         return ExitCode.NOT_CONVERGED
     goal = metrics.goal
-    broken = goal is not None and any(limit.holds is False for limit in goal.limits)
-    unmet = broken or (goal is not None and goal.not_evaluated is not None) or metrics.refusal
+    violated = goal is not None and any(limit.holds is False for limit in goal.limits)
+    unmet = violated or (goal is not None and goal.not_evaluated is not None) or metrics.refusal
     return ExitCode.CRITERION_NOT_MET if unmet else ExitCode.DONE
 
 
@@ -218,8 +218,8 @@ class _Bar:
                 problem.optimisation.responses, (*row.goals, *row.limits), strict=False
             )
         ]
-        wanted = ", ".join(dict.fromkeys(reached)) or f"{work}, volume {row.volume_fraction:.3f}"
-        text = f"{wanted}, grey {row.greyness:.3f}"
+        values = ", ".join(dict.fromkeys(reached)) or f"{work}, volume {row.volume_fraction:.3f}"
+        text = f"{values}, grey {row.greyness:.3f}"
         self._bar.set_postfix_str(text, refresh=False)
         detail(f"iteration {row.iteration}: {text}, {row.cg_iterations} cycles, {row.seconds:.2f} s")
         if row.notice:

@@ -6,7 +6,7 @@ the optimisation goes on from there, until every limit that decides the design i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,18 +14,18 @@ from tempfile import TemporaryDirectory
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note
 from cranktopo.base.progress import Json, StageMemory
-from cranktopo.design.goal.constraint import TOLERANCE, bound_in_model
+from cranktopo.design.goal.constraint import TOLERANCE, Constraint, bound_in_model
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.outcome import GoalOutcome, LimitOutcome, LimitRound, goal_outcome
-from cranktopo.design.goal.wanted import judged_by_evaluation, wanted
+from cranktopo.design.goal.scene_goal import goal_of, judged_by_evaluation
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.numerics.surfaces.files import write_stl
-from cranktopo.report.goal_table import broken_limits, percent_line, unknown_limits
+from cranktopo.report.goal_table import percent_line, unknown_limits, violated_limits
 from cranktopo.tasks.density import loop
 from cranktopo.tasks.density.loop import with_bounds
-from cranktopo.tasks.density.problem import DensityProblem, ResponseConstraint
+from cranktopo.tasks.density.problem import DensityProblem
 from cranktopo.tasks.density.stage import Prepared
 from cranktopo.tasks.density.state import State
 from cranktopo.tasks.extraction.checked_surface import checked_surface
@@ -41,32 +41,6 @@ _MOVED = "limits in the cells as the evaluation moved them"
 _ORIGINAL = "original"
 Values = Mapping[str, float]
 Step = Callable[[State], State]
-
-
-@dataclass(frozen=True)
-class CheckedLimit:
-    """One limit as the optimiser has it now, its value in the cells, and its outcome by the evaluation."""
-
-    in_cells: ResponseConstraint
-    value: float
-    outcome: LimitOutcome
-
-    @property
-    def met(self) -> bool:
-        """True where the limit holds by the evaluation, and with no reserve if it decides the design."""
-        missed = self.outcome.violation
-        if missed is None:
-            return True
-        decides = self.in_cells.constraint.active(self.value)
-        return abs(missed) <= TOLERANCE if decides else missed <= TOLERANCE
-
-    @property
-    def moved(self) -> float:
-        """Bound in the cells at which the evaluation reaches what is wanted."""
-        required, reached = self.outcome.required, self.outcome.reached
-        if required is None or reached is None:
-            return self.in_cells.constraint.bound
-        return bound_in_model(self.outcome.quantity, required, self.value, reached)
 
 
 @dataclass(frozen=True)
@@ -96,13 +70,14 @@ class EvaluatedGoal:
         name = _iteration_name(state.last.iteration)
         return self._values(name, "web.stl", lambda path: self._surface(state, path))
 
-    def limits(self, state: State) -> tuple[CheckedLimit, ...]:
-        """Return the limits of the last design of a state."""
+    def outcome(self, state: State) -> GoalOutcome:
+        """Return the outcome of the goal for the last design of a state."""
+        return goal_outcome(self.goal, self.reached(state), self.original())
+
+    def in_cells(self, state: State) -> tuple[tuple[Constraint, float], ...]:
+        """Return the limits that the cells have now, each with the value of the last design of a state."""
         limits = self.problem.with_bounds(state.bounds).optimisation.limits
-        names = {limit.response.name for limit in limits}
-        found = goal_outcome(self.goal, self.reached(state), self.original()).limits
-        known = (outcome for outcome in found if outcome.quantity in names)
-        return tuple(CheckedLimit(*row) for row in zip(limits, state.last.limits, known, strict=True))
+        return tuple(zip((limit.constraint for limit in limits), state.last.limits, strict=True))
 
     def _original(self, path: Path) -> Target:
         file, name = original_file(self.scene), "original web"
@@ -139,10 +114,41 @@ def evaluated_goal(
     scene: Scene, prepared: Prepared, problem: DensityProblem, work: StageMemory
 ) -> EvaluatedGoal | None:
     """Return the goal of a scene whose limits are to hold by the evaluation; None where none are."""
-    goal = wanted(scene)
+    goal = goal_of(scene)
     if goal is None or not judged_by_evaluation(scene):
         return None
     return EvaluatedGoal(goal, scene, prepared, problem, work)
+
+
+def moved_bounds(
+    in_cells: Sequence[tuple[Constraint, float]], outcomes: Sequence[LimitOutcome]
+) -> tuple[float, ...]:
+    """Return bounds in the cells at which the evaluation reaches what is required; none where all are met.
+
+    Args:
+        in_cells: limits that the cells have, each with its value.
+        outcomes: of all limits by the evaluation of the same design.
+    """
+    names = {constraint.quantity for constraint, _ in in_cells}
+    known = (outcome for outcome in outcomes if outcome.quantity in names)
+    rows = [(*limit, outcome) for limit, outcome in zip(in_cells, known, strict=True)]
+    if all(_met(*row) for row in rows):
+        return ()
+    return tuple(_moved_bound(*row) for row in rows)
+
+
+def _met(constraint: Constraint, value: float, outcome: LimitOutcome) -> bool:
+    """Tell whether a limit holds by the evaluation, and with no reserve if it decides the design."""
+    violation = outcome.violation
+    if violation is None:
+        return True
+    return (abs(violation) if constraint.active(value) else violation) <= TOLERANCE
+
+
+def _moved_bound(constraint: Constraint, value: float, outcome: LimitOutcome) -> float:
+    if outcome.required is None or outcome.reached is None:
+        return constraint.bound
+    return bound_in_model(outcome.quantity, outcome.required, value, outcome.reached)
 
 
 def enforce_limits_by_fea(
@@ -158,31 +164,31 @@ def enforce_limits_by_fea(
     """
     while case is not None and state.status == "converged":
         try:
-            limits = case.limits(state)
+            outcome = case.outcome(state)
         except CranktopoError as error:
             if error.code == ExitCode.INTERRUPTED:
                 raise
             note(f"iteration {state.last.iteration} could not be evaluated: {error.message}")
             return replace(state, reason=f"{state.reason}; its limits are not judged"), error.message
-        told = goal_outcome(case.goal, case.reached(state), case.original())
-        done = len(state.rounds) == _ROUNDS or all(limit.met for limit in limits)
-        more = "" if done else "; the limits in the cells are moved by their error"
-        note(f"iteration {state.last.iteration} by the evaluation: {percent_line(told)}{more}")
-        if done:
-            return replace(state, reason=f"{state.reason}; {_verdict(told, len(state.rounds))}"), ""
-        state = with_bounds(state, [limit.moved for limit in limits])
+        last = len(state.rounds) == _ROUNDS
+        bounds = () if last else moved_bounds(case.in_cells(state), outcome.limits)
+        more = "; the limits in the cells are moved by their error" if bounds else ""
+        note(f"iteration {state.last.iteration} by the evaluation: {percent_line(outcome)}{more}")
+        if not bounds:
+            return replace(state, reason=f"{state.reason}; {_verdict(outcome, len(state.rounds))}"), ""
+        state = with_bounds(state, bounds)
         save(state)
         state = go_on(state)
     return (replace(state, reason=f"{state.reason} ({_MOVED})") if state.rounds else state), ""
 
 
-def _verdict(told: GoalOutcome, rounds: int) -> str:
+def _verdict(outcome: GoalOutcome, rounds: int) -> str:
     after = f"after the limits in the cells were moved {'once' if rounds == 1 else f'{rounds} times'}"
     after = f" {after}" if rounds else ""
-    broken = broken_limits(told)
-    if broken:
-        return f"not met by the evaluation{after}: {'; '.join(broken)}"
-    unknown = unknown_limits(told)
+    violated = violated_limits(outcome)
+    if violated:
+        return f"not met by the evaluation{after}: {'; '.join(violated)}"
+    unknown = unknown_limits(outcome)
     if unknown:
         return f"every limit but {', '.join(unknown)}, not assessed here, holds by the evaluation{after}"
     return f"every limit holds by the evaluation{after}"
@@ -196,9 +202,8 @@ def goal_by_evaluation(goal: GoalOutcome, case: EvaluatedGoal, state: State, fai
     if name not in kept:
         return goal
     evaluated = _evaluation(kept[name])
-    told = goal_outcome(case.goal, case.reached(state), case.original())
     return goal.with_evaluation(
-        told,
+        case.outcome(state),
         fillets=False,
         element_size_mm=evaluated.mesh.element_size_mm,
         error_estimate_percent=evaluated.error_estimate_percent,

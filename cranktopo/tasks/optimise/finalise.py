@@ -12,7 +12,7 @@ from cranktopo.base.notes import redirected
 from cranktopo.base.side_by_side import LazyFuture, side_by_side
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import CompileClock, double_precision
 from cranktopo.numerics.surfaces.files import write_stl
@@ -43,7 +43,7 @@ def cells_of_bound(run: RunStore, prepared: Prepared) -> Cells | None:
     """Return what gives the cells of the bound, begun in a thread; None where the plan leaves it out."""
     if prepared.plan["bound"].state != "on":
         return None
-    cells = LazyFuture(lambda: model_for_result(prepared.scene, wanted(prepared.scene)))
+    cells = LazyFuture(lambda: model_for_result(prepared.scene, goal_of(prepared.scene)))
     with redirected(run.log):
         cells.begin()
     return cells.result
@@ -68,7 +68,7 @@ def finalise_run(
     design = loop.final_design(problem, state)
     rows = _history_rows(problem, state.history)
     (surface, half_throw, files), judged = side_by_side(
-        lambda: _shown(run, prepared, design, rows),
+        lambda: _write_design(run, prepared, design, rows),
         lambda: _judged(run, prepared, problem, state, design.physical, cells),
     )
     now = time.perf_counter()
@@ -142,14 +142,14 @@ def _bound(
     own = original.quantities
     reached = {name: 100 * value / own[name] for name, value in result.quantities.items() if own[name]}
     with redirected(run.log):
-        return bounds_for_result(scene, reached, wanted(scene), cells)
+        return bounds_for_result(scene, reached, goal_of(scene), cells)
 
 
 def _goal(
     scene: Scene, judged: _Judgement, case: EvaluatedGoal | None, state: State, failure: str
 ) -> GoalOutcome | None:
     """Return what became of the goal, by the evaluation where the run has one; None without a goal."""
-    goal = wanted(scene)
+    goal = goal_of(scene)
     if goal is None:
         return None
     in_cells = goal_outcome(goal, judged.result.quantities, judged.original.quantities)
@@ -162,7 +162,7 @@ def _beside_goal(bound: BoundStatements | NoBound, goal: GoalOutcome | None) -> 
     return bound.with_reached(goal.reached_percent)
 
 
-def _shown(
+def _write_design(
     run: RunStore, prepared: Prepared, design: loop.WebDensities, rows: Sequence[Mapping[str, Any]]
 ) -> tuple[RunSurface | NoSurface, SurfaceMesh | None, dict[str, str]]:
     """Return what the surface measures, or why there is none, its half throw, and the files of the design."""
@@ -193,7 +193,7 @@ def _surface(prepared: Prepared, design: loop.WebDensities) -> CheckedSurface | 
 
 
 def _title(scene: Scene) -> str:
-    goal = wanted(scene)
+    goal = goal_of(scene)
     volume = f"volume fraction {scene.optimise.volume_fraction:g}"
     return f"{scene.name}, {volume if goal is None else f'{goal.sense} {goal.quantity}'}"
 

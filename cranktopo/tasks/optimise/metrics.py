@@ -65,7 +65,7 @@ def run_metrics(
     """
     scene, domain = prepared.scene, prepared.domain
     moved = balance_moved(scene, result.quantities, original.quantities)
-    reported = (
+    remarks = (
         moved.told if moved else "",
         "" if scene.goal else _other_mass(scene, domain, state.last.volume_fraction, result, original),
     )
@@ -89,7 +89,7 @@ def run_metrics(
         peak_memory_MiB=peak_memory_MiB(),
         effects=prepared.plan.effects,
         left_off=left_off(scene, prepared.plan) or None,
-        notices=[*prepared.notices, *filter(None, reported)],
+        notices=[*prepared.notices, *filter(None, remarks)],
         balance=moved,
         **others,
     )
@@ -185,11 +185,14 @@ def run_surface(surface: CheckedSurface | str, scene: Scene) -> RunSurface | NoS
     """Return what the extracted surface measures, or why the density has none."""
     if isinstance(surface, str):
         return NoSurface(refusal=surface)
-    requested = {"asked_member_mm": scene.optimise.min_member_mm, "asked_gap_mm": scene.optimise.min_gap_mm}
+    minimum_lengths = {
+        "asked_member_mm": scene.optimise.min_member_mm,
+        "asked_gap_mm": scene.optimise.min_gap_mm,
+    }
     return RunSurface(
         **vars(quality(surface.surface, surface.report)),
         undercuts=UndercutMeasures.of(surface.undercuts(scene)),
-        walls=WallMeasures(**surface.walls(scene), **requested) if measures_walls(scene) else None,
+        walls=WallMeasures(**surface.walls(scene), **minimum_lengths) if measures_walls(scene) else None,
     )
 
 

@@ -26,7 +26,7 @@ from cranktopo.design.assumed import (
     stored_assumptions,
 )
 from cranktopo.design.goal.limit import goal_text
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, new_run
@@ -124,7 +124,7 @@ def optimise_design(
 def announce(prepared: Prepared, assumed: Sequence[Assumption]) -> None:
     """Pass on what is going to be solved, what a user may not expect of it, and what is assumed."""
     note(describe(prepared))
-    goal = wanted(prepared.scene)
+    goal = goal_of(prepared.scene)
     if goal is not None:
         note(goal_text(goal, "density"))
     note_left_off(prepared.scene.name, left_off(prepared.scene, prepared.plan))
@@ -175,11 +175,11 @@ def _optimise(job: _Job, resume: bool = False) -> OptimisedRun:
             run.resume()
         LazyFuture(lambda: _compiled(problem)).begin()
         end = LazyFuture(lambda: _ready_for_the_end(job))
-        shown = _checked(job.progress, check, end)
-        kept = _kept(run, shown)
+        progress = _checked(job.progress, check, end)
+        kept = _kept(run, progress)
         prepared, work = job.prepared, StageMemory(StageCache(run.path / EVALUATIONS), check)
         state = (_saved_state(job) if resume else None) or first_state(
-            problem, prepared.scene, prepared.domain, prepared.cases, shown
+            problem, prepared.scene, prepared.domain, prepared.cases, progress
         )
         state = iterate(problem, state, kept)
         case = evaluated_goal(job.scene, prepared, problem, work)

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cranktopo.report.goal_table import (
-    broken_limits,
     evaluated_changes,
     evaluation_note,
     goal_line,
@@ -15,18 +14,19 @@ from cranktopo.report.goal_table import (
     limits_table,
     unjudged_line,
     unknown_limits,
+    violated_limits,
 )
 from cranktopo.report.page import Fact, FactStatus
 from cranktopo.report.result_table import terminal, text_table
 from cranktopo.tasks.bound.text import bound_lines
 from cranktopo.tasks.extraction.result import NoSurface, RunSurface, WallMeasures
 from cranktopo.tasks.extraction.text import (
-    asked_lengths,
     kept,
     length_lines,
     length_text,
     manufacturing_obstacles,
     released_text,
+    required_lengths,
 )
 from cranktopo.tasks.fea.quantities import (
     MASS,
@@ -121,10 +121,10 @@ def _lengths(metrics: RunMetrics) -> list[Fact]:
         Fact(
             name.capitalize(),
             length_text(found),
-            f"{asked:g} mm asked",
-            "good" if kept(found, asked) else "bad",
+            f"{required:g} mm asked",
+            "good" if kept(found, required) else "bad",
         )
-        for name, (found, asked) in asked_lengths(metrics.walls).items()
+        for name, (found, required) in required_lengths(metrics.walls).items()
     ]
 
 
@@ -135,11 +135,11 @@ def _limits(metrics: RunMetrics) -> list[Fact]:
         return []
     if goal.not_evaluated is not None:
         return [Fact("Limits", "not judged", unjudged_line(goal), "bad")]
-    broken, unknown, count = broken_limits(goal), unknown_limits(goal), len(goal.limits)
-    note = "; ".join(broken) if broken else f"{goal_words(goal)} within them"
+    violated, unknown, count = violated_limits(goal), unknown_limits(goal), len(goal.limits)
+    note = "; ".join(violated) if violated else f"{goal_words(goal)} within them"
     note += f"; not assessed: {', '.join(unknown)}" if unknown else ""
-    value = f"{count - len(broken) - len(unknown)} of {count} hold"
-    return [Fact("Limits", value, note, "bad" if broken else "unknown" if unknown else "good")]
+    value = f"{count - len(violated) - len(unknown)} of {count} hold"
+    return [Fact("Limits", value, note, "bad" if violated else "unknown" if unknown else "good")]
 
 
 def _mass(metrics: RunMetrics) -> Fact:

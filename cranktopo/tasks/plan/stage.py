@@ -6,7 +6,7 @@ from cranktopo.bodies.cells.outside import outside_envelope
 from cranktopo.design.assumed import ENVELOPE, GOAL, LOADS, SUPPORTS, THROW, VIBRATION, assumptions
 from cranktopo.design.checks.engine import shaft_warnings
 from cranktopo.design.goal.outcome import stated_goal
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Scene
 from cranktopo.design.strength import strength_remarks
 from cranktopo.engine.performance import pressure_warnings
@@ -17,7 +17,7 @@ from cranktopo.tasks.plan.result import DesignPlan, PlannedEvaluations
 
 def design_plan(scene: Scene) -> DesignPlan:
     """Return the effects of a design by closed forms, with what each would cost."""
-    goal, todo = wanted(scene), effort(scene)
+    goal, todo = goal_of(scene), effort(scene)
     return DesignPlan(
         design=scene.name,
         goal=None if goal is None else stated_goal(goal),

@@ -6,17 +6,17 @@ from collections.abc import Sequence
 
 from cranktopo.bodies.cells.outside import outside_words
 from cranktopo.design.goal.limit import goal_text
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.effect import Effect
 from cranktopo.report.result_table import text_table
 from cranktopo.tasks.plan.result import DesignPlan
 
 
-def plan_text(found: DesignPlan, scene: Scene) -> str:
+def plan_text(design_plan: DesignPlan, scene: Scene) -> str:
     """Return threshold, goal, what evaluations it takes and what lies outside; then the effects."""
-    goal, todo = wanted(scene), found.evaluations
-    lines = [f"{found.design}, threshold {100 * scene.effects.threshold:g} %"]
+    goal, todo = goal_of(scene), design_plan.evaluations
+    lines = [f"{design_plan.design}, threshold {100 * scene.effects.threshold:g} %"]
     if goal is not None:
         lines.append(goal_text(goal, "density"))
     if todo.number:
@@ -24,9 +24,9 @@ def plan_text(found: DesignPlan, scene: Scene) -> str:
             f"limits by the evaluation: about {todo.number} evaluations of original and surfaces, "
             f"+{todo.seconds:.0f} s"
         )
-    if words := outside_words(found.outside_envelope):
+    if words := outside_words(design_plan.outside_envelope):
         lines.append(words)
-    return "\n".join([*lines, "", _effects_text(found.effects)])
+    return "\n".join([*lines, "", _effects_text(design_plan.effects)])
 
 
 def _effects_text(effects: Sequence[Effect]) -> str:

@@ -44,10 +44,10 @@ if TYPE_CHECKING:
 _DIGITS = 6
 
 
-def usual_limits(scene: Scene, **given: float | int | None) -> ManufacturingLimits:
+def usual_limits(scene: Scene, **chosen: float | int | None) -> ManufacturingLimits:
     """Return manufacturing limits of a throw: those given, and the usual ones in proportion to it."""
     usual = _scaled_limits(ManufacturingLimits(), 1 / usual_scale(scene))
-    kept: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
+    kept: dict[str, Any] = {key: value for key, value in chosen.items() if value is not None}
     return replace(usual, **kept)
 
 

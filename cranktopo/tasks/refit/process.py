@@ -33,7 +33,7 @@ def process_limits(scene: Scene, limits: ManufacturingLimits) -> ProcessLimits:
         radius = max(limits.min_radius_mm, tool_radius_mm(scene))
         return _with_floors(scene, ProcessLimits(**{**own, "pocket_radius_mm": radius}))
     draft, lateral = max(limits.min_draft_deg, settings.draft_deg), settings.parting == "lateral"
-    requested = {
+    scene_limits = {
         "min_draft_deg": draft,
         "opens": "sides" if lateral else "faces",
         "pocket_draft_deg": 0.0 if lateral else draft,
@@ -41,8 +41,8 @@ def process_limits(scene: Scene, limits: ManufacturingLimits) -> ProcessLimits:
         "bevel_draft_deg": draft if lateral else 0.0,
         "depth_share": 1.0 if lateral or settings.process == "cast" else 0.5,
     }
-    made = ProcessLimits(**{**own, **requested})
-    return made if lateral else _with_floors(scene, made)
+    adjusted = ProcessLimits(**{**own, **scene_limits})
+    return adjusted if lateral else _with_floors(scene, adjusted)
 
 
 def _with_floors(scene: Scene, limits: ProcessLimits) -> ProcessLimits:

@@ -178,8 +178,8 @@ def fit_from(problem: FitProblem, layout: Layout, guess: Array, step: str) -> Ca
 
 def _features(problem: FitProblem, best: Candidate, trials: list[FitTrial]) -> Candidate:
     for group in FITTED_TO_SECTIONS:
-        made = (part.made(problem.limits) for part in group)
-        possible = (part for part in made if part is not None and part.possible(problem.scene))
+        manufactured = (part.manufactured(problem.limits) for part in group)
+        possible = (part for part in manufactured if part is not None and part.possible(problem.scene))
         guesses = ((part, part.guess(problem.target, problem.scene, problem.limits)) for part in possible)
         best = _try(problem, best, [(part, guess) for part, guess in guesses if guess is not None], trials)
     for _ in range(_MOST_POCKETS):
@@ -216,7 +216,7 @@ def _pockets(problem: FitProblem, best: Candidate) -> Iterator[tuple[FittedFeatu
     for region in residual_regions(problem, model_fill(problem, best)):
         for kind in FITTED_TO_REGIONS if region.kind != "material" else ():
             found = kind.in_region(region)
-            part = None if found is None else found.made(problem.limits)
+            part = None if found is None else found.manufactured(problem.limits)
             if part is not None:
                 yield part, part.guess(region, problem.scene.web_z_mm)
 
@@ -258,5 +258,5 @@ def model_fill(problem: FitProblem, candidate: Candidate) -> Array:
     return Fit(problem, candidate.layout).fill(candidate.values, sharp)
 
 
-def _trial(found: Candidate, gain: float, kept: bool) -> FitTrial:
-    return FitTrial(found.step, len(found.values), 100 * found.overlap, 100 * gain, kept)
+def _trial(candidate: Candidate, gain: float, kept: bool) -> FitTrial:
+    return FitTrial(candidate.step, len(candidate.values), 100 * candidate.overlap, 100 * gain, kept)

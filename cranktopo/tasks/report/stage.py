@@ -9,7 +9,7 @@ from cranktopo.base.files import as_path
 from cranktopo.report.page import Page
 from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.runs.directories import RunStore, open_run
-from cranktopo.runs.kind import EACH_WEB, LOOP, SHAPE, kind_of, shown_results
+from cranktopo.runs.kind import EACH_WEB, LOOP, SHAPE, kind_of, reading_results
 
 
 def report_run(run: RunStore | str | Path, path: Path | str | None = None, stresses: bool = False) -> Path:
@@ -25,7 +25,7 @@ def report_run(run: RunStore | str | Path, path: Path | str | None = None, stres
     path = as_path(path)
     store = run if isinstance(run, RunStore) else open_run(run)
     target = path or store.path / REPORT
-    with shown_results(store):
+    with reading_results(store):
         page = _page(store, stresses)
     write_report(page, target)
     return target

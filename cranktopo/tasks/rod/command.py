@@ -87,8 +87,8 @@ def command(
     from cranktopo.tasks.rod.stage import check_rod_strength
     from cranktopo.tasks.rod.text import rod_text
 
-    given = {"--element-size-mm": element_size_mm, "--contact": contact, "--out": out}
-    for option in (name for name, value in given.items() if value and not fea):
+    fea_options = {"--element-size-mm": element_size_mm, "--contact": contact, "--out": out}
+    for option in (name for name, value in fea_options.items() if value and not fea):
         raise CranktopoError(f"{option}: only with --fea.", hint="Add --fea.", code=ExitCode.USAGE)
     scene = load_scene(design, whole=True)
     if lighter is not None:

@@ -118,9 +118,9 @@ def corrected_search(search: RodSearch, judge: Judge) -> tuple[Scene, RodOnEleme
     if refused is not None and len(tried) == 1:
         raise refused
     if found is None or _lost(search, own, best) > 0:
-        raise search.nothing_found(" by elements")
-    reported = search.told(best.scene, best.strength)
-    return best.scene, found.with_search(_with_elements(reported, own, best, len(tried) - 1))
+        raise search.no_lighter_rod(" by elements")
+    closed_form = search.result_of(best.scene, best.strength)
+    return best.scene, found.with_search(_with_elements(closed_form, own, best, len(tried) - 1))
 
 
 def _of_the_mesh(error: CranktopoError) -> CranktopoError:
@@ -132,7 +132,7 @@ def _of_the_mesh(error: CranktopoError) -> CranktopoError:
 
 def _lost(search: RodSearch, own: _JudgedRod, one: _JudgedRod) -> float:
     """Share of what is wanted by elements that a rod lacks; 0 of one that is lighter and lacks nothing."""
-    lost = max(1 - one.least(kind) / wanted for kind, wanted in _wanted(own).items())
+    lost = max(1 - one.least(kind) / required for kind, required in _required_values(own).items())
     return max(lost, 0.0) + (not search.is_better(one.scene, one.strength))
 
 
@@ -178,11 +178,11 @@ class _JudgedRod:
         return {key: float(np.log(self.by_elements[key] / value)) for key, value in closed.items()}
 
 
-def _closed_form(found: RodStrength, keys: Iterable[_Quantity]) -> dict[_Quantity, float]:
+def _closed_form(strength: RodStrength, keys: Iterable[_Quantity]) -> dict[_Quantity, float]:
     """Values of the closed form, as far as it has them."""
-    margins = _margins(found.eyes)
+    margins = _margins(strength.eyes)
     safeties = {
-        (place, kind): getattr(found.section_of(place), kind) for place, kind in keys if kind in _SAFETIES
+        (place, kind): getattr(strength.section_of(place), kind) for place, kind in keys if kind in _SAFETIES
     }
     return safeties | {key: margins[key] for key in keys if key in margins}
 
@@ -197,7 +197,7 @@ def _margins(eyes: Sequence[EyeShape]) -> dict[_Quantity, float]:
     return found
 
 
-def _wanted(own: _JudgedRod) -> dict[str, float]:
+def _required_values(own: _JudgedRod) -> dict[str, float]:
     """Least value of each kind: safeties of the own rod, and the limits of the design."""
     return {**{kind: own.least(kind) for kind in _SAFETIES}, _MARGIN: 1.0}
 
@@ -217,11 +217,11 @@ def _limits(names: Sequence[str], tried: Sequence[_JudgedRod], at: _JudgedRod) -
     slopes = _known_slopes(names, keys)
     missed = ratios - here - moves @ slopes
     slopes += np.linalg.pinv(scale[:, None] * moves, _NOISE) @ (scale[:, None] * missed)
-    wanted = _wanted(tried[0])
-    least = np.array([wanted[kind] for _, kind in keys])
+    required = _required_values(tried[0])
+    least = np.array([required[kind] for _, kind in keys])
 
-    def limits(values: Array, found: RodStrength) -> Array:
-        closed = _closed_form(found, keys)
+    def limits(values: Array, strength: RodStrength) -> Array:
+        closed = _closed_form(strength, keys)
         ratio = here + (np.log(values) - there) @ slopes
         return np.asarray(1 + _KEPT - np.array([closed[key] for key in keys]) * np.exp(ratio) / least)
 
@@ -245,9 +245,9 @@ def _line(own: _JudgedRod, one: _JudgedRod) -> str:
     )
 
 
-def _with_elements(found: LighterRod, own: _JudgedRod, best: _JudgedRod, rods: int) -> LighterRod:
+def _with_elements(lighter: LighterRod, own: _JudgedRod, best: _JudgedRod, rods: int) -> LighterRod:
     against_yield, for_fatigue = zip(own.safeties, best.safeties, strict=True)
-    return found.model_copy(
+    return lighter.model_copy(
         update={
             "elements_yield_safety": against_yield,
             "elements_fatigue_safety": for_fatigue,

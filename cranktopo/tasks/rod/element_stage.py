@@ -62,7 +62,7 @@ def rod_on_elements(scene: Scene, method: str, element_size_mm: float | None, co
     return RodOnElements(found.model_copy(update={"elements": elements}), stress)
 
 
-def write_rod_folder(out: Path, name: str, found: RodOnElements) -> None:
+def write_rod_folder(out: Path, name: str, rod: RodOnElements) -> None:
     """Write the files of a rod by elements into a folder, pictures named after the design."""
-    write_rod_files(out, name, found.stress)
-    write_json(out / "rod.json", found.strength.as_json())
+    write_rod_files(out, name, rod.stress)
+    write_json(out / "rod.json", rod.strength.as_json())

@@ -71,7 +71,7 @@ def rod_elements(
         loads = _states(fields, motions)
         found.append(element_stress(fields, loads, method, away))
     coarse, fine = found
-    return _told(coarse, fine, loads, size), fine
+    return _elements_result(coarse, fine, loads, size), fine
 
 
 def _states(fields: RodFields, motions: Sequence[RodMotion]) -> Array:
@@ -80,7 +80,7 @@ def _states(fields: RodFields, motions: Sequence[RodMotion]) -> Array:
     return cycle_loads(fields, mass, motions, pressure)
 
 
-def _told(coarse: ElementStress, fine: ElementStress, loads: Array, size: float) -> RodElements:
+def _elements_result(coarse: ElementStress, fine: ElementStress, loads: Array, size: float) -> RodElements:
     fields, sharp = fine.fields, fine.at_sharp_edges()
     limit = rod_material(fields.scene).yield_MPa or np.nan
     before = {name: (stress, fatigue) for name, stress, fatigue in coarse.worst()}

@@ -54,11 +54,11 @@ def lighten_rod(
     lighter = search.rod_at(search.best())
     after = check_rod_strength(lighter, method)
     if not search.is_better(lighter, after):
-        raise search.nothing_found()
-    reported = search.told(lighter, after)
+        raise search.no_lighter_rod()
+    result = search.result_of(lighter, after)
     if not any(eye.permitted_um for eye in after.eyes):
-        return lighter, reported
-    return lighter, reported.model_copy(update={"result_without_limits_kg": search.unlimited_kg()})
+        return lighter, result
+    return lighter, result.model_copy(update={"result_without_limits_kg": search.unlimited_kg()})
 
 
 @dataclass(frozen=True)
@@ -126,16 +126,16 @@ class RodSearch:
         kept = float(self._excess(lighter, after).max()) <= _ROUNDED
         return kept and after.masses.total_kg < self.before.masses.total_kg
 
-    def _excess(self, scene: Scene, found: RodStrength) -> Array:
+    def _excess(self, scene: Scene, strength: RodStrength) -> Array:
         """Values that must stay below 0 of a rod: what it lost, and what its bores change too much."""
-        return np.concatenate([_excess(scene, found, self.before), _too_oval(found) * self.limited])
+        return np.concatenate([_excess(scene, strength, self.before), _too_oval(strength) * self.limited])
 
     def unlimited_kg(self) -> float:
         """Return the mass of the lightest rod of the same search without limits of ovalisation."""
         free = replace(self, limited=False)
         return check_rod_strength(free.rod_at(free.best()), self.method).masses.total_kg
 
-    def nothing_found(self, judge: str = "") -> CranktopoError:
+    def no_lighter_rod(self, judge: str = "") -> CranktopoError:
         """Return the error that tells that the search ended without a better rod."""
         limits = [eye for eye in self.before.eyes if eye.permitted_um]
         kept = " within the permitted ovalisation" * bool(limits)
@@ -150,7 +150,7 @@ class RodSearch:
             hint="Change rod.shank, or give dimensions that are farther from the limits.",
         )
 
-    def told(self, lighter: Scene, after: RodStrength) -> LighterRod:
+    def result_of(self, lighter: Scene, after: RodStrength) -> LighterRod:
         """Return what was found."""
         before, scene = self.before, self.scene
         dimensions = tuple(
@@ -215,17 +215,17 @@ def _with(scene: Scene, names: tuple[str, ...], values: Array) -> Scene:
     return scene.model_copy(update={"rod": rod})
 
 
-def _safeties(found: RodStrength) -> tuple[list[float], list[float]]:
+def _safeties(strength: RodStrength) -> tuple[list[float], list[float]]:
     """Safeties against yield, of struts too, and for fatigue."""
-    static = [*(s.yield_safety for s in found.sections), *(b.yield_safety for b in found.buckling)]
-    return static, [s.fatigue_safety for s in found.sections]
+    static = [*(s.yield_safety for s in strength.sections), *(b.yield_safety for b in strength.buckling)]
+    return static, [s.fatigue_safety for s in strength.sections]
 
 
-def _excess(scene: Scene, found: RodStrength, before: RodStrength) -> Array:
+def _excess(scene: Scene, strength: RodStrength, before: RodStrength) -> Array:
     """Values that must stay below 0: lost safeties, and dimensions below what the others leave them."""
     lost = [
         1 + _KEPT - value / min(limit)
-        for values, limit in zip(_safeties(found), _safeties(before), strict=True)
+        for values, limit in zip(_safeties(strength), _safeties(before), strict=True)
         for value in values
     ]
     rod = scene.rod
@@ -235,9 +235,9 @@ def _excess(scene: Scene, found: RodStrength, before: RodStrength) -> Array:
     return np.array([*lost, *short, *oblique])
 
 
-def _too_oval(found: RodStrength) -> Array:
+def _too_oval(strength: RodStrength) -> Array:
     """Ovalisation over what is permitted, less 1."""
-    over = [eye.ovalisation_um / eye.permitted_um for eye in found.eyes if eye.permitted_um]
+    over = [eye.ovalisation_um / eye.permitted_um for eye in strength.eyes if eye.permitted_um]
     return np.array(over) + _KEPT - 1
 
 

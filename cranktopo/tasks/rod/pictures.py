@@ -121,7 +121,7 @@ def save_rod_picture(path: Path, stress: ElementStress) -> None:
 def _draw(
     place: tuple[Any, Any],
     stress: ElementStress,
-    shown: tuple[Array, Normalize, Colormap],
+    coloured: tuple[Array, Normalize, Colormap],
     marked: tuple[WorstPoint, str],
 ) -> None:
     """Draw a field over the rod, which lies with its big end at the left."""
@@ -130,7 +130,7 @@ def _draw(
 
     from cranktopo.report.shading import draw, shaded_faces, view_axes
 
-    (figure, axes), (values, norm, colours), (point, label) = place, shown, marked
+    (figure, axes), (values, norm, colours), (point, label) = place, coloured, marked
     points, normals, faces = _whole(stress)
     body = shaded_faces(
         points, normals, faces, lambda corners: colours(norm(values[corners].mean(axis=1)))[:, :3]

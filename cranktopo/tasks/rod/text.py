@@ -105,14 +105,14 @@ def least_safety(rod: RodStrength) -> str:
     every = [(one.section, one) for one in rod.sections] + places
     yielding = [(name, one.yield_safety) for name, one in every]
     yielding += [(f"shank buckling, {one.plane}", one.yield_safety) for one in rod.buckling]
-    told = {
+    worst = {
         "yield": min(yielding, key=lambda one: one[1]),
         f"fatigue by {rod.method}": min(
             ((name, one.fatigue_safety) for name, one in every), key=lambda one: one[1]
         ),
     }
-    words = "; ".join(f"{what} {safety:.2f} ({place})" for what, (place, safety) in told.items())
-    return f"{'' if min(safety for _, safety in told.values()) >= 1 else 'NOT SAFE: '}least safety: {words}"
+    words = "; ".join(f"{what} {safety:.2f} ({place})" for what, (place, safety) in worst.items())
+    return f"{'' if min(safety for _, safety in worst.values()) >= 1 else 'NOT SAFE: '}least safety: {words}"
 
 
 def _too_oval(rod: RodStrength) -> Iterator[str]:
@@ -165,7 +165,7 @@ def _split(split: ObliqueSplit) -> str:
     return "\n\n".join(lines)
 
 
-def _elements(found: RodElements, rod: RodStrength) -> str:
+def _elements(elements: RodElements, rod: RodStrength) -> str:
     columns: tuple[Column[RodPlace], ...] = (
         Column("place", 0, lambda p: p.place),
         Column("x_mm", 1, lambda p: p.point_mm[0]),
@@ -179,19 +179,19 @@ def _elements(found: RodElements, rod: RodStrength) -> str:
         Column("closed form yield", 2, lambda p: rod.section_of(p.place).yield_safety),
         Column("closed form fatigue", 2, lambda p: rod.section_of(p.place).fatigue_safety),
     )
-    size = f"{found.nodes:,} nodes, elements of {found.element_size_mm:.3g} mm"
-    pins = "rigid pins touch" if found.contact else "pressure by the cosine"
+    size = f"{elements.nodes:,} nodes, elements of {elements.element_size_mm:.3g} mm"
+    pins = "rigid pins touch" if elements.contact else "pressure by the cosine"
     part = "half" if rod.oblique_split else "quarter"
     lines = [f"By finite elements on a {part}, {pins}: {size}; von Mises stress, positive in tension"]
-    lines.append(terminal(tabulate(columns, found.places)))
-    if found.at_sharp_edges is not None:
-        x, y, z = found.at_sharp_edges.point_mm
+    lines.append(terminal(tabulate(columns, elements.places)))
+    if elements.at_sharp_edges is not None:
+        x, y, z = elements.at_sharp_edges.point_mm
         lines.append(
-            f"Nearer than {found.edge_distance_mm:.2g} mm to sharp inner edges the mesh decides: "
-            f"{found.at_sharp_edges.von_mises_MPa:.0f} MPa at ({x:.1f}, {y:.1f}, {z:.1f}) mm, not judged."
+            f"Nearer than {elements.edge_distance_mm:.2g} mm to sharp inner edges the mesh decides: "
+            f"{elements.at_sharp_edges.von_mises_MPa:.0f} MPa at ({x:.1f}, {y:.1f}, {z:.1f}) mm, not judged."
         )
     lines.append("Change of the bores' diameters by finite elements")
-    lines.append(terminal(tabulate(_EYES, found.eyes)))
+    lines.append(terminal(tabulate(_EYES, elements.eyes)))
     return "\n\n".join(lines)
 
 
@@ -206,44 +206,44 @@ def _pin(pin: PinCheck) -> str:
     return f"Piston pin under {pin.force_N:,.0f} N\n\n{labelled(rows)}"
 
 
-def _by_elements(found: LighterRod) -> list[tuple[str, str]]:
+def _by_elements(lighter: LighterRod) -> list[tuple[str, str]]:
     """Rows of what finite elements say of both rods, where they were asked."""
     safeties = (
-        ("smallest against yield, elements", found.elements_yield_safety),
-        ("smallest for fatigue, elements", found.elements_fatigue_safety),
+        ("smallest against yield, elements", lighter.elements_yield_safety),
+        ("smallest for fatigue, elements", lighter.elements_fatigue_safety),
     )
     return [(name, "{:.2f} -> {:.2f}".format(*pair)) for name, pair in safeties if pair]
 
 
-def _ovalisations(found: LighterRod) -> Iterator[tuple[str, str]]:
+def _ovalisations(lighter: LighterRod) -> Iterator[tuple[str, str]]:
     """Rows of what bores change by, and of what their limits cost."""
     rows = (
-        ("small end's bore, um", found.small_end_ovalisation_um),
-        ("big end's bore, um", found.big_end_ovalisation_um),
-        ("small end's bore, um, elements", found.elements_small_end_ovalisation_um),
-        ("big end's bore, um, elements", found.elements_big_end_ovalisation_um),
+        ("small end's bore, um", lighter.small_end_ovalisation_um),
+        ("big end's bore, um", lighter.big_end_ovalisation_um),
+        ("small end's bore, um, elements", lighter.elements_small_end_ovalisation_um),
+        ("big end's bore, um, elements", lighter.elements_big_end_ovalisation_um),
     )
     yield from ((name, "{:.1f} -> {:.1f}".format(*pair)) for name, pair in rows if pair)
-    if found.result_without_limits_kg is not None:
-        cost = found.result_kg - found.result_without_limits_kg
+    if lighter.result_without_limits_kg is not None:
+        cost = lighter.result_kg - lighter.result_without_limits_kg
         yield "cost of the ovalisation's limits", f"{cost:.4f} kg"
 
 
-def _lighter(found: LighterRod) -> str:
-    change = 100 * (found.result_kg / found.start_kg - 1)
+def _lighter(lighter: LighterRod) -> str:
+    change = 100 * (lighter.result_kg / lighter.start_kg - 1)
     rows = (
-        ("mass", f"{found.start_kg:.4f} -> {found.result_kg:.4f} kg ({change_text(change)})"),
-        ("smallest against yield", "{:.2f} -> {:.2f}".format(*found.smallest_yield_safety)),
-        ("smallest for fatigue", "{:.2f} -> {:.2f}".format(*found.smallest_fatigue_safety)),
-        *_by_elements(found),
-        *_ovalisations(found),
-        ("rod's unbalance", "{:.2f} -> {:.2f} kg mm".format(*found.rotating_unbalance_kg_mm)),
+        ("mass", f"{lighter.start_kg:.4f} -> {lighter.result_kg:.4f} kg ({change_text(change)})"),
+        ("smallest against yield", "{:.2f} -> {:.2f}".format(*lighter.smallest_yield_safety)),
+        ("smallest for fatigue", "{:.2f} -> {:.2f}".format(*lighter.smallest_fatigue_safety)),
+        *_by_elements(lighter),
+        *_ovalisations(lighter),
+        ("rod's unbalance", "{:.2f} -> {:.2f} kg mm".format(*lighter.rotating_unbalance_kg_mm)),
         (
-            f"pull on the crankpin at {found.speed_rpm:g} rpm",
-            "{:,.0f} -> {:,.0f} N".format(*found.crankpin_pull_N),
+            f"pull on the crankpin at {lighter.speed_rpm:g} rpm",
+            "{:,.0f} -> {:,.0f} N".format(*lighter.crankpin_pull_N),
         ),
     )
-    changed = terminal(tabulate(_FREE, found.dimensions))
-    rods = found.rods_by_elements
+    changed = terminal(tabulate(_FREE, lighter.dimensions))
+    rods = lighter.rods_by_elements
     judged = f", by elements too: {rods} rods were judged" if rods else ""
     return f"A lighter rod at no less safety{judged}\n\n{labelled(rows)}\n\n{changed}"

@@ -69,8 +69,8 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
         SWEEP,
         kind_of,
         read_result,
+        reading_results,
         resume_command,
-        shown_results,
     )
     from cranktopo.tasks.run_list.stage import run_result
 
@@ -88,7 +88,7 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
     if result is None:
         click.echo(f"not finished; continue with: {resume_command(found)}")
         return
-    with shown_results(found):
+    with reading_results(found):
         summary = _summary(kind, result, found.path)
     click.echo(summary)
 

@@ -10,7 +10,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import as_path
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.runs.directories import RUNS, RunStore, list_runs, remove_run
-from cranktopo.runs.kind import EACH_WEB, LOOP, SHAPE, SWEEP, RunKind, kind_of, read_result, shown_results
+from cranktopo.runs.kind import EACH_WEB, LOOP, SHAPE, SWEEP, RunKind, kind_of, read_result, reading_results
 from cranktopo.tasks.fea.quantities import PER_MASS, STIFFNESS
 from cranktopo.tasks.iterate.result import LoopResult
 from cranktopo.tasks.optimise.result import RunMetrics
@@ -74,39 +74,39 @@ def _entry(run: RunStore) -> RunEntry:
     kind, manifest = kind_of(run), run.manifest()
     known = {"command": kind, "design": manifest["design"], "started": manifest["started"]}
     try:
-        with shown_results(run):
+        with reading_results(run):
             result = run_result(run)
-            reported = {} if result is None else _KINDS[kind][1](result)
+            summary = {} if result is None else _KINDS[kind][1](result)
     except CranktopoError:  # one damaged run does not hide the others
-        reported = {"result": "unreadable"}
-    return entry.model_copy(update={**known, **reported})
+        summary = {"result": "unreadable"}
+    return entry.model_copy(update={**known, **summary})
 
 
-def _told_of_run(metrics: RunMetrics) -> dict[str, Any]:
+def _run_summary(metrics: RunMetrics) -> dict[str, Any]:
     return _web(
         metrics.status, metrics.mass_kg.throw, metrics.original_web.gain_of_stiffness_per_mass_percent
     )
 
 
-def _told_of_loop(loop: LoopResult) -> dict[str, Any]:
+def _loop_summary(loop: LoopResult) -> dict[str, Any]:
     if loop.best is None:
         return {"result": "no better web"}
     gains = {key: share - 100 for key, share in loop.best.percent_of_original.items()}
     return _web(f"best: {loop.best.words}", loop.best.throw_kg, _per_mass(gains))
 
 
-def _told_of_shape(shape: ShapeResult) -> dict[str, Any]:
+def _shape_summary(shape: ShapeResult) -> dict[str, Any]:
     return _web(shape.status, shape.values.result["mass"], _per_mass(shape.change_percent))
 
 
-def _told_of_sweep(sweep: SweepResult) -> dict[str, Any]:
+def _sweep_summary(sweep: SweepResult) -> dict[str, Any]:
     ends = ", ".join(f"{count} {end}" for end, count in sweep.ends.items())
     return {"result": f"{ends}; {len(sweep.front)} on the front"}
 
 
-def _told_of_each_web(found: EachWebResult) -> dict[str, Any]:
-    kept = "limits kept" if found.held else "limits not met"
-    return {"result": f"{kept}; crank {found.each_web.shaft.mass_kg:.3f} kg"}
+def _each_web_summary(result: EachWebResult) -> dict[str, Any]:
+    kept = "limits kept" if result.held else "limits not met"
+    return {"result": f"{kept}; crank {result.each_web.shaft.mass_kg:.3f} kg"}
 
 
 def _web(result: str, mass_kg: float, gains: Mapping[str, float]) -> dict[str, Any]:
@@ -118,11 +118,11 @@ def _per_mass(change_percent: Mapping[str, float]) -> dict[str, float]:
 
 
 _KINDS: dict[RunKind, tuple[type[Result], Callable[[Any], dict[str, Any]]]] = {
-    "optimise": (RunMetrics, _told_of_run),
-    LOOP: (LoopResult, _told_of_loop),
-    SHAPE: (ShapeResult, _told_of_shape),
-    SWEEP: (SweepResult, _told_of_sweep),
-    EACH_WEB: (EachWebResult, _told_of_each_web),
+    "optimise": (RunMetrics, _run_summary),
+    LOOP: (LoopResult, _loop_summary),
+    SHAPE: (ShapeResult, _shape_summary),
+    SWEEP: (SweepResult, _sweep_summary),
+    EACH_WEB: (EachWebResult, _each_web_summary),
 }
 """Result of a finished run of each kind, and what the list tells of it."""
 

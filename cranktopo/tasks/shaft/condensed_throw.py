@@ -122,7 +122,7 @@ def stiffness_of(
     return shaft_stiffness(shaft, bearings, spring_N_per_mm, carried(scene), tilt)
 
 
-def _softer(found: ShaftStiffness, without: ShaftStiffness) -> dict[str, float]:
+def _softer(stiffness: ShaftStiffness, joint_free: ShaftStiffness) -> dict[str, float]:
     """Share of each twist that energy which a mesh misses would add."""
-    softer = without.by_name()
-    return {name: value / softer[name] - 1 for name, value in found.by_name().items()}
+    softer = joint_free.by_name()
+    return {name: value / softer[name] - 1 for name, value in stiffness.by_name().items()}

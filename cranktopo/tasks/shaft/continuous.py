@@ -80,7 +80,7 @@ def _at_speed(
     ]
     sections = web_sections(cycle, scenes)
     ranges = {name: sections.range_of(name) for name in sections.curves()}
-    together = ranges["bending_Nm"]
+    bending = ranges["bending_Nm"]
     alone = [
         web_sections(one, [own]).range_of("bending_Nm")[0] for one, own in zip(single, scenes, strict=True)
     ]
@@ -88,9 +88,9 @@ def _at_speed(
         WebMoment(
             web=2 * index + side + 1,
             throw=index + 1,
-            range_Nm=float(together[index, side]),
+            range_Nm=float(bending[index, side]),
             alone_Nm=float(alone[index][side]),
-            share=float(together[index, side] / alone[index][side]),
+            share=float(bending[index, side] / alone[index][side]),
             side_range_Nm=float(ranges["side_bending_Nm"][index, side]),
             torque_range_Nm=float(ranges["torque_Nm"][index, side]),
             shear_range_N=float(ranges["shear_N"][index, side]),

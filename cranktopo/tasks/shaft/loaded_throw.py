@@ -150,10 +150,10 @@ def loaded_throw(blocks: Sequence[LoadedBlock], scene: Scene) -> LoadedThrow:
 
 def _unit_loads(model: Elasticity, scene: Scene, span: Span, lateral: Lateral) -> dict[str, Array]:
     """Nodal forces on the model of the unit loads that have its symmetry."""
-    wanted = {"even": ("radial",), "odd": ("tangential",), "none": _PIN}[lateral]
+    directions = {"even": ("radial",), "odd": ("tangential",), "none": _PIN}[lateral]
     low, high = loaded_mm(scene, whole=True)
     found: dict[str, Array] = {}
-    for name in wanted:
+    for name in directions:
         axis, sign = (1, -1.0) if name == "radial" else (0, 1.0)
         near = sign * mean_displacement(model, axis, low, (low + high) / 2)
         far = sign * mean_displacement(model, axis, (low + high) / 2, high) if span == "whole" else near

@@ -75,17 +75,17 @@ def web_sections(cycle: ShaftCycle, scenes: Sequence[Scene]) -> WebSections:
     )
 
 
-def write_web_sections(found: Sequence[tuple[float, WebSections]], path: Path) -> None:
+def write_web_sections(sections_by_speed: Sequence[tuple[float, WebSections]], path: Path) -> None:
     """Write the curves of every web at every speed as CSV, one row an angle.
 
     Args:
-        found: speed, rpm, and curves at it.
+        sections_by_speed: speed, rpm, and curves at it.
 
     Raises:
         CranktopoError: the file cannot be written.
     """
-    rows, names = [], list(found[0][1].curves())
-    for speed_rpm, sections in found:
+    rows, names = [], list(sections_by_speed[0][1].curves())
+    for speed_rpm, sections in sections_by_speed:
         curves = np.stack(list(sections.curves().values()), axis=-1)
         throws, webs, states, _ = curves.shape
         throw, web, state = np.indices((throws, webs, states)).reshape(3, -1)

@@ -146,8 +146,8 @@ def _check_options(
     fillet_fraction: float | None,
 ) -> None:
     """Refuse options that say nothing here."""
-    requested = {"--speeds": speeds_rpm, "--method": method, "--misfire": misfires, "--csv": csv_path}
-    needing = next((option for option, given in requested.items() if given), "")
+    options = {"--speeds": speeds_rpm, "--method": method, "--misfire": misfires, "--csv": csv_path}
+    needing = next((option for option, used in options.items() if used), "")
     if needing and not loaded:
         raise CranktopoError(
             f"{needing}: the forces on all bearings need [engine.gas], and bearings that are not free.",

@@ -78,18 +78,18 @@ def shaft_page(shaft: ShaftAssessment, loads: BearingPolar, crank: Scene, writte
     )
 
 
-def _on_crank(found: ShaftSafety, crank: Scene) -> tuple[Picture, ...]:
+def _on_crank(shaft: ShaftSafety, crank: Scene) -> tuple[Picture, ...]:
     """Return the crank from the side; none of one whose throws differ."""
     if crank.crank is not None and not crank.crank.uniform:
         return ()
-    return (side_picture(found, main_journal_places_mm(crank), CrankSide.of(crank)),)
+    return (side_picture(shaft, main_journal_places_mm(crank), CrankSide.of(crank)),)
 
 
-def _speeds(found: ShaftSafety) -> str:
-    first, last = found.speeds[0].speed_rpm, found.speeds[-1].speed_rpm
+def _speeds(shaft: ShaftSafety) -> str:
+    first, last = shaft.speeds[0].speed_rpm, shaft.speeds[-1].speed_rpm
     if first == last:
         return f"{first:,.0f} rpm"
-    return f"{len(found.speeds)} speeds, {first:,.0f} to {last:,.0f} rpm"
+    return f"{len(shaft.speeds)} speeds, {first:,.0f} to {last:,.0f} rpm"
 
 
 def _films_words(shaft: ShaftAssessment) -> list[str]:
@@ -104,24 +104,29 @@ def _films_fact(shaft: ShaftAssessment) -> list[Fact]:
     if not films:
         return []
     thin = min(films, key=lambda one: one.film_um)
-    reported = [f"{thin.bearing} at {thin.speed_rpm:,.0f} rpm", *shaft.beyond_permitted]
+    places = [f"{thin.bearing} at {thin.speed_rpm:,.0f} rpm", *shaft.beyond_permitted]
     status: FactStatus = "neutral"
     if shaft.films_hold is not None:
         status = "good" if shaft.films_hold else "bad"
     return [
-        Fact("Least oil film", f"{film_words(thin.film_um, thin.below_um)} um", "; ".join(reported), status)
+        Fact("Least oil film", f"{film_words(thin.film_um, thin.below_um)} um", "; ".join(places), status)
     ]
 
 
-def _facts(shaft: ShaftAssessment, found: ShaftSafety, carried: ContinuousShaft) -> tuple[Fact, ...]:
-    safest = max(found.webs, key=lambda web: web.safety)
+def _facts(shaft: ShaftAssessment, shaft_safety: ShaftSafety, carried: ContinuousShaft) -> tuple[Fact, ...]:
+    safest = max(shaft_safety.webs, key=lambda web: web.safety)
     bearing = carried.worst_bearing
     return (
         Fact(
             "Least safety",
-            f"{found.safety:.3f}",
-            "; ".join([f"web {found.worst.web} at {found.worst.speed_rpm:,.0f} rpm", *unsure_words(found)]),
-            "bad" if found.safety < 1 else "unknown" if found.mesh_shortfall else "good",
+            f"{shaft_safety.safety:.3f}",
+            "; ".join(
+                [
+                    f"web {shaft_safety.worst.web} at {shaft_safety.worst.speed_rpm:,.0f} rpm",
+                    *unsure_words(shaft_safety),
+                ]
+            ),
+            "bad" if shaft_safety.safety < 1 else "unknown" if shaft_safety.mesh_shortfall else "good",
         ),
         Fact("Safest web", f"{safest.safety:.3f}", f"web {safest.web}", "neutral"),
         Fact(

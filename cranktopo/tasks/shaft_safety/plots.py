@@ -73,33 +73,33 @@ class BearingPolar:
     load_N: Array
 
 
-def safety_pictures(found: ShaftSafety) -> tuple[Picture, ...]:
+def safety_pictures(shaft: ShaftSafety) -> tuple[Picture, ...]:
     """Return the least safety by web and, of several speeds, over speed."""
-    worst = found.worst
-    said = f"least {found.safety:.3f} at web {worst.web}, {worst.speed_rpm:,.0f} rpm"
-    pictures = [picture("safety-by-web", f"Least safety of each part of each web: {said}", _by_web, found)]
-    if len(found.speeds) > 1:
+    worst = shaft.worst
+    said = f"least {shaft.safety:.3f} at web {worst.web}, {worst.speed_rpm:,.0f} rpm"
+    pictures = [picture("safety-by-web", f"Least safety of each part of each web: {said}", _by_web, shaft)]
+    if len(shaft.speeds) > 1:
         pictures += [
-            picture("safety-over-speed", f"Least safety of each web over speed: {said}", _over_speed, found),
-            picture("safety-map", f"Map of the least safety over webs and speeds: {said}", _map, found),
+            picture("safety-over-speed", f"Least safety of each web over speed: {said}", _over_speed, shaft),
+            picture("safety-map", f"Map of the least safety over webs and speeds: {said}", _map, shaft),
         ]
     return tuple(pictures)
 
 
-def side_picture(found: ShaftSafety, journal_z_mm: Sequence[float], shape: CrankSide) -> Picture:
+def side_picture(shaft: ShaftSafety, journal_z_mm: Sequence[float], shape: CrankSide) -> Picture:
     """Return the crank from the side with the least safety of each web.
 
     Args:
         journal_z_mm: main journals along the shaft, one more than throws.
     """
-    worst = found.worst
-    said = f"Least safety of each web on the crank seen from the side: {found.safety:.3f} at web {worst.web}"
-    return picture("safety-on-crank", said, _on_crank, found, journal_z_mm, shape)
+    worst = shaft.worst
+    said = f"Least safety of each web on the crank seen from the side: {shaft.safety:.3f} at web {worst.web}"
+    return picture("safety-on-crank", said, _on_crank, shaft, journal_z_mm, shape)
 
 
 def web_pictures(speed_rpm: float, sections: WebSections) -> tuple[Picture, ...]:
     """Return bending, torque and shear of every web over the crank angle at a speed."""
-    reported = (
+    pictures = (
         ("bending", "Bending moment in the plane of the throw", "N m", sections.bending_Nm),
         ("side-bending", "Bending moment across the throw", "N m", sections.side_bending_Nm),
         ("torque", "Torque", "N m", sections.torque_Nm),
@@ -115,7 +115,7 @@ def web_pictures(speed_rpm: float, sections: WebSections) -> tuple[Picture, ...]
             curves.reshape(-1, curves.shape[2]),
             f"{what.lower()} ({unit})",
         )
-        for name, what, unit, curves in reported
+        for name, what, unit, curves in pictures
     )
 
 
@@ -137,12 +137,12 @@ def bearing_pictures(loads: BearingPolar) -> tuple[Picture, ...]:
     )
 
 
-def _by_web(axes: Any, found: ShaftSafety) -> None:
-    webs = np.array([web.web for web in found.webs])
-    judged = [part for part in _PARTS if any(getattr(web, part) is not None for web in found.webs)]
+def _by_web(axes: Any, shaft: ShaftSafety) -> None:
+    webs = np.array([web.web for web in shaft.webs])
+    judged = [part for part in _PARTS if any(getattr(web, part) is not None for web in shaft.webs)]
     wide = _BARS / len(judged)
     for number, part in enumerate(judged):
-        values = [getattr(web, part) for web in found.webs]
+        values = [getattr(web, part) for web in shaft.webs]
         heights = [np.nan if value is None else value for value in values]
         place = webs + (number - (len(judged) - 1) / 2) * wide
         axes.bar(place, heights, wide, label=part.replace("_", " "), color=_PARTS[part])
@@ -152,37 +152,37 @@ def _by_web(axes: Any, found: ShaftSafety) -> None:
     plain(axes)
 
 
-def _over_speed(axes: Any, found: ShaftSafety) -> None:
-    speeds = [at.speed_rpm for at in found.speeds]
-    for web in found.webs:
+def _over_speed(axes: Any, shaft: ShaftSafety) -> None:
+    speeds = [at.speed_rpm for at in shaft.speeds]
+    for web in shaft.webs:
         axes.plot(speeds, web.over_speeds, lw=0.9, label=f"web {web.web}")
-    axes.plot(speeds, [at.safety for at in found.speeds], "k", lw=1.6, label="shaft")
+    axes.plot(speeds, [at.safety for at in shaft.speeds], "k", lw=1.6, label="shaft")
     axes.axhline(1.0, **_LIMIT)
     axes.set(xlabel="speed (rpm)", ylabel="least safety", ylim=(0, None), xlim=(speeds[0], speeds[-1]))
     plain(axes)
 
 
-def _map(axes: Any, found: ShaftSafety) -> None:
+def _map(axes: Any, shaft: ShaftSafety) -> None:
     """Draw the least safety as a colour over web and speed; each cell reaches half way to the next speed."""
-    speeds = np.array([at.speed_rpm for at in found.speeds])
-    values = np.array([web.over_speeds for web in found.webs])
+    speeds = np.array([at.speed_rpm for at in shaft.speeds])
+    values = np.array([web.over_speeds for web in shaft.webs])
     middle = (speeds[1:] + speeds[:-1]) / 2
     edges = np.concatenate([[speeds[0]], middle, [speeds[-1]]])
     webs = np.arange(len(values) + 1) + 0.5
     shades = axes.pcolormesh(edges, webs, values, cmap=_SHADES)
     axes.figure.colorbar(shades, ax=axes, label="least safety").ax.tick_params(labelsize=8)
-    axes.plot(found.worst.speed_rpm, found.worst.web, "kx", label="least")
-    axes.set_yticks([web.web for web in found.webs])
+    axes.plot(shaft.worst.speed_rpm, shaft.worst.web, "kx", label="least")
+    axes.set_yticks([web.web for web in shaft.webs])
     axes.set(xlabel="speed (rpm)", ylabel="web, from the free end")
     plain(axes)
 
 
-def _on_crank(axes: Any, found: ShaftSafety, journal_z_mm: Sequence[float], shape: CrankSide) -> None:
+def _on_crank(axes: Any, shaft: ShaftSafety, journal_z_mm: Sequence[float], shape: CrankSide) -> None:
     """Draw journals, pins and webs as rectangles; throws that point down lie below the axis."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
-    safeties = np.array([web.safety for web in found.webs])
+    safeties = np.array([web.safety for web in shaft.webs])
     shades = ScalarMappable(Normalize(safeties.min(), safeties.max()), _SHADES)
     colours = shades.to_rgba(safeties)
     for place in journal_z_mm:

@@ -178,12 +178,12 @@ class ShaftAssessment(ShaftEvaluation):
     """Safety of its webs, with `--method`."""
 
 
-def assessment(found: ShaftEvaluation, safety: ShaftSafety | None = None) -> ShaftAssessment:
+def assessment(evaluation: ShaftEvaluation, safety: ShaftSafety | None = None) -> ShaftAssessment:
     """Return a whole shaft with the safety of its webs, if they were judged, in full and in short."""
     by_speed = {at.speed_rpm: at for at in safety.speeds} if safety else {}
     return ShaftAssessment.model_construct(
-        **dict(found),
-        speeds=tuple(_in_short(at, by_speed.get(at.speed_rpm)) for at in found.on_bearings),
+        **dict(evaluation),
+        speeds=tuple(_in_short(at, by_speed.get(at.speed_rpm)) for at in evaluation.on_bearings),
         worst=_worst_in_short(safety) if safety else None,
         seconds=safety.seconds if safety else None,
         safety=safety,
@@ -221,12 +221,12 @@ def _safety_in_short(judged: SpeedSafety) -> SafetyAtSpeed:
     return SafetyAtSpeed(value=judged.safety, place=judged.part, throw=throw, web=judged.web)
 
 
-def _worst_in_short(found: ShaftSafety) -> WorstAtSpeed:
-    worst = found.worst
+def _worst_in_short(shaft: ShaftSafety) -> WorstAtSpeed:
+    worst = shaft.worst
     return WorstAtSpeed(
         rpm=worst.speed_rpm,
         deg=worst.highest_deg,
-        safety=found.safety,
+        safety=shaft.safety,
         place=worst.critical.place,
         throw=worst.throw,
         web=worst.web,

@@ -131,18 +131,18 @@ def assess_shaft(
     return assessed
 
 
-def write_curves(found: ShaftEvaluation, csv: Path | str | None) -> None:
+def write_curves(evaluation: ShaftEvaluation, csv: Path | str | None) -> None:
     """Write what the webs carry at every angle, if a file is asked for; raises CranktopoError."""
     if csv is None:
         return
-    if not found.on_bearings:
+    if not evaluation.on_bearings:
         raise CranktopoError(
             "--csv: what webs carry over the cycle needs [engine.gas], and bearings that are not free.",
             hint="Leave it out, or choose --bearings rigid, spring or film.",
             code=ExitCode.USAGE,
         )
     path = as_path(csv)
-    write_web_sections([(at.speed_rpm, at.sections) for at in found.on_bearings if at.sections], path)
+    write_web_sections([(at.speed_rpm, at.sections) for at in evaluation.on_bearings if at.sections], path)
     note(str(path))
 
 

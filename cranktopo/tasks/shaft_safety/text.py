@@ -27,8 +27,8 @@ def shaft_text(shaft: ShaftAssessment) -> str:
     """Return what `cranktopo shaft` prints."""
     error = shaft.error_percent
     errors = f"stiffnesses +-{error:.2g} %, frequencies +-{error / 2:.2g} % at most"
-    reported = shaft.silent, fill(shaft.pressure, WIDTH), fill(shaft.added_words, WIDTH)
-    said = [line for line in reported if line]
+    remarks = shaft.silent, fill(shaft.pressure, WIDTH), fill(shaft.added_words, WIDTH)
+    said = [line for line in remarks if line]
     beyond = ["\n".join(shaft.beyond_permitted)] if shaft.beyond_permitted else []
     left_off = [fill(f"{words}.", WIDTH)] if shaft.safety and (words := shaft.safety.left_off) else []
     parts = [*left_off, *beyond, *_torsion(shaft), *said, *_on_bearings(shaft)]
@@ -37,28 +37,28 @@ def shaft_text(shaft: ShaftAssessment) -> str:
     return "\n\n".join((*parts, errors))
 
 
-def safety_text(found: ShaftSafety) -> list[str]:
+def safety_text(shaft: ShaftSafety) -> list[str]:
     """Return what is told of the safety of a shaft, by paragraph."""
-    several = len(found.speeds) > 1
-    at_speeds = f"{len(found.speeds)} speeds" if several else f"{found.worst.speed_rpm:,.0f} rpm"
-    reported = [
-        f"Least safety of each web by method {found.method!r}, over the cycle at {at_speeds}:",
-        terminal(web_table(found)),
+    several = len(shaft.speeds) > 1
+    at_speeds = f"{len(shaft.speeds)} speeds" if several else f"{shaft.worst.speed_rpm:,.0f} rpm"
+    paragraphs = [
+        f"Least safety of each web by method {shaft.method!r}, over the cycle at {at_speeds}:",
+        terminal(web_table(shaft)),
         "\n".join(
             [
-                worst_sentence(found),
-                *(fill(line, WIDTH, break_on_hyphens=False) for line in unsure_words(found)),
+                worst_sentence(shaft),
+                *(fill(line, WIDTH, break_on_hyphens=False) for line in unsure_words(shaft)),
             ]
         ),
     ]
     if several:
-        reported += ["Over the speeds:", terminal(speed_table(found))]
-    return reported
+        paragraphs += ["Over the speeds:", terminal(speed_table(shaft))]
+    return paragraphs
 
 
-def web_table(found: ShaftSafety) -> ResultTable:
+def web_table(shaft: ShaftSafety) -> ResultTable:
     """Return the least safety of the parts of each web, and the speed of the least."""
-    absent = {part for part in PARTS if all(getattr(web, part) is None for web in found.webs)}
+    absent = {part for part in PARTS if all(getattr(web, part) is None for web in shaft.webs)}
     parts = [part for part in PARTS if part not in absent]
     rows: tuple[Row, ...] = tuple(
         {
@@ -67,12 +67,12 @@ def web_table(found: ShaftSafety) -> ResultTable:
             **{part: getattr(web, part) for part in parts},
             "at_rpm": web.speed_rpm,
         }
-        for web in found.webs
+        for web in shaft.webs
     )
     return ResultTable({"web": 0, "throw": 0, **dict.fromkeys(parts, 3), "at_rpm": 0}, rows)
 
 
-def speed_table(found: ShaftSafety) -> ResultTable:
+def speed_table(shaft: ShaftSafety) -> ResultTable:
     """Return the least safety at each speed."""
     rows: tuple[Row, ...] = tuple(
         {
@@ -81,24 +81,24 @@ def speed_table(found: ShaftSafety) -> ResultTable:
             "web": str(at.web),
             "part": at.part.replace("_", " "),
         }
-        for at in found.speeds
+        for at in shaft.speeds
     )
     return ResultTable({"speed_rpm": 0, "safety": 3, "web": 0, "part": 0}, rows)
 
 
-def worst_sentence(found: ShaftSafety) -> str:
+def worst_sentence(shaft: ShaftSafety) -> str:
     """Return where and when the shaft is least safe, in two lines."""
-    worst = found.worst
+    worst = shaft.worst
     return (
-        f"Least safety {found.safety:.3f}: web {worst.web} (throw {worst.throw}) at "
+        f"Least safety {shaft.safety:.3f}: web {worst.web} (throw {worst.throw}) at "
         f"{worst.speed_rpm:,.0f} rpm, highest stress at {worst.highest_deg:g} deg,\n"
         f"lowest at {worst.lowest_deg:g} deg: {worst.critical.place}."
     )
 
 
-def unsure_words(found: ShaftSafety) -> list[str]:
+def unsure_words(shaft: ShaftSafety) -> list[str]:
     """Return in a sentence why the safety is not sure, if so."""
-    missed = found.mesh_shortfall
+    missed = shaft.mesh_shortfall
     return [f"Not sure: {missed}; a smaller --fillet-fraction helps."] if missed else []
 
 
@@ -110,7 +110,7 @@ def _torsion(shaft: ShaftEvaluation) -> tuple[str, str]:
         )
     ]
     frequencies = ", ".join(f"{f:.0f}" for f in shaft.natural_frequencies_Hz)
-    reported = (
+    frequencies_text = (
         f"{frequencies} Hz (shaft and moving masses alone, free ends)" if frequencies else "none: one throw"
     )
     end = shaft.stiffness.end_to_end_Nm_per_rad / 1000
@@ -121,7 +121,7 @@ def _torsion(shaft: ShaftEvaluation) -> tuple[str, str]:
             (f"one throw, {name}", f"{value / 1000:.2f} kN m/rad")
             for name, value in shaft.throw_by_bearings_Nm_per_rad.items()
         ),
-        ("natural frequencies", reported),
+        ("natural frequencies", frequencies_text),
     )
     return _table({"throw": 0, "angle_deg": 0, "torsion_kNm_per_rad": 2}, throws), labelled(rows)
 
@@ -134,7 +134,7 @@ def _on_bearings(shaft: ShaftEvaluation) -> list[str]:
     worst = max(speeds, key=lambda at: at.worst_web.range_Nm)
     stiff = "rigid" if worst.spring_N_per_mm is None else f"of {worst.spring_N_per_mm:,.0f} N/mm"
     held = "in their oil films" if shaft.bearings == "film" else stiff
-    reported = [
+    paragraphs = [
         f"On all its main bearings, {held}, at {worst.speed_rpm:,.0f} rpm. Bending moment in the middle\n"
         "of each web, largest less smallest over the cycle, beside a throw alone:",
         terminal(moment_table(worst)),
@@ -142,8 +142,8 @@ def _on_bearings(shaft: ShaftEvaluation) -> list[str]:
         terminal(bearing_table(worst)),
     ]
     if len(speeds) > 1:
-        reported += ["Over the speeds, the web and the bearing with the most:", _over_speeds(speeds)]
-    return reported
+        paragraphs += ["Over the speeds, the web and the bearing with the most:", _over_speeds(speeds)]
+    return paragraphs
 
 
 def moment_table(at: ContinuousShaft) -> ResultTable:

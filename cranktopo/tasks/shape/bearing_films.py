@@ -12,7 +12,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.goal.quantities import QuantityName
-from cranktopo.design.goal.wanted import asks_for
+from cranktopo.design.goal.scene_goal import asks_for
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import difference_points, from_differences
 from cranktopo.tasks.film.stage import films_at

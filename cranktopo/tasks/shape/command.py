@@ -93,8 +93,8 @@ def command(
     from cranktopo.tasks.shape.text import shape_summary
 
     if each_web or (resume and _is_of_each_web(resume)):
-        requested = minimise, maximise, limits
-        return _each_web(target, web or throw, requested, rules, resume, out, as_json=as_json)
+        goal_words = minimise, maximise, limits
+        return _each_web(target, web or throw, goal_words, rules, resume, out, as_json=as_json)
     if resume:
         run = resume_shape(resume)
     else:
@@ -126,7 +126,7 @@ def _is_of_each_web(reference: str) -> bool:
 def _each_web(
     target: str | None,
     one: str | int | None,
-    asked: tuple[str | None, str | None, tuple[str, ...]],
+    goal_words: tuple[str | None, str | None, tuple[str, ...]],
     rules: dict[str, Any],
     resume: str | None,
     out: Path | None,
@@ -151,7 +151,7 @@ def _each_web(
             )
         name = target or DEFAULT_DESIGN
         scene = load_scene(name, whole=True)
-        minimise, maximise, limits = asked
+        minimise, maximise, limits = goal_words
         if scene.goal is None and minimise is None and maximise is None:
             minimise = "mass"
         scene = with_goal_options(scene, minimise, maximise, limits)

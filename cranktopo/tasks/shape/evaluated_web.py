@@ -11,7 +11,7 @@ from pathlib import Path
 from cranktopo.base.notes import note, silent
 from cranktopo.base.progress import Json, StageMemory
 from cranktopo.base.side_by_side import LazyFuture, side_by_side
-from cranktopo.design.goal.wanted import asks_for
+from cranktopo.design.goal.scene_goal import asks_for
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import Loads, WebLoads
 from cranktopo.engine.plan.planning import planned_scene
@@ -78,7 +78,7 @@ def evaluated_web(
     target = _target(scene)
 
     def make() -> Json:
-        note(_told(target, stressed))
+        note(_task_words(target, stressed))
         with silent():
             if not stressed:
                 return _evaluated(target, element_size_mm)
@@ -116,7 +116,7 @@ def evaluated_original(
     target, began = _target(scene, file), time.perf_counter()
 
     def make() -> Json:
-        note(_told(target, stressed))
+        note(_task_words(target, stressed))
         with silent():
             return _evaluated(target, element_size_mm)
 
@@ -164,7 +164,7 @@ def _target(scene: Scene, file: Path | None = None) -> Target:
     return Target(scene.name, planned_scene(scene, kept), file)
 
 
-def _told(target: Target, stressed: Collection[str]) -> str:
+def _task_words(target: Target, stressed: Collection[str]) -> str:
     more = " and fatigue" if "fatigue_safety" in stressed else " and stress" if stressed else ""
     return f"{target.name}: evaluation{more} on the default mesh"
 

@@ -96,7 +96,7 @@ class FeatureSelection:
         """
         best = self._with_features(best)
         if best.violation > DOUBT:
-            reached = ", ".join(_reached(one, best.told, self._original) for one in self._goal.limits)
+            reached = ", ".join(_reached(one, best.quantities, self._original) for one in self._goal.limits)
             raise CranktopoError(
                 "shape: no web found that keeps all limits. The nearest, in percent of the original: "
                 f"{reached}.",
@@ -189,18 +189,20 @@ class FeatureSelection:
         if found is None:
             return None, solved
         values = found.responses.values
-        reported = {name: self._told(name, values[name], errors) for name in values if name in self._original}
+        quantities = {
+            name: self._as_evaluated(name, values[name], errors) for name in values if name in self._original
+        }
         objective = merit(goal, values)
         return WebCandidate(
-            layout, found.values, objective, doubtful(found.violation), reported, errors
+            layout, found.values, objective, doubtful(found.violation), quantities, errors
         ), solved
 
-    def _told(self, name: str, value: float, errors: Mapping[str, float]) -> float:
+    def _as_evaluated(self, name: str, value: float, errors: Mapping[str, float]) -> float:
         """Return a quantity of the cells in the numbers of the evaluation."""
-        reported = without_error(
+        corrected = without_error(
             name, value, model_error(name, self.model.original[name], self._original[name])
         )
-        return without_error(name, reported, errors[name]) if name in errors else reported
+        return without_error(name, corrected, errors[name]) if name in errors else corrected
 
     def _name(self, kind: str) -> str:
         return f"{kind}-{len(self.trials) + 1:02d}"
@@ -212,15 +214,15 @@ class FeatureSelection:
 
         def make() -> Json:
             cells, start = self.model.webs(), web.values
-            made = refined(
+            step = refined(
                 cells, self._elements, web.layout, start, self._goal, self._work, _REFINED, required_merit
             )
             return {
-                "values": made.values.tolist(),
-                "objective": made.merit,
-                "quantities": made.found.values,
-                "slopes": {name: slope.tolist() for name, slope in made.found.gradients.items()},
-                "solved": made.solved,
+                "values": step.values.tolist(),
+                "objective": step.merit,
+                "quantities": step.quantities.values,
+                "slopes": {name: slope.tolist() for name, slope in step.quantities.gradients.items()},
+                "solved": step.solved,
             }
 
         kept = self._work.once(name, make)
@@ -229,7 +231,7 @@ class FeatureSelection:
         violation = doubtful(float(self._goal.violations(truth).max(initial=0.0)))
         cells = self.model.responses(self.model.web(web.layout), values, ()).values
         errors = {
-            name: model_error(name, self._told(name, cells[name], {}), truth[name])
+            name: model_error(name, self._as_evaluated(name, cells[name], {}), truth[name])
             for name in set(self._cells_goal.quantities)
         }
         found = web.layout, values, kept["objective"], violation, truth, errors
@@ -239,7 +241,7 @@ class FeatureSelection:
         self,
         step: str,
         layout: Layout,
-        found: WebCandidate | None,
+        candidate: WebCandidate | None,
         before: WebCandidate | None,
         kept: bool,
         solved: int,
@@ -247,19 +249,19 @@ class FeatureSelection:
         trial = FeatureTrial(
             step=step,
             parameters=len(layout.names),
-            objective=found and found.objective,
-            gain_percent=100 * found.gain_over(before) if found and before else None,
+            objective=candidate and candidate.objective,
+            gain_percent=100 * candidate.gain_over(before) if candidate and before else None,
             kept=kept,
             evaluations=solved,
-            missed_percent=100 * found.violation if found else 0.0,
+            missed_percent=100 * candidate.violation if candidate else 0.0,
         )
         self.trials.append(trial)
         note(_trial_text(trial))
 
 
-def _reached(limit: Constraint, told: Mapping[str, float], original: Mapping[str, float]) -> str:
+def _reached(limit: Constraint, quantities: Mapping[str, float], original: Mapping[str, float]) -> str:
     whole = original[limit.quantity]
     unit, size = (" %", 100 / whole) if whole > 0 else ("", 1.0)
-    required, reached = size * limit.bound, size * told[limit.quantity]
+    required, reached = size * limit.bound, size * quantities[limit.quantity]
     name = limit.quantity.replace("_", " ")
     return f"{name} {limit.sense} {required:.4g}{unit}: {reached:.1f}{unit} reached"

@@ -41,11 +41,11 @@ _KINDS = tuple(FittedBox(face, pair) for face in ("pin", "journal") for pair in 
 def end_starts(scene: Scene, limits: ManufacturingLimits) -> Iterator[tuple[FittedFeature, Array]]:
     """Yield the bevels and the groove that scene and workshop have room for, with their first values."""
     groove = FittedSlot(through=True), _groove_start(scene, limits)
-    bevels = (FittedBevel(face, hollow=True).made(limits) for face in ("journal", "pin"))
+    bevels = (FittedBevel(face, hollow=True).manufactured(limits) for face in ("journal", "pin"))
     for part, values in (*((bevel, bevel_start(scene, bevel)) for bevel in bevels), groove):
-        made = part.made(limits)
-        if made is not None and part.possible(scene):
-            yield made, values
+        manufactured = part.manufactured(limits)
+        if manufactured is not None and part.possible(scene):
+            yield manufactured, values
 
 
 def bevel_start(scene: Scene, bevel: FittedBevel) -> Array:
@@ -90,7 +90,8 @@ def _kinds(limits: ManufacturingLimits) -> list[FittedPocket | FittedSlot]:
     kinds: tuple[FittedPocket | FittedSlot, ...] = _KINDS
     if limits.workshop.opens == "sides":
         kinds = (FittedSlot(),)
-    return [made for made in (kind.made(limits) for kind in kinds) if made is not None]
+    parts = (kind.manufactured(limits) for kind in kinds)
+    return [part for part in parts if part is not None]
 
 
 def _places(

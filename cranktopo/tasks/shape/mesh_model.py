@@ -168,8 +168,8 @@ class MeshModel:
         if kind == "torsion":
             return condense(model, scene, "antisymmetric", "odd" if mirrored else "none", None, _RESIDUAL)
         lateral: Lateral = ("odd" if kind == "tangential" else "even") if mirrored else "none"
-        further = self._stress.extra_loads(lateral) if self._stress else ()
-        forces = [unit_force(model, self.scene, load, "symmetric", lateral) for load in further]
+        extra_loads = self._stress.extra_loads(lateral) if self._stress else ()
+        forces = [unit_force(model, self.scene, load, "symmetric", lateral) for load in extra_loads]
         more = np.column_stack(forces) if forces else None
         return condense(model, scene, "symmetric", lateral, more, _RESIDUAL)
 

@@ -94,14 +94,14 @@ class MeshStress:
             )
             for of_speed in self.histories
         ]
-        reported = {}
+        responses_by_name = {}
         for name in self.names:
             value, deciding = _SMOOTH[name]
             smooth = deciding((value(self.scene, one) for one in judged), key=lambda one: one.extreme)
             forces, gradients = stress_adjoint(model, surface, found, moved, smooth.adjoint, self._elastic)
             gradients += self._through_fields(model, blocks, fields, forces)
-            reported[name] = smooth.extreme, smooth.value, gradients
-        return reported
+            responses_by_name[name] = smooth.extreme, smooth.value, gradients
+        return responses_by_name
 
     @property
     def _elastic(self) -> tuple[float, float]:

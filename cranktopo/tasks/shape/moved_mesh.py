@@ -39,11 +39,11 @@ class _Rules:
     """Constraints of surface nodes: sum of n n', (n, 3, 3), and of n times their normal motion, (n, 3, k)."""
 
     matrix: Array
-    asked: Array
+    prescribed: Array
 
     def minimum_motion(self, guess: Array) -> Array:
         """Return the motion nearest to a guess, (n, 3, k), that keeps the rules."""
-        return np.asarray(guess + self._inverse @ (self.asked - self.matrix @ guess))
+        return np.asarray(guess + self._inverse @ (self.prescribed - self.matrix @ guess))
 
     @property
     def free(self) -> tuple[Array, NDArray[np.bool_]]:
@@ -95,12 +95,12 @@ class MovedMesh:
             if max(np.abs(c.distance_mm).max(initial=0.0) for _, _, c in contacts) < _SETTLED_MM:
                 break
             here = moved[:, self._surface].T
-            wanted = [
+            normal_motions = [
                 (c.normal * here[nodes]).sum(axis=1)[:, None] - c.distance_mm[:, None] / c.steepness
                 for nodes, _, c in contacts
             ]
             led = [way[:, :, None] for way in self._led(values)]
-            moved = self._spread(self._rules(contacts, wanted, led))[:, :, 0]
+            moved = self._spread(self._rules(contacts, normal_motions, led))[:, :, 0]
         mesh = replace(self.mesh, points_mm=start + moved)
         if self.quality(mesh) <= 0:
             raise CranktopoError(
@@ -117,10 +117,10 @@ class MovedMesh:
     def velocities(self, mesh: TetMesh, values: Array) -> Array:
         """Return the motion of the nodes per mm or degree of each parameter, (3, nodes, parameters)."""
         contacts, at = self._contacts(mesh.points_mm, values), mesh.points_mm[:, self._surface]
-        wanted = [-face.gradients(at[:, nodes], values) / c.steepness for nodes, face, c in contacts]
+        normal_motions = [-face.gradients(at[:, nodes], values) / c.steepness for nodes, face, c in contacts]
         here, there = self._led(values), [self._led(values + unit) for unit in np.eye(len(values))]
         led = [np.stack([w[k] - here[k] for w in there], axis=-1) for k in range(len(here))]
-        return self._spread(self._rules(contacts, wanted, led))
+        return self._spread(self._rules(contacts, normal_motions, led))
 
     def _contacts(self, points_mm: Array, values: Array) -> list[tuple[Index, WebFace, Contact]]:
         """Return each face with its nodes as positions among the surface nodes."""
@@ -138,12 +138,12 @@ class MovedMesh:
         return ways
 
     def _rules(
-        self, contacts: list[tuple[Index, WebFace, Contact]], wanted: list[Array], led: list[Array]
+        self, contacts: list[tuple[Index, WebFace, Contact]], normal_motions: list[Array], led: list[Array]
     ) -> _Rules:
         """Return the rules of motions along the normal of each face, (n, k), and of fillets, (n, 3, k)."""
         count = len(self._surface)
-        matrix, motions = np.zeros((count, 3, 3)), np.zeros((count, 3, wanted[0].shape[1]))
-        for (nodes, _, contact), motion in zip(contacts, wanted, strict=True):
+        matrix, motions = np.zeros((count, 3, 3)), np.zeros((count, 3, normal_motions[0].shape[1]))
+        for (nodes, _, contact), motion in zip(contacts, normal_motions, strict=True):
             matrix[nodes] += contact.normal[:, :, None] * contact.normal[:, None, :]
             motions[nodes] += contact.normal[:, :, None] * motion[:, None, :]
         matrix[self._still], motions[self._still] = np.eye(3), 0.0
@@ -154,17 +154,17 @@ class MovedMesh:
 
     def _spread(self, rules: _Rules) -> Array:
         """Return the motion of all nodes, (3, nodes, k), from what holds the surface nodes."""
-        count = rules.asked.shape[2]
+        count = rules.prescribed.shape[2]
         motion = np.zeros((self.mesh.points_mm.shape[1], 3, count))
         corner = self._surface < self._corners
         corners = self._surface[corner]
-        own = _Rules(rules.matrix[corner], rules.asked[corner])
+        own = _Rules(rules.matrix[corner], rules.prescribed[corner])
         motion[corners] = self._skin.slide(corners, own)
         inner = np.setdiff1d(np.arange(self._corners), corners)
         motion[: self._corners] = self._body.fill(motion[: self._corners], inner)
         motion[self._corners :] = motion[self._ends].mean(axis=0)
         middle = self._surface[~corner]
-        rest = _Rules(rules.matrix[~corner], rules.asked[~corner])
+        rest = _Rules(rules.matrix[~corner], rules.prescribed[~corner])
         motion[middle] = rest.minimum_motion(motion[middle])
         return motion.transpose(1, 0, 2)
 
@@ -183,7 +183,7 @@ class _Net:
 
     def slide(self, nodes: Index, rules: _Rules) -> Array:
         """Return the motion of nodes, (n, 3, k), that keeps the rules and stretches the springs least."""
-        first = rules.minimum_motion(np.zeros_like(rules.asked))
+        first = rules.minimum_motion(np.zeros_like(rules.prescribed))
         directions, free = rules.free
         matrix = sp.kron(self._matrix[nodes][:, nodes], sp.eye(3)).tocsr()
         count = len(nodes)

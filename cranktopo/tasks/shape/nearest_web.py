@@ -47,8 +47,8 @@ def nearest_web(
     rules = partial(rules_of, web, EnvelopeClearance(scene))
     bounds = low.clip(min=at - reach), high.clip(max=at + reach)
     values = linear_steps(goal.objective_gradient(exact.gradients), limits, rules, bounds, at, _PENALTIES)
-    broken = rules(values)[0].max(initial=0.0) >= KEPT_MM
-    found = at if broken or refused(scene, web.layout, values) else values
+    violated = rules(values)[0].max(initial=0.0) >= KEPT_MM
+    found = at if violated or refused(scene, web.layout, values) else values
     return Step(found, by_slopes(found), merit(goal, by_slopes(found).values), 0)
 
 
@@ -61,7 +61,7 @@ def _by_slopes(exact: Quantities, at: Array, values: Array) -> Quantities:
     return Quantities(by_name, exact.gradients)
 
 
-def asked_again(
+def search_with_corrections(
     goal: SearchGoal, search: Callable[[SearchGoal], Step], known: Callable[[Array], Mapping[str, float]]
 ) -> Step:
     """Return the web of a search whose limits hold by what is known of it, else the nearest of some tries.
@@ -72,26 +72,26 @@ def asked_again(
     Args:
         known: some quantities of the web with some parameters, better than the search tells them.
     """
-    requested, found = goal, list[Step]()
+    corrected_goal, found = goal, list[Step]()
     for _ in range(_TRIES):
-        step = search(requested)
+        step = search(corrected_goal)
         better = known(step.values)
-        corrected = Quantities({**step.found.values, **better}, step.found.gradients)
-        found.append(replace(step, found=corrected))
+        corrected = Quantities({**step.quantities.values, **better}, step.quantities.gradients)
+        found.append(replace(step, quantities=corrected))
         over = {
             limit.quantity
             for limit in goal.limits
             if limit.quantity in better
             and limit.violation(better[limit.quantity]) > HELD
             and limit.violation(better[limit.quantity])
-            > limit.violation(step.found.values[limit.quantity]) + HELD
+            > limit.violation(step.quantities.values[limit.quantity]) + HELD
         }
         if not over:
             return replace(found[-1], solved=sum(one.solved for one in found))
-        requested = goal.corrected(
-            {name: model_error(name, step.found.values[name], better[name]) for name in over}
+        corrected_goal = goal.corrected(
+            {name: model_error(name, step.quantities.values[name], better[name]) for name in over}
         )
-    nearest = min(found, key=lambda one: worst_violation(goal, one.found))
+    nearest = min(found, key=lambda one: worst_violation(goal, one.quantities))
     return replace(nearest, solved=sum(one.solved for one in found))
 
 
@@ -110,7 +110,9 @@ def nearest_of(
         reach: the shortest and the longest.
     """
     found, length = first, reach[0]
-    while worst_violation(limits, found.found) > 0 and length < _LONGER * reach[1]:
-        found = min(found, within(min(length, reach[1])), key=lambda one: worst_violation(goal, one.found))
+    while worst_violation(limits, found.quantities) > 0 and length < _LONGER * reach[1]:
+        found = min(
+            found, within(min(length, reach[1])), key=lambda one: worst_violation(goal, one.quantities)
+        )
         length *= _LONGER
     return found

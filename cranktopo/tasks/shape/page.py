@@ -50,25 +50,25 @@ from cranktopo.tasks.shape.text import (
 
 
 def shape_page(
-    found: ShapeResult, manifest: Mapping[str, Any], scene: Scene, bodies: tuple[ShownBody, ...]
+    shape: ShapeResult, manifest: Mapping[str, Any], scene: Scene, bodies: tuple[ShownBody, ...]
 ) -> Page:
     """Return the report of a finished shape optimisation; half throws of result and original, its scene."""
     return Page(
-        title=f"Best dimensions of the crank web of {found.design}",
+        title=f"Best dimensions of the crank web of {shape.design}",
         subtitle=f"Run {manifest['run']}, {manifest['started'][:10]}",
-        headline=page_headline(found),
+        headline=page_headline(shape),
         facts=(
-            *(quantity_fact(found, key) for key in named_first(found)),
-            *_balance(found),
-            release_fact(found),
+            *(quantity_fact(shape, key) for key in named_first(shape)),
+            *_balance(shape),
+            release_fact(shape),
         ),
         sections=(
-            _wanted(found),
-            *bound_sections(found.bound, "the body-fitted evaluation"),
-            _dimensions(found),
+            _goal_section(shape),
+            *bound_sections(shape.bound, "the body-fitted evaluation"),
+            _dimensions(shape),
             *clearance_sections(scene, bodies),
-            _search(found),
-            _provenance(found, manifest),
+            _search(shape),
+            _provenance(shape, manifest),
             versions_section(manifest["versions"]),
         ),
         scene3d=Scene3D(bodies),
@@ -76,144 +76,144 @@ def shape_page(
     )
 
 
-def quantity_fact(found: ShapeResult, key: str) -> Fact:
+def quantity_fact(shape: ShapeResult, key: str) -> Fact:
     """Return the change of a quantity, by its key in shape.json; red where the web fails by fatigue."""
     quantity = QUANTITIES_TOLD[key]
-    change, error = found.change_percent[key], _change_error_percent(found, key)
-    original, result, unit = value_words(found, key)
+    change, error = shape.change_percent[key], _change_error_percent(shape, key)
+    original, result, unit = value_words(shape, key)
     label, value = quantity.label.capitalize(), f"{result} {unit}".rstrip()
     note = f"{value} against the original's {f'{original} {unit}'.rstrip()}"
-    if quantity is SAFETY and found.result.fatigue_place:
-        note = f"{note}; least at {found.result.fatigue_place}"
-    shown = change_text(change, error)
-    if quantity is SAFETY and found.values.result[key] < 1:
-        return Fact(label, shown, f"{note}; below 1: it fails", "bad")
+    if quantity is SAFETY and shape.result.fatigue_place:
+        note = f"{note}; least at {shape.result.fatigue_place}"
+    change_words = change_text(change, error)
+    if quantity is SAFETY and shape.values.result[key] < 1:
+        return Fact(label, change_words, f"{note}; below 1: it fails", "bad")
     if abs(change) <= error:
-        return Fact(label, shown, f"{note}, less than the error estimate", "neutral")
+        return Fact(label, change_words, f"{note}, less than the error estimate", "neutral")
     status: FactStatus = "good" if quantity.better * change > 0 else "bad"
-    return Fact(label, shown, note, status)
+    return Fact(label, change_words, note, status)
 
 
-def page_headline(found: ShapeResult) -> str:
+def page_headline(shape: ShapeResult) -> str:
     """Return the verdict; a balance that no limit held and loads that are left out are in front."""
-    moved = f"{balance_words(*_factors(found)).capitalize()}. " if found.balance else ""
-    return left_off_first(found.left_off, moved + shape_headline(found))
+    moved = f"{balance_words(*_factors(shape)).capitalize()}. " if shape.balance else ""
+    return left_off_first(shape.left_off, moved + shape_headline(shape))
 
 
-def _factors(found: ShapeResult) -> tuple[float, float]:
-    return found.values.result["balance_factor"], found.values.original["balance_factor"]
+def _factors(shape: ShapeResult) -> tuple[float, float]:
+    return shape.values.result["balance_factor"], shape.values.original["balance_factor"]
 
 
-def _balance(found: ShapeResult) -> Iterator[Fact]:
+def _balance(shape: ShapeResult) -> Iterator[Fact]:
     """Yield where the balance factor went, if no limit holds it there."""
-    if found.balance is not None:
-        now, before = _factors(found)
-        yield Fact("Balance factor", f"{before:z.0f} -> {now:z.0f} %", found.balance, "bad")
+    if shape.balance is not None:
+        now, before = _factors(shape)
+        yield Fact("Balance factor", f"{before:z.0f} -> {now:z.0f} %", shape.balance, "bad")
 
 
-def release_fact(found: ShapeResult) -> Fact:
+def release_fact(shape: ShapeResult) -> Fact:
     """Tell whether a die or a cutter can make the web."""
     status: FactStatus = "unknown"
-    if found.undercuts is not None:
-        wholly = found.undercuts.released and not found.undercuts.without_draft
-        status = "good" if wholly else "neutral" if found.makeable else "bad"
-    return Fact("Released by a die", release_verdict(found.undercuts), release_text(found.undercuts), status)
+    if shape.undercuts is not None:
+        wholly = shape.undercuts.released and not shape.undercuts.without_draft
+        status = "good" if wholly else "neutral" if shape.makeable else "bad"
+    return Fact("Released by a die", release_verdict(shape.undercuts), release_text(shape.undercuts), status)
 
 
-def _change_error_percent(found: ShapeResult, key: str) -> float:
-    kind, entries = key.removesuffix("_per_mass"), (found.original, found.result)
-    if kind not in found.original.error_estimate_percent:
+def _change_error_percent(shape: ShapeResult, key: str) -> float:
+    kind, entries = key.removesuffix("_per_mass"), (shape.original, shape.result)
+    if kind not in shape.original.error_estimate_percent:
         return 0.0
     one, other = (entry.error_estimate_percent[kind] for entry in entries)
     triangles = any(entry.mesh.triangles for entry in entries)
     return difference_bound_percent(one, other, triangles=triangles)
 
 
-def _wanted(found: ShapeResult) -> Section:
-    goal, doubt = found.goal, multiplier_doubt(found)
+def _goal_section(shape: ShapeResult) -> Section:
+    goal, doubt = shape.goal, multiplier_doubt(shape)
     sense = "minimise" if goal.minimise else "maximise"
-    said = [found.stop_reason.capitalize(), safety_places(found), stress_loads(found)]
-    said += [original_keeps(found), ended_words(found)]
+    said = [shape.stop_reason.capitalize(), safety_places(shape), stress_loads(shape)]
+    said += [original_keeps(shape), ended_words(shape)]
     return Section(
         "goal",
         f"Goal: {sense} {goal.quantity.name.replace('_', ' ')}",
         f"{'; '.join(filter(None, said))}. What limits, rules and bounds cost "
         f"is in percent of the original's, to first order{'; ' * bool(doubt)}{doubt}.",
         (
-            ("Original and result, fillets included", changes_table(found)),
+            ("Original and result, fillets included", changes_table(shape)),
             ("Limits, by the body-fitted evaluation", limits_table(goal)),
-            ("What limits, rules and bounds cost", multiplier_table(found)),
+            ("What limits, rules and bounds cost", multiplier_table(shape)),
         ),
     )
 
 
-def _dimensions(found: ShapeResult) -> Section:
+def _dimensions(shape: ShapeResult) -> Section:
     return Section(
         "dimensions",
         "What a millimetre is worth",
         "Change of each quantity per millimetre or degree of each dimension, in percent of the original, by "
         "exact gradients on body-fitted elements.",
         (
-            ("Dimensions at the optimum", dimensions_table(found.parameters)),
+            ("Dimensions at the optimum", dimensions_table(shape.parameters)),
             (
                 "Worst case within the tolerance, each dimension off the worst way",
-                worst_case_table(found.worst_case_percent),
+                worst_case_table(shape.worst_case_percent),
             ),
-            ("What holds them", held_table(found.parameters)),
+            ("What holds them", held_table(shape.parameters)),
         ),
     )
 
 
-def _search(found: ShapeResult) -> Section:
-    name = found.goal_on_cells.quantity.name
-    same = name == found.goal.quantity.name
-    safe = any(QUANTITIES[limit.quantity].of_stress for limit in found.goal.limits)
+def _search(shape: ShapeResult) -> Section:
+    name = shape.goal_on_cells.quantity.name
+    same = name == shape.goal.quantity.name
+    safe = any(QUANTITIES[limit.quantity].of_stress for limit in shape.goal.limits)
     sought = f" Cells have no fillets: there the most {name} stiffness within the same limits was sought."
     kept = (
         " Cells have no fillets: there at least the same share of the stiffness stood for safety or stress."
     )
-    stand_in, plots = sought if not same else kept if safe else "", curves(found)
+    stand_in, plots = sought if not same else kept if safe else "", curves(shape)
     ring = "; a ring marks the best" if plots else ""
     return Section(
         "search",
         "How it was found",
-        f"{found.evaluations} webs were solved. Features were tried on cells for what they gain in the "
+        f"{shape.evaluations} webs were solved. Features were tried on cells for what they gain in the "
         "goal, and kept only if they pay; the dimensions were then finished on body-fitted elements with all "
         f"limits, and each result was evaluated on the default mesh{ring}.{stand_in}",
-        (("What was tried", feature_trials_table(found)), ("Webs evaluated on the way", rounds_table(found))),
+        (("What was tried", feature_trials_table(shape)), ("Webs evaluated on the way", rounds_table(shape))),
         plots,
     )
 
 
-def curves(found: ShapeResult) -> tuple[Picture, ...]:
+def curves(shape: ShapeResult) -> tuple[Picture, ...]:
     """Return goal and worst limit of every web; of two the table says all."""
-    if len(found.rounds) < _FEWEST:
+    if len(shape.rounds) < _FEWEST:
         return ()
     return (
-        picture("convergence", "Goal of every web that was evaluated on the way", draw_goal, found),
-        picture("limits", "By how much each of them misses its worst limit", draw_worst_limit, found),
+        picture("convergence", "Goal of every web that was evaluated on the way", draw_goal, shape),
+        picture("limits", "By how much each of them misses its worst limit", draw_worst_limit, shape),
     )
 
 
 _FEWEST = 3
 
 
-def _provenance(found: ShapeResult, manifest: Mapping[str, Any]) -> Section:
-    tables = (("Run", pairs(origin_rows(manifest))), *assumed_tables(found.assumed))
+def _provenance(shape: ShapeResult, manifest: Mapping[str, Any]) -> Section:
+    tables = (("Run", pairs(origin_rows(manifest))), *assumed_tables(shape.assumed))
     return Section("provenance", "Where this comes from", tables=tables)
 
 
-def draw_goal(axes: Any, found: ShapeResult) -> None:
+def draw_goal(axes: Any, shape: ShapeResult) -> None:
     """Draw the goal of every web, % of the original's."""
-    name, original = found.goal.quantity.name, found.values.original
-    values = [100 * web.values[name] / original[name] for web in found.rounds]
-    _draw(axes, found.best_round, values, f"{name.replace('_', ' ')} (% of the original)", "#1f6fb4", 0.5)
+    name, original = shape.goal.quantity.name, shape.values.original
+    values = [100 * web.values[name] / original[name] for web in shape.rounds]
+    _draw(axes, shape.best_round, values, f"{name.replace('_', ' ')} (% of the original)", "#1f6fb4", 0.5)
 
 
-def draw_worst_limit(axes: Any, found: ShapeResult) -> None:
+def draw_worst_limit(axes: Any, shape: ShapeResult) -> None:
     """Draw by how much every web misses its worst limit, %; 0 or less is kept."""
-    values = [max(web.excess_percent, default=0.0) for web in found.rounds]
-    _draw(axes, found.best_round, values, "worst limit missed by (%)", "#d1632a", 0.1)
+    values = [max(web.excess_percent, default=0.0) for web in shape.rounds]
+    _draw(axes, shape.best_round, values, "worst limit missed by (%)", "#d1632a", 0.1)
     axes.axhline(0.0, color="0.4", linewidth=1, zorder=0)
 
 

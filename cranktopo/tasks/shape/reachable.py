@@ -11,7 +11,7 @@ from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.states import main_load_cases
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.density.assess import assess_original, check_reach
-from cranktopo.tasks.density.build import build_chain, requirement
+from cranktopo.tasks.density.build import build_chain, response_constraint
 from cranktopo.tasks.density.model import build_model
 from cranktopo.tasks.density.problem import model_error_percent
 from cranktopo.tasks.density.responses import quantities
@@ -26,15 +26,17 @@ def check_reachable(scene: Scene, goal: Goal, cell_mm: float) -> None:
     Raises:
         CranktopoError: a limit that no web meets, as the density optimisation tells it.
     """
-    requested = [limit for limit in goal.limits if not _met_by_original(limit)]
-    if not requested or free_dimensions(scene) or scene.original is not None:
+    open_limits = [limit for limit in goal.limits if not _met_by_original(limit)]
+    if not open_limits or free_dimensions(scene) or scene.original is not None:
         return
     with double_precision():
         domain = build_domain(scene, cell_mm)
         model = build_model(scene, domain, main_load_cases(scene, plan(scene).enabled))
         known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene), rods_kg_mm(scene))
         own = assess_original(model, scene, domain).quantities
-        limits = [requirement(one, known[one.quantity], own) for one in requested if one.quantity in known]
+        limits = [
+            response_constraint(one, known[one.quantity], own) for one in open_limits if one.quantity in known
+        ]
         error = max(model_error_percent(scene, cell_mm).values()) / 100
         check_reach(limits, model, build_chain(scene, domain), scene, domain, error)
 

@@ -34,7 +34,7 @@ class WebCandidate:
     Attributes:
         objective: the goal, with what slightly missed limits cost; smaller is better.
         violation: by how much it misses its limits, relative; 0 where it keeps them.
-        told: its quantities in the numbers of the evaluation.
+        quantities: its quantities in the numbers of the evaluation.
         errors: by how much the cells overrate them, also taken for webs that grow from it (`model_error`).
         exact: these by body-fitted elements; None while only the cells have told them.
     """
@@ -43,7 +43,7 @@ class WebCandidate:
     values: Array
     objective: float
     violation: float
-    told: Mapping[str, float]
+    quantities: Mapping[str, float]
     errors: Mapping[str, float]
     exact: Quantities | None = None
     solved: int = 0
@@ -97,7 +97,7 @@ class Step:
     """A web of a refinement with its quantities and merit, and how many webs were solved to find it."""
 
     values: Array
-    found: Quantities
+    quantities: Quantities
     merit: float
     solved: int
 
@@ -120,19 +120,21 @@ class CorrectedSurrogate:
     def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Quantities:
         """Return quantities of a web with these values."""
         found = self._webs.responses(web, values, quantities)
-        reported = {name: self._told(name, found, values - self._at) for name in quantities}
+        corrected = {name: self._corrected(name, found, values - self._at) for name in quantities}
         return Quantities(
-            {name: value for name, (value, _) in reported.items()},
-            {name: slope for name, (_, slope) in reported.items()},
+            {name: value for name, (value, _) in corrected.items()},
+            {name: slope for name, (_, slope) in corrected.items()},
         )
 
-    def _told(self, name: str, found: Quantities, moved: Array) -> tuple[float, Array]:
+    def _corrected(self, name: str, quantities: Quantities, moved: Array) -> tuple[float, Array]:
         value, slope = self._exact.values[name], self._exact.gradients[name]
         if not self._rough.values.get(name):
             return value + float(slope @ moved), slope
         share = value / self._rough.values[name]
         rest = slope - share * self._rough.gradients[name]
-        return share * found.values[name] + float(rest @ moved), share * found.gradients[name] + rest
+        return share * quantities.values[name] + float(rest @ moved), share * quantities.gradients[
+            name
+        ] + rest
 
 
 def merit(goal: SearchGoal, values: dict[str, float]) -> float:
@@ -166,7 +168,7 @@ def refined(
     for _ in range(extent.steps):
         pace.begin()
         effort = SearchBudget(extent.evaluations, reach, nearest=True)
-        step = stepped(cells, layout, best.values, best.found, goal, work, effort)
+        step = stepped(cells, layout, best.values, best.quantities, goal, work, effort)
         solved += step.solved
         promised = best.merit - step.merit
         if promised < extent.settled or best.merit - kept_share * promised > required_merit:

@@ -24,7 +24,7 @@ from cranktopo.design.assumed import (
     assumptions,
 )
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.goal.wanted import require_goal
+from cranktopo.design.goal.scene_goal import require_goal
 from cranktopo.design.halves import usual_scale
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.named import DesignLike, as_scene
@@ -44,9 +44,9 @@ from cranktopo.runs.directories import WORK, RunStore, check_destination, open_r
 from cranktopo.runs.kind import (
     RESULT_FILES,
     SHAPE,
+    reading_results,
     require_kind,
     require_result,
-    shown_results,
     working_in,
 )
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
@@ -170,7 +170,7 @@ def resume_shape(reference: str | Path, loads: WebLoads | None = None) -> Shaped
     run.require_same_inputs()
     options = run.manifest()["options"]
     begun = options.get(_BEGUN)
-    with shown_results(run):
+    with reading_results(run):
         data = options[SHAPE]
         settings = settings_of({**data, "loads": loads or data["loads"]})
     if loads is None and data["loads"] == "shaft":
@@ -199,8 +199,8 @@ def settings_of(data: Mapping[str, Any]) -> ShapeSettings:
 def _remodelled(run: RunStore, limits: ManufacturingLimits) -> Scene:
     """Return the parametric web fitted to a density optimisation that has none yet."""
     note(f"{run.name}: has no re-model yet, so it is made first: cranktopo remodel {run.path}")
-    made = remodel_run(str(run.path), given=vars(limits), evaluated=False)
-    return load_scene(str(Path(made.folder or ".") / made.files["design"]))
+    refit = remodel_run(str(run.path), given=vars(limits), evaluated=False)
+    return load_scene(str(Path(refit.folder or ".") / refit.files["design"]))
 
 
 def shape_goal(scene: Scene) -> Goal:
@@ -277,5 +277,5 @@ def finished_page(run: RunStore) -> Page:
 def _bodies(scene: Scene, shaped: Scene, found: SurfaceMesh) -> tuple[ShownBody, ...]:
     file, facet_mm = original_file(scene), coarse_facet_mm(scene)
     before = surface_of(scene, "half", facet_mm) if file is None else half_throw_surface(file, scene)
-    shown = (("result", found, shaped), ("original web", before, scene))
-    return tuple(ShownBody(name, mesh, of.web_z_mm, of.pitch_mm / 2) for name, mesh, of in shown)
+    named = (("result", found, shaped), ("original web", before, scene))
+    return tuple(ShownBody(name, mesh, of.web_z_mm, of.pitch_mm / 2) for name, mesh, of in named)

@@ -140,8 +140,8 @@ class _WebSearch:
         violations = np.concatenate([self.goal.violations(found.values), _RULES * rules])
         return violations, np.vstack([limits, _RULES * gradients])
 
-    def _keep(self, values: Array, found: Quantities) -> None:
-        rank = worst_violation(self.goal, found), self.goal.objective(found.values)
+    def _keep(self, values: Array, quantities: Quantities) -> None:
+        rank = worst_violation(self.goal, quantities), self.goal.objective(quantities.values)
         better = self.best is None or rank < self.best[:2]
         if better and self.rules(values)[0].max() < KEPT_MM:
             self.best = *rank, values.copy()
@@ -167,8 +167,8 @@ def best_values(
         task = _WebSearch(model, layout, goal, pace)
         _minimise(task, start, effort, work)
         best = task.best
-        broken = None if best else rules_at(model.scene, task.web, task.sound).violation_text
-        why = refused(model.scene, layout, best[2]) if best else broken
+        violation = None if best else rules_at(model.scene, task.web, task.sound).violation_text
+        why = refused(model.scene, layout, best[2]) if best else violation
         if why and best is not None:
             note(f"left out: {why}")
         kept = best is not None and not why and (effort.nearest or best[0] == 0)
@@ -202,30 +202,30 @@ def search_on_cells(
 
 
 def multipliers_of(
-    scene: Scene, web: ParametricWeb, at: Array, found: Quantities, goal: SearchGoal
+    scene: Scene, web: ParametricWeb, at: Array, quantities: Quantities, goal: SearchGoal
 ) -> Multipliers:
     """Return what each limit, rule and bound costs where a web is an optimum, whose quantities are known."""
-    return multipliers(*_slopes(scene, web, at, found, goal))
+    return multipliers(*_slopes(scene, web, at, quantities, goal))
 
 
 def prices_of(
-    scene: Scene, web: ParametricWeb, at: Array, found: Quantities, goal: SearchGoal
+    scene: Scene, web: ParametricWeb, at: Array, quantities: Quantities, goal: SearchGoal
 ) -> Multipliers:
     """Return the same by a linear programme, which keeps the other limits beside a web that is no optimum.
 
     A finish keeps up to 0.7 % in reserve, so that its web lies inside limits that decide it.
     """
-    return linear_multipliers(*_slopes(scene, web, at, found, goal), _PRICED / usual_scale(scene))
+    return linear_multipliers(*_slopes(scene, web, at, quantities, goal), _PRICED / usual_scale(scene))
 
 
 def _slopes(
-    scene: Scene, web: ParametricWeb, at: Array, found: Quantities, goal: SearchGoal
+    scene: Scene, web: ParametricWeb, at: Array, quantities: Quantities, goal: SearchGoal
 ) -> tuple[Array, tuple[Array, Array], tuple[Array, Array], tuple[Array, Array]]:
     """Return gradient, limits, rules and room to the bounds."""
     low, high = web.bounds
     return (
-        goal.objective_gradient(found.gradients),
-        (goal.violations(found.values), goal.violation_gradients(found.gradients, len(at))),
+        goal.objective_gradient(quantities.gradients),
+        (goal.violations(quantities.values), goal.violation_gradients(quantities.gradients, len(at))),
         rules_of(web, EnvelopeClearance(scene), at),
         (at - low, high - at),
     )
@@ -243,9 +243,9 @@ def shaped_scene(scene: Scene, layout: Layout, values: Array) -> Scene:
     return sized.model_copy(update=changes)
 
 
-def worst_violation(goal: SearchGoal, found: Quantities) -> float:
+def worst_violation(goal: SearchGoal, quantities: Quantities) -> float:
     """Return by how much the worst limit is missed, relative; 0 where all count as kept."""
-    violation = float(goal.violations(found.values).max(initial=0.0))
+    violation = float(goal.violations(quantities.values).max(initial=0.0))
     return 0.0 if violation < _NEARLY else violation
 
 

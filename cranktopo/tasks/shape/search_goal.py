@@ -117,13 +117,13 @@ def goal_on_cells(
         original: quantities of the original web.
         judged: tells them with its stresses, which are waited for where a limit is no percentage of them.
     """
-    requested = tuple(limit for limit in goal.limits if QUANTITIES[limit.quantity].of_stress)
+    of_stress = tuple(limit for limit in goal.limits if QUANTITIES[limit.quantity].of_stress)
     names: tuple[QuantityName, ...] = ("bending",) if "torsion" in goal.load_cases else ("bending", "torsion")
-    known = tuple(limit for limit in goal.limits if limit not in requested)
+    known = tuple(limit for limit in goal.limits if limit not in of_stress)
     found = Goal(goal.sense, quantity_on_cells(goal), known)
     percents = [
         _stiffness_percent(limit, judged)
-        for limit in requested
+        for limit in of_stress
         if (limit.sense == ">=") == (QUANTITIES[limit.quantity].better == "high")
     ]
     for name in names if percents else ():

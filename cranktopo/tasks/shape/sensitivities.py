@@ -41,13 +41,13 @@ _LEAST_SHARE = 1e-3
 def dimension_sensitivities(
     web: ParametricWeb,
     values: Array,
-    found: MeshResponses,
+    responses: MeshResponses,
     original: Mapping[str, float],
     holders: Sequence[tuple[str, ...]],
 ) -> tuple[DimensionSensitivity, ...]:
     """Return every dimension of a web with what it is worth; `holders` by `active_constraints`."""
-    reported = [name for name in _SHOWN if name in found.gradients and original.get(name)]
-    percent = {name: 100 * found.gradients[name] / original[name] for name in reported}
+    names = [name for name in _SHOWN if name in responses.gradients and original.get(name)]
+    percent = {name: 100 * responses.gradients[name] / original[name] for name in names}
     return tuple(
         DimensionSensitivity(
             name=name,
@@ -65,16 +65,16 @@ def dimension_sensitivities(
     )
 
 
-def sensitivity_table(found: Sequence[DimensionSensitivity], tolerance: float) -> SensitivityTable:
+def sensitivity_table(dimensions: Sequence[DimensionSensitivity], tolerance: float) -> SensitivityTable:
     """Return the dimensions with the worst case within a tolerance, mm or degrees."""
-    worst = {"tolerance": tolerance, **worst_case_percent(found, tolerance)}
-    return SensitivityTable(parameters=tuple(found), worst_case_percent=worst)
+    worst = {"tolerance": tolerance, **worst_case_percent(dimensions, tolerance)}
+    return SensitivityTable(parameters=tuple(dimensions), worst_case_percent=worst)
 
 
-def worst_case_percent(found: Sequence[DimensionSensitivity], tolerance: float) -> dict[str, float]:
+def worst_case_percent(dimensions: Sequence[DimensionSensitivity], tolerance: float) -> dict[str, float]:
     """Return the largest change of each quantity with every dimension off, %, to first order."""
-    names = found[0].per_unit_percent if found else {}
-    return {name: tolerance * sum(abs(d.per_unit_percent[name]) for d in found) for name in names}
+    names = dimensions[0].per_unit_percent if dimensions else {}
+    return {name: tolerance * sum(abs(d.per_unit_percent[name]) for d in dimensions) for name in names}
 
 
 def active_constraints(
@@ -126,10 +126,10 @@ def _rules(rules: Rules, index: int, better: float, near_mm: float) -> Iterator[
 
 
 def _limits(
-    goal: SearchGoal, found: Quantities, original: Mapping[str, float], index: int, better: float
+    goal: SearchGoal, quantities: Quantities, original: Mapping[str, float], index: int, better: float
 ) -> Iterator[str]:
-    gradients = goal.violation_gradients(found.gradients, len(found.gradients[goal.quantity]))
-    for limit, over, slope in zip(goal.limits, goal.violations(found.values), gradients, strict=True):
+    gradients = goal.violation_gradients(quantities.gradients, len(quantities.gradients[goal.quantity]))
+    for limit, over, slope in zip(goal.limits, goal.violations(quantities.values), gradients, strict=True):
         if over > -ACTIVE and slope[index] * better > _LEAST_SHARE * np.abs(slope).max():
             name = limit.quantity.replace("_", " ")
             yield f"limit: {name} {limit.sense} {_bound_words(limit, original)}"

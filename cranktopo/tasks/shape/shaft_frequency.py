@@ -10,7 +10,7 @@ from collections.abc import Collection, Mapping
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.goal.quantities import QuantityName
-from cranktopo.design.goal.wanted import asks_for
+from cranktopo.design.goal.scene_goal import asks_for
 from cranktopo.design.schema import Scene
 from cranktopo.engine.vibration.first_frequency import FirstFrequency, first_frequency
 
@@ -30,7 +30,7 @@ def frequency_of(scene: Scene, values: Mapping[str, float]) -> FirstFrequency | 
     return first_frequency(scene, *(values[name] for name in _FOLLOWED))
 
 
-def slope_of(found: FirstFrequency, slopes: Mapping[str, Array]) -> Array:
+def slope_of(frequency: FirstFrequency, slopes: Mapping[str, Array]) -> Array:
     """Return the derivative of the frequency by those of torsional stiffness and inertia."""
     torsion, inertia = (slopes[name] for name in _FOLLOWED)
-    return found.by_torsion * torsion + found.by_inertia * inertia
+    return frequency.by_torsion * torsion + frequency.by_inertia * inertia

@@ -38,7 +38,7 @@ from cranktopo.tasks.shape.evaluated_web import (
 )
 from cranktopo.tasks.shape.feature_selection import FeatureSelection
 from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
-from cranktopo.tasks.shape.nearest_web import asked_again, nearest_of, nearest_web
+from cranktopo.tasks.shape.nearest_web import nearest_of, nearest_web, search_with_corrections
 from cranktopo.tasks.shape.refining import SHORTER, CorrectedSurrogate, Step, merit, stepped
 from cranktopo.tasks.shape.result import FeatureTrial
 from cranktopo.tasks.shape.search import HELD, SearchBudget, prices_of, shaped_scene, worst_violation
@@ -182,8 +182,8 @@ def optimise_shape(
     )
     cells = web_model(scene, settings.limits, settings.cell_mm)
     start = start or scene_start(scene, settings.limits)
-    told, trials = first_on_cells(scene, start.sizes), tuple[FeatureTrial, ...]()
-    layout, begin = with_free(start.layout, start.values, scene, told, start.sizes)
+    begins_free, trials = first_on_cells(scene, start.sizes), tuple[FeatureTrial, ...]()
+    layout, begin = with_free(start.layout, start.values, scene, begins_free, start.sizes)
     if settings.features:
         chosen_for = goal_on_cells(goal, before.values, lambda: judged().values)
         selection = _selection(cells, goal, chosen_for, before, settings, work)
@@ -326,11 +326,11 @@ class _LocalRefinement:
         near = _farther(effort, before, farthest)
         cells, exact = self._cells.webs(), self.anchored(before)
 
-        def by_cells(asked: SearchGoal) -> Step:
-            return stepped(cells, self._layout, before.values, exact, asked, self._work, near)
+        def by_cells(corrected: SearchGoal) -> Step:
+            return stepped(cells, self._layout, before.values, exact, corrected, self._work, near)
 
-        step = asked_again(goal, by_cells, lambda values: self._masses(goal, values))
-        if before.met or worst_violation(self._goal, step.found) == 0:
+        step = search_with_corrections(goal, by_cells, lambda values: self._masses(goal, values))
+        if before.met or worst_violation(self._goal, step.quantities) == 0:
             return step
         reaches = near.reach, max(near.reach, farthest * effort.reach)
         return self._nearest(goal, before.values, exact, step, reaches)
@@ -346,13 +346,13 @@ class _LocalRefinement:
             return {**matched.responses(web, values, goal.quantities).values, **self._masses(goal, values)}
 
         def within(reach: float) -> Step:
-            def by_slopes(asked: SearchGoal) -> Step:
-                return nearest_web(self._scene, web, at, exact, asked, reach)
+            def by_slopes(corrected: SearchGoal) -> Step:
+                return nearest_web(self._scene, web, at, exact, corrected, reach)
 
-            return asked_again(goal, by_slopes, known)
+            return search_with_corrections(goal, by_slopes, known)
 
         here = Step(at, exact, merit(goal, exact.values), 0)
-        first = min(here, step, key=lambda one: worst_violation(goal, one.found))
+        first = min(here, step, key=lambda one: worst_violation(goal, one.quantities))
         return nearest_of(self._goal, goal, within, first, reaches)
 
     def _masses(self, goal: SearchGoal, values: Array) -> dict[str, float]:
@@ -360,16 +360,16 @@ class _LocalRefinement:
 
         A counterweight's unbalance grows with the cube of its radius: no search by slopes sees that.
         """
-        requested = _BY_MASSES & {limit.quantity for limit in goal.limits}
-        if not requested:
+        names = _BY_MASSES & {limit.quantity for limit in goal.limits}
+        if not names:
             return {}
-        told = throw_balance(shaped_scene(self._scene, self._layout, values))
+        balance = throw_balance(shaped_scene(self._scene, self._layout, values))
         known = {
-            "inertia": told.inertia_kg_mm2,
-            "unbalance": told.throw_unbalance_kg_mm,
-            "balance_factor": told.balance_factor_percent or 0.0,
+            "inertia": balance.inertia_kg_mm2,
+            "unbalance": balance.throw_unbalance_kg_mm,
+            "balance_factor": balance.balance_factor_percent or 0.0,
         }
-        return {name: known[name] for name in requested}
+        return {name: known[name] for name in names}
 
     def _evaluated(self, values: Array, number: int, solved: int) -> ShapeRound:
         scene, size = shaped_scene(self._scene, self._layout, values), self._settings.element_size_mm
@@ -378,8 +378,8 @@ class _LocalRefinement:
             self._on_coarse_mesh(values).begin()
         web = evaluated_web(scene, self._stressed, size, name, self._work, self._settings.judging)
         found = ShapeRound(web, values, tuple(100 * self._goal.violations(web.values)), solved)
-        told = f"finish {number}" if number else _FIRST[self._settings.features]
-        note(_round_text(told, found, self._original, self._goal))
+        label = f"finish {number}" if number else _FIRST[self._settings.features]
+        note(_round_text(label, found, self._original, self._goal))
         return found
 
 
@@ -396,16 +396,16 @@ def _best(rounds: Sequence[ShapeRound], goal: SearchGoal) -> int:
     return min(range(len(rounds)), key=lambda i: (round(100 * rounds[i].violation, 4), i))
 
 
-def _round_text(told: str, found: ShapeRound, original: EvaluatedWeb, goal: SearchGoal) -> str:
+def _round_text(label: str, shape_round: ShapeRound, original: EvaluatedWeb, goal: SearchGoal) -> str:
     changes = ", ".join(
-        f"{name} {100 * (found.web.values[name] / original.values[name] - 1):+z.2f} %"
+        f"{name} {100 * (shape_round.web.values[name] / original.values[name] - 1):+z.2f} %"
         for name in TOLD_FIRST
         if name in original.values
     )
     missed = {
         limit.quantity: f"{limit.quantity} by {excess:.2f} %"
-        for limit, excess in zip(goal.limits, found.excess_percent, strict=True)
+        for limit, excess in zip(goal.limits, shape_round.excess_percent, strict=True)
         if excess > 100 * HELD
     }
     limits = f"limits missed: {', '.join(missed.values())}" if missed else "limits kept"
-    return f"{told}: {changes} by the evaluation; {limits}"
+    return f"{label}: {changes} by the evaluation; {limits}"

@@ -46,7 +46,7 @@ def scene_start(scene: Scene, limits: ManufacturingLimits, begun: Scene | None =
 
     Of the throw of another scene to begin with only the free dimensions are taken over.
     """
-    found = _made(read_web(begun or scene, outline_start(begun or scene, limits)), limits)
+    found = _manufactured(read_web(begun or scene, outline_start(begun or scene, limits)), limits)
     if begun is None:
         return found
     other = {
@@ -63,19 +63,19 @@ def scene_start(scene: Scene, limits: ManufacturingLimits, begun: Scene | None =
     return replace(found, left_out=(*found.left_out, *lost), sizes=free)
 
 
-def _made(found: WebRead, limits: ManufacturingLimits) -> WebRead:
+def _manufactured(web_read: WebRead, limits: ManufacturingLimits) -> WebRead:
     """Return a web with draft and corners of a workshop, without what cannot open its way."""
-    stations, left_out = found.layout.stations, list(found.left_out)
-    parts, values = list[FittedFeature](), [found.values[:stations]]
-    for part, own in own_values(found.layout.parts, found.values[stations:]):
-        made = part.made(limits)
-        if made is None:
+    stations, left_out = web_read.layout.stations, list(web_read.left_out)
+    parts, values = list[FittedFeature](), [web_read.values[:stations]]
+    for part, own in own_values(web_read.layout.parts, web_read.values[stations:]):
+        manufactured = part.manufactured(limits)
+        if manufactured is None:
             left_out.append(f"{part.title}, as the process opens from the {limits.workshop.opens} only")
             continue
-        parts.append(made)
+        parts.append(manufactured)
         values.append(own)
-    layout = replace(found.layout, parts=tuple(parts))
-    return replace(found, layout=layout, values=np.concatenate(values), left_out=tuple(left_out))
+    layout = replace(web_read.layout, parts=tuple(parts))
+    return replace(web_read, layout=layout, values=np.concatenate(values), left_out=tuple(left_out))
 
 
 def _own_dimensions(scene: Scene, begun: Scene) -> Iterator[DimensionName]:
@@ -104,8 +104,8 @@ def first_on_cells(scene: Scene, begun: Mapping[DimensionName, float]) -> tuple[
 
 def not_on_cells(scene: Scene) -> tuple[DimensionName, ...]:
     """Return the free dimensions that cells do not know: fillets, and the thickness of their grid."""
-    reported = (*free_bores(scene), *_of_counterweight(scene))
-    return tuple(name for name in free_dimensions(scene) if name not in reported)
+    of_elements = (*free_bores(scene), *_of_counterweight(scene))
+    return tuple(name for name in free_dimensions(scene) if name not in of_elements)
 
 
 def _of_counterweight(scene: Scene) -> tuple[DimensionName, ...]:

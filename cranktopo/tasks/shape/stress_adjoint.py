@@ -31,7 +31,7 @@ _BOTH_HALVES = np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
 def stress_adjoint(
     model: Elasticity,
     surface: Surface,
-    found: NodalStress,
+    stress: NodalStress,
     fields: Array,
     adjoint: tuple[Array, Array],
     elastic: tuple[float, float],
@@ -47,28 +47,33 @@ def stress_adjoint(
         Shapes (fields, unknowns), displacements held for the second, (3, nodes).
     """
     of_stress, of_depth = adjoint
-    nodal = np.zeros_like(found.nodal_MPa)
+    nodal = np.zeros_like(stress.nodal_MPa)
     nodal[:, surface.nodes] += of_stress
     by_nodes = np.zeros(model.nodes_mm.shape)
-    _through_depth(model, surface, found, of_depth, nodal, by_nodes)
-    return _through_nodes(model, found, fields, nodal, elastic, by_nodes), by_nodes
+    _through_depth(model, surface, stress, of_depth, nodal, by_nodes)
+    return _through_nodes(model, stress, fields, nodal, elastic, by_nodes), by_nodes
 
 
 def _through_depth(
-    model: Elasticity, surface: Surface, found: NodalStress, adjoint: Array, nodal: Array, by_nodes: Array
+    model: Elasticity,
+    surface: Surface,
+    nodal_stress: NodalStress,
+    adjoint: Array,
+    nodal: Array,
+    by_nodes: Array,
 ) -> None:
     """Add the adjoint of the derivatives into the depth to those of the nodal stresses and of the nodes."""
     number = np.bincount(surface.faces.ravel(), minlength=len(surface.nodes))
     active = (adjoint != 0).any(axis=(0, 2))
     chosen = active[surface.faces].any(axis=0)
     faces, local, owners = surface.faces[:, chosen], surface.local[:, chosen], surface.owners[chosen]
-    cells = found.elements[:, owners]  # (10, f)
+    cells = nodal_stress.elements[:, owners]  # (10, f)
     reference = shape_gradients(node_points())[local]  # (6, f, 10, 3)
     jacobian = np.einsum("inf,pfnj->pfij", model.nodes_mm[:, cells], reference, optimize=True)
     direction = np.linalg.solve(jacobian, -surface.normals[faces][..., None])[..., 0]
     weights = np.einsum("pfnj,pfj->pfn", reference, direction, optimize=True)
     share = (adjoint / number[:, None])[:, faces]  # (fields, 6, f, 6)
-    stress = found.nodal_MPa[:, cells]  # (fields, 10, f, 6)
+    stress = nodal_stress.nodal_MPa[:, cells]  # (fields, 10, f, 6)
     for total, part in zip(nodal, share, strict=True):
         np.add.at(total, cells, np.einsum("pfn,pfc->nfc", weights, part, optimize=True))
     of_weights = np.einsum("xpfc,xnfc->pfn", share, stress, optimize=True)
@@ -104,7 +109,7 @@ def _through_normals(
 
 def _through_nodes(
     model: Elasticity,
-    found: NodalStress,
+    stress: NodalStress,
     fields: Array,
     adjoint: Array,
     elastic: tuple[float, float],
@@ -114,9 +119,9 @@ def _through_nodes(
     from skfem import Basis, ElementTetP2
 
     active = (adjoint != 0).any(axis=(0, 2))
-    elements = np.flatnonzero(active[found.elements].any(axis=0))
+    elements = np.flatnonzero(active[stress.elements].any(axis=0))
     basis = Basis(model.mesh, ElementTetP2(), intorder=STIFFNESS_ORDER, elements=elements)
-    cells, volume = found.elements[:, elements], basis.dx.sum(axis=1)
+    cells, volume = stress.elements[:, elements], basis.dx.sum(axis=1)
     around = np.zeros(adjoint.shape[1])
     np.add.at(around, cells, np.broadcast_to(volume, cells.shape))
     around[~active] = 1.0
@@ -125,7 +130,7 @@ def _through_nodes(
     spread = nodes_from_points(basis.X)
     of_volume = np.zeros(len(elements))
     for field, u, part in zip(range(len(fields)), fields, share, strict=True):
-        departure = found.element_MPa[field][elements] - found.nodal_MPa[field][cells.T]
+        departure = stress.element_MPa[field][elements] - stress.nodal_MPa[field][cells.T]
         of_volume += np.einsum("enc,enc->e", part, departure)
         of_stress = np.einsum("nq,enc->eqc", spread, part * volume[:, None, None], optimize=True)
         of_slopes = full_tensor(hooke(of_stress, *elastic) * _BOTH_HALVES)

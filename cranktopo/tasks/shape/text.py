@@ -8,7 +8,7 @@ from pathlib import Path
 
 from cranktopo.base.units import change_text, plain_number
 from cranktopo.design.goal.constraint import TOLERANCE, Constraint
-from cranktopo.report.goal_table import broken_limits, limits_table, short_percent
+from cranktopo.report.goal_table import limits_table, short_percent, violated_limits
 from cranktopo.report.result_table import Column, ResultTable, Row, tabulate, terminal
 from cranktopo.tasks.bound.text import bound_lines
 from cranktopo.tasks.extraction.text import release_text, release_verdict
@@ -83,14 +83,14 @@ def worst_case_table(worst_case_percent: Mapping[str, float]) -> ResultTable:
     return ResultTable({"off_by": 0, **dict.fromkeys(worst, 1)}, (row,))
 
 
-def sensitivity_text(found: SensitivityTable | ShapeResult, whole: str) -> list[str]:
+def sensitivity_text(sensitivities: SensitivityTable | ShapeResult, whole: str) -> list[str]:
     """Return both tables and the worst case for a terminal; percentages refer to `whole`."""
-    held, worst = held_table(found.parameters), dict(found.worst_case_percent)
+    held, worst = held_table(sensitivities.parameters), dict(sensitivities.worst_case_percent)
     tolerance = worst.pop("tolerance")
     spread = ", ".join(f"{name.replace('_', ' ')} {value:.1f} %" for name, value in worst.items())
     return [
         f"What a millimetre (degree) is worth, % of {whole}:",
-        terminal(dimensions_table(found.parameters)),
+        terminal(dimensions_table(sensitivities.parameters)),
         "",
         terminal(held) if held.rows else "No rule or bound holds any of them.",
         "",
@@ -98,34 +98,34 @@ def sensitivity_text(found: SensitivityTable | ShapeResult, whole: str) -> list[
     ]
 
 
-def changes_table(found: ShapeResult) -> ResultTable:
+def changes_table(shape: ShapeResult) -> ResultTable:
     """Return every quantity of the original and of the result, and its change."""
     columns = {"quantity": 0, "unit": 0, "original": 0, "result": 0, "change_percent": 2}
-    before, after, rows = found.values.original, found.values.result, list[Row]()
+    before, after, rows = shape.values.original, shape.values.result, list[Row]()
     for key in (key for key in QUANTITIES_TOLD if key in before and key in after):
-        original, result, unit = value_words(found, key)
+        original, result, unit = value_words(shape, key)
         row: Row = {
             "quantity": QUANTITIES_TOLD[key].label,
             "unit": unit,
             "original": original,
             "result": result,
-            "change_percent": found.change_percent.get(key),
+            "change_percent": shape.change_percent.get(key),
         }
         rows.append(row)
     return ResultTable(columns, tuple(rows))
 
 
-def value_words(found: ShapeResult, key: str) -> tuple[str, str, str]:
+def value_words(shape: ShapeResult, key: str) -> tuple[str, str, str]:
     """Return a quantity of original and result as text, small ones with four digits, and their unit."""
     quantity = QUANTITIES_TOLD[key]
     factor = 1e-3 if quantity.unit in _KILO_UNITS else 1.0
-    values = [factor * web[key] for web in (found.values.original, found.values.result)]
+    values = [factor * web[key] for web in (shape.values.original, shape.values.result)]
     small = max(map(abs, values)) < 10.0 ** (2 - quantity.digits)
     original, result = (plain_number(v) if small else f"{v:.{quantity.digits}f}" for v in values)
     return original, result, _KILO_UNITS.get(quantity.unit, quantity.unit.replace("_", " "))
 
 
-def feature_trials_table(found: ShapeResult) -> ResultTable:
+def feature_trials_table(shape: ShapeResult) -> ResultTable:
     """Return what was tried, what it gained, and whether it was kept."""
     columns: tuple[Column[FeatureTrial], ...] = (
         Column("step", 0, lambda trial: trial.step),
@@ -134,45 +134,45 @@ def feature_trials_table(found: ShapeResult) -> ResultTable:
         Column("kept", 0, lambda trial: "yes" if trial.kept else "no"),
         Column("evaluations", 0, lambda trial: trial.evaluations),
     )
-    return tabulate(columns, found.trials)
+    return tabulate(columns, shape.trials)
 
 
-def rounds_table(found: ShapeResult) -> ResultTable:
+def rounds_table(shape: ShapeResult) -> ResultTable:
     """Return every web that was evaluated on the way, against the original, and its violations."""
-    before, names = found.values.original, named_first(found)
+    before, names = shape.values.original, named_first(shape)
     columns = {"web": 0, **{f"{name}_percent": 2 for name in names}, "limits missed by": 0}
     rows: tuple[Row, ...] = tuple(
         {
-            "web": f"finish {number}" if number else "of the cells" if found.trials else "of the start",
+            "web": f"finish {number}" if number else "of the cells" if shape.trials else "of the start",
             **{f"{name}_percent": 100 * (web.values[name] / before[name] - 1) for name in names},
             "limits missed by": f"{worst:.2f} %" if worst > _KEPT_PERCENT else "-",
         }
-        for number, web in enumerate(found.rounds)
+        for number, web in enumerate(shape.rounds)
         for worst in [max(web.excess_percent, default=0.0)]
     )
     return ResultTable(columns, rows)
 
 
-def named_first(found: ShapeResult) -> tuple[str, ...]:
+def named_first(shape: ShapeResult) -> tuple[str, ...]:
     """Return the quantities that a result is told by, that of the goal first."""
-    names = (found.goal.quantity.name, *TOLD_FIRST)
-    return tuple(name for name in dict.fromkeys(names) if name in found.change_percent)
+    names = (shape.goal.quantity.name, *TOLD_FIRST)
+    return tuple(name for name in dict.fromkeys(names) if name in shape.change_percent)
 
 
-def shape_headline(found: ShapeResult) -> str:
+def shape_headline(shape: ShapeResult) -> str:
     """Return the result in one sentence; what cannot be made and limits that are missed come first."""
-    change, names = found.change_percent, named_first(found)
-    missed = [*broken_limits(found.goal), *_missed_in_shaft(found)]
+    change, names = shape.change_percent, named_first(shape)
+    missed = [*violated_limits(shape.goal), *_missed_in_shaft(shape)]
     said = ", ".join(f"{name.replace('_', ' ')} {change_text(change[name])}" for name in names)
-    nearly = f" within {100 * TOLERANCE:g} %" if any(map(short_percent, found.goal.limits)) else ""
+    nearly = f" within {100 * TOLERANCE:g} %" if any(map(short_percent, shape.goal.limits)) else ""
     judged = f"NOT MET: {'; '.join(missed)};" if missed else f"Every limit holds{nearly}:"
-    unmade = "" if found.makeable else f"CANNOT BE MADE: {release_text(found.undercuts)}. "
-    return f"{unmade}{judged} {said} against the original web.{_failing(found)}"
+    unmade = "" if shape.makeable else f"CANNOT BE MADE: {release_text(shape.undercuts)}. "
+    return f"{unmade}{judged} {said} against the original web.{_failing(shape)}"
 
 
-def _missed_in_shaft(found: ShapeResult) -> list[str]:
+def _missed_in_shaft(shape: ShapeResult) -> list[str]:
     """Return the safety that the shaft with the best web lacks, if it does."""
-    one = found.in_shaft
+    one = shape.in_shaft
     if one is None or one.held:
         return []
     return [
@@ -181,9 +181,9 @@ def _missed_in_shaft(found: ShapeResult) -> list[str]:
     ]
 
 
-def original_keeps(found: ShapeResult) -> str:
+def original_keeps(shape: ShapeResult) -> str:
     """Return a sentence where a web misses a limit and the original misses none; empty else."""
-    original, limits = found.values.original, found.goal.limits
+    original, limits = shape.values.original, shape.goal.limits
     if not any(limit.holds is False for limit in limits):
         return ""
     kept = all(
@@ -194,145 +194,147 @@ def original_keeps(found: ShapeResult) -> str:
     )
     if not kept:
         return ""
-    advice = ", no web on the way did: keep the original" if found.unfinished is False else ""
+    advice = ", no web on the way did: keep the original" if shape.unfinished is False else ""
     return f"the original web keeps every limit{advice}"
 
 
-def ended_words(found: ShapeResult) -> str:
+def ended_words(shape: ShapeResult) -> str:
     """Return what is left to do where a web misses a limit and no finish would help; empty else."""
-    if found.held or found.unfinished is not False:
+    if shape.held or shape.unfinished is not False:
         return ""
     return "finishes come no nearer: loosen a limit, or widen the envelope or a range of [shape.free]"
 
 
-def _failing(found: ShapeResult) -> str:
+def _failing(shape: ShapeResult) -> str:
     """Return the sentence that the web fails by fatigue, whatever its limit; empty where it does not."""
-    safety, original = (of.get("fatigue_safety") for of in (found.values.result, found.values.original))
+    safety, original = (of.get("fatigue_safety") for of in (shape.values.result, shape.values.original))
     if safety is None or safety >= 1:
         return ""
     alike = f", as the original does with {original:.3f}" if original is not None and original < 1 else ""
     return f" IT FAILS by fatigue: the safety of {safety:.3f} is below 1{alike}."
 
 
-def safety_places(found: ShapeResult) -> str:
+def safety_places(shape: ShapeResult) -> str:
     """Return the least safety of result and original with their places; empty where none is known."""
-    told = [
+    places = [
         f"{web}{of.fatigue_safety:.{SAFETY.digits}f} at {of.fatigue_place}"
-        for web, of in (("", found.result), ("of the original ", found.original))
+        for web, of in (("", shape.result), ("of the original ", shape.original))
         if of.fatigue_safety is not None and of.fatigue_place
     ]
-    return f"least {SAFETY.label} {'; '.join(told)}" if told else ""
+    return f"least {SAFETY.label} {'; '.join(places)}" if places else ""
 
 
-def shape_summary(found: ShapeResult, folder: Path) -> str:
+def shape_summary(shape: ShapeResult, folder: Path) -> str:
     """Return what `cranktopo shape` prints of a finished optimisation."""
     lines = [
-        shape_headline(found),
+        shape_headline(shape),
         *filter(
             None,
-            [found.left_off, safety_places(found), found.balance, original_keeps(found), found.stop_reason],
+            [shape.left_off, safety_places(shape), shape.balance, original_keeps(shape), shape.stop_reason],
         ),
-        *([judged] if (judged := stress_loads(found)) else []),
-        *filter(None, [ended_words(found)]),
-        *([f"go on from this web: {shlex.join(_going_on(found, folder))}"] if found.unfinished else []),
+        *([judged] if (judged := stress_loads(shape)) else []),
+        *filter(None, [ended_words(shape)]),
+        *([f"go on from this web: {shlex.join(_going_on(shape, folder))}"] if shape.unfinished else []),
         *(
-            [f"die releases it: {release_verdict(found.undercuts)}, {release_text(found.undercuts)}"]
-            if found.undercuts
+            [f"die releases it: {release_verdict(shape.undercuts)}, {release_text(shape.undercuts)}"]
+            if shape.undercuts
             else []
         ),
-        *bound_lines(found.bound),
+        *bound_lines(shape.bound),
         "",
-        terminal(changes_table(found)),
+        terminal(changes_table(shape)),
         "",
-        terminal(limits_table(found.goal)),
+        terminal(limits_table(shape.goal)),
         "",
-        *multiplier_text(found),
+        *multiplier_text(shape),
         "",
-        *sensitivity_text(found, "the original"),
+        *sensitivity_text(shape, "the original"),
         "",
-        f"{found.seconds['total']:.1f} s, {found.evaluations} webs solved",
-        *(str(folder / name) for name in found.files.values()),
+        f"{shape.seconds['total']:.1f} s, {shape.evaluations} webs solved",
+        *(str(folder / name) for name in shape.files.values()),
     ]
     return "\n".join(lines)
 
 
-def stress_loads(found: ShapeResult) -> str:
+def stress_loads(shape: ShapeResult) -> str:
     """Return the load states of what stresses tell in words; empty for joined extremes, the default."""
-    told = [QUANTITIES_TOLD[key].label for key in ("fatigue_safety", "stress") if key in found.values.result]
+    labels = [
+        QUANTITIES_TOLD[key].label for key in ("fatigue_safety", "stress") if key in shape.values.result
+    ]
     where = {"cycle": "", "shaft": ", as the shaft on all its bearings loads these webs"}.get(
-        found.loads or ""
+        shape.loads or ""
     )
     if where is None:
         return ""
-    shaft = found.in_shaft
+    shaft = shape.in_shaft
     judged = "" if shaft is None else f"; solved again the shaft has {shaft.result:.3f} (web {shaft.web})"
-    return f"{' and '.join(told)} over every angle of the cycle{where}{judged}"
+    return f"{' and '.join(labels)} over every angle of the cycle{where}{judged}"
 
 
-def _going_on(found: ShapeResult, folder: Path) -> list[str]:
-    loads = ["--loads", found.loads] if found.loads == "cycle" else []
+def _going_on(shape: ShapeResult, folder: Path) -> list[str]:
+    loads = ["--loads", shape.loads] if shape.loads == "cycle" else []
     return ["cranktopo", "shape", str(folder), *loads]
 
 
-def multiplier_text(found: ShapeResult) -> list[str]:
+def multiplier_text(shape: ShapeResult) -> list[str]:
     """Return what one percent of each limit costs in the goal, then what a unit of each rule would give."""
-    lines = [*(f"{moved} {effect}" for moved, effect in _multipliers(found)), multiplier_doubt(found)]
+    lines = [*(f"{moved} {effect}" for moved, effect in _multipliers(shape)), multiplier_doubt(shape)]
     return [line for line in lines if line]
 
 
-def multiplier_table(found: ShapeResult) -> ResultTable:
+def multiplier_table(shape: ShapeResult) -> ResultTable:
     """Return the same as a table, one row each."""
-    rows = tuple({"a_move_of": moved, "the_goal": effect} for moved, effect in _multipliers(found))
+    rows = tuple({"a_move_of": moved, "the_goal": effect} for moved, effect in _multipliers(shape))
     return ResultTable({"a_move_of": 0, "the_goal": 0}, rows)
 
 
-def multiplier_doubt(found: ShapeResult) -> str:
+def multiplier_doubt(shape: ShapeResult) -> str:
     """Return the error where the prices do not explain the optimum; empty else."""
-    rest = found.prices_remainder_percent
+    rest = shape.prices_remainder_percent
     doubt = f"prices explain {100 - rest:.0f} % of what the goal still wants: it is not quite the best web"
     return doubt if rest > LOOSE_PERCENT else ""
 
 
-def _multipliers(found: ShapeResult) -> Iterator[tuple[str, str]]:
-    name = found.goal.quantity.name.replace("_", " ")
-    for price in found.prices:
-        yield _moved(found, price), _price_effect(found, price, name)
-    rules = [rule for rule in found.rule_prices if rule.goal_percent_per_unit >= MINIMUM_PERCENT]
-    better = "less" if found.goal.minimise else "more"
+def _multipliers(shape: ShapeResult) -> Iterator[tuple[str, str]]:
+    name = shape.goal.quantity.name.replace("_", " ")
+    for price in shape.prices:
+        yield _moved(shape, price), _price_effect(shape, price, name)
+    rules = [rule for rule in shape.rule_prices if rule.goal_percent_per_unit >= MINIMUM_PERCENT]
+    better = "less" if shape.goal.minimise else "more"
     for rule in sorted(rules, key=lambda rule: (-round(rule.goal_percent_per_unit, 6), rule.name)):
         effect = f"would give {rule.goal_percent_per_unit:.2f} % {better} {name}"
         yield f"{_MOVES[rule.unit]} of '{rule.name}'", effect
 
 
-def _moved(found: ShapeResult, price: LimitPrice) -> str:
+def _moved(shape: ShapeResult, price: LimitPrice) -> str:
     """Return a limit that is tighter by a percent in words; more of a negative value would be lower."""
     upper, quantity = price.sense == "<=", price.quantity.replace("_", " ")
-    named = f"the {price.side} {quantity}" if _other_side(found, price) else ""
-    if any((limit.required or 0.0) < 0 for limit in price.outcomes(found.goal.limits)):
+    named = f"the {price.side} {quantity}" if _other_side(shape, price) else ""
+    if any((limit.required or 0.0) < 0 for limit in price.outcomes(shape.goal.limits)):
         return f"{named or quantity} {'lower' if upper else 'higher'} by 1 % of its limit"
     return f"1 % {'less' if upper else 'more'} {named and 'of '}{named or quantity}"
 
 
-def _price_effect(found: ShapeResult, price: LimitPrice, name: str) -> str:
-    own, rest = price.outcomes(found.goal.limits), found.prices_remainder_percent
-    cost = price.known(found.goal.limits, rest)
+def _price_effect(shape: ShapeResult, price: LimitPrice, name: str) -> str:
+    own, rest = price.outcomes(shape.goal.limits), shape.prices_remainder_percent
+    cost = price.known(shape.goal.limits, rest)
     if cost is None:
         missed = any(limit.holds is False for limit in own)
         return f"has no price known: {'this limit is missed' if missed else 'the prices explain too little'}"
     if cost >= MINIMUM_PERCENT:
         return f"costs {cost:.2f} % {name}"
-    other = _other_side(found, price)
+    other = _other_side(shape, price)
     if other and not any(limit.active for limit in own):
-        if (other.known(found.goal.limits, rest) or 0.0) >= MINIMUM_PERCENT:
+        if (other.known(shape.goal.limits, rest) or 0.0) >= MINIMUM_PERCENT:
             return f"does not decide: the {other.side} does"
-        if any(limit.active for limit in other.outcomes(found.goal.limits)):
+        if any(limit.active for limit in other.outcomes(shape.goal.limits)):
             return f"does not decide: the {other.side} is nearer"
     if any(limit.active for limit in own):
         return "costs nothing: the other limits and rules decide before it"
     return "costs nothing: this limit does not decide"
 
 
-def _other_side(found: ShapeResult, price: LimitPrice) -> LimitPrice | None:
+def _other_side(shape: ShapeResult, price: LimitPrice) -> LimitPrice | None:
     """Return the price of the limit on the same quantity from the other side, if there is one."""
-    others = (one for one in found.prices if one.quantity == price.quantity and one.sense != price.sense)
+    others = (one for one in shape.prices if one.quantity == price.quantity and one.sense != price.sense)
     return next(others, None)

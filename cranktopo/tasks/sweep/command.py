@@ -95,7 +95,7 @@ def command(
     out: Path | None,
     resume: str | None,
     as_json: bool,
-    **asked: Any,
+    **options: Any,
 ) -> ExitCode:
     """Compute many variants of DESIGN, or those that a TOML FILE describes.
 
@@ -119,7 +119,7 @@ def command(
     if resume:
         done = resume_sweep(resume, place)
     else:
-        plan = _plan(target or DEFAULT_DESIGN, **asked)
+        plan = _plan(target or DEFAULT_DESIGN, **options)
         done = run_sweep(plan, place, out, ["cranktopo", *sys.argv[1:]])
     click.echo(json.dumps(done.result.as_json()) if as_json else sweep_summary(done.result, done.folder))
     if done.failed:
@@ -130,15 +130,15 @@ def command(
     return ExitCode.DONE
 
 
-def _plan(target: str, vary: tuple[str, ...], **asked: Any) -> SweepPlan:
+def _plan(target: str, vary: tuple[str, ...], **options: Any) -> SweepPlan:
     from cranktopo.tasks.sweep.plan import is_plan, read_plan, sweep_plan
     from cranktopo.tasks.sweep.variation import read_option
 
-    given = {name: value for name, value in asked.items() if value not in (None, ())}
+    used = {name: value for name, value in options.items() if value not in (None, ())}
     if is_plan(target):
-        if vary or given:
+        if vary or used:
             raise click.UsageError(f"{target} says all of it: leave out {typed(*_BESIDE_FILE)[0]}")
         return read_plan(Path(target))
-    if not vary and not given.get("limits"):
+    if not vary and not used.get("limits"):
         raise click.UsageError('nothing varies: give --vary "web.width_mm=46:56:6" or the like, or a FILE')
-    return sweep_plan([target], [read_option(text) for text in vary], **given)
+    return sweep_plan([target], [read_option(text) for text in vary], **used)

@@ -33,7 +33,7 @@ class _Progress:
     def __init__(self, points: int, kept: int) -> None:
         self._points, self._done = points, kept
         self._ends: Counter[str] = Counter()
-        self._told = time.perf_counter()
+        self._last_note_s = time.perf_counter()
         self._first = 0.0
         if kept:
             note(f"{kept} of {points} points need no computing")
@@ -44,8 +44,8 @@ class _Progress:
         self._ends[status] += 1
         now = time.perf_counter()
         self._first = self._first or now
-        if now - self._told >= _EVERY_S or self._done == self._points:
-            self._told = now
+        if now - self._last_note_s >= _EVERY_S or self._done == self._points:
+            self._last_note_s = now
             bad = [f"{count} {end}" for end, count in sorted(self._ends.items()) if end != DONE]
             note(", ".join([f"{self._done} of {self._points} points", *bad, *self._time_left(now)]))
 
@@ -176,16 +176,16 @@ class Session:
         if place.scheduler is not None:
             return WorkerPool(scheduler=place.scheduler)
         cores, scene = usable_cores(), plan.original
-        requested = place.workers
-        if requested is None:
+        workers_that_fit = place.workers
+        if workers_that_fit is None:
             memory = max(_point_memory_MiB(scene, stage, plan.element_size_mm) for stage in plan.stages)
-            requested = min(cores, int(available_memory_MiB() / memory))
-        workers = max(1, min(requested, points))
+            workers_that_fit = min(cores, int(available_memory_MiB() / memory))
+        workers = max(1, min(workers_that_fit, points))
         return WorkerPool(workers, max(1, cores // workers))
 
 
-def _webs(found: Mapping[str, PointResult]) -> dict[str, str]:
-    return {one: view for one, result in found.items() if (view := result.number(VIEW))}
+def _webs(results: Mapping[str, PointResult]) -> dict[str, str]:
+    return {one: view for one, result in results.items() if (view := result.number(VIEW))}
 
 
 def _row(point: SweepPoint, result: PointResult, **more: str) -> PointResult:

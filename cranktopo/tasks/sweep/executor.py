@@ -87,14 +87,14 @@ def compute(
     left = {job.point.id: job for job in jobs}
     patience = _FIRST_S
 
-    def told(job: Job, result: PointResult) -> None:
+    def finished(job: Job, result: PointResult) -> None:
         del left[job.point.id]
         done(job, result)
 
     while left and not enough():
         try:
             with _client(engine, patience) as client:
-                _submit(client, list(left.values()), told, enough, own=engine.scheduler is None)
+                _submit(client, list(left.values()), finished, enough, own=engine.scheduler is None)
         except _LostError:
             patience = _RETURN_S
             gone = f"the scheduler is lost; waiting up to {_RETURN_S:.0f} s for it to come back"
@@ -102,12 +102,14 @@ def compute(
             time.sleep(1.0)
 
 
-def _submit(client: Any, jobs: Sequence[Job], told: _Done, enough: Callable[[], bool], *, own: bool) -> None:
+def _submit(
+    client: Any, jobs: Sequence[Job], finished: _Done, enough: Callable[[], bool], *, own: bool
+) -> None:
     from distributed import KilledWorker, as_completed
 
     by_key = {f"cranktopo-{job.point.id}": job for job in jobs}
     futures = client.map(do_job, jobs, key=list(by_key), retries=_RETRIES, pure=False, batch_size=_BATCH)
-    with _given_up(client, futures, own=own):
+    with _cancelling(client, futures, own=own):
         for future, result in as_completed(futures, loop=client.loop, with_results=True, raise_errors=False):
             job = by_key[future.key]
             if future.status not in ("finished", "error"):
@@ -120,7 +122,7 @@ def _submit(client: Any, jobs: Sequence[Job], told: _Done, enough: Callable[[], 
                 if isinstance(error, KilledWorker):
                     reason = f"its worker died more than {_DEATHS} times"
                 result = point_result(job, FAILED, reason)
-            told(job, result)
+            finished(job, result)
             future.release()
             if enough():
                 client.cancel(futures, force=True)
@@ -128,7 +130,7 @@ def _submit(client: Any, jobs: Sequence[Job], told: _Done, enough: Callable[[], 
 
 
 @contextmanager
-def _given_up(client: Any, futures: Sequence[Any], *, own: bool) -> Iterator[None]:
+def _cancelling(client: Any, futures: Sequence[Any], *, own: bool) -> Iterator[None]:
     """Cancel what is left at the end, and all of it once workers of our own are gone.
 
     Dask starts a worker again that died, but not one whose start took too long; it would wait for ever.

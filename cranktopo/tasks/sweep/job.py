@@ -98,8 +98,8 @@ def point_result(job: Job, status: str, reason: str = "", **numbers: Any) -> Poi
     point = job.point
     known = {name: getattr(point, name) for name in ("id", "stage", "design", "varied", "sha256")}
     run = "" if point.reason else f"{POINTS}/{point.id}"
-    reported = {"run": run, "status": status, "reason": reason, "version": metadata.version("cranktopo")}
-    return PointResult(**{**known, **reported, **numbers})
+    run_columns = {"run": run, "status": status, "reason": reason, "version": metadata.version("cranktopo")}
+    return PointResult(**{**known, **run_columns, **numbers})
 
 
 def _computed(job: Job, folder: Path) -> PointResult:

@@ -15,7 +15,7 @@ from cranktopo.report.result_table import ResultTable
 from cranktopo.report.typeset import typeset
 from cranktopo.report.viewer.scene3d import SCRIPT
 from cranktopo.tasks.sweep.result import COARSE, ERRORS, PointResult, SweepResult
-from cranktopo.tasks.sweep.text import condition_words, fillet_words, safety_words, shown_name, shown_number
+from cranktopo.tasks.sweep.text import condition_words, fillet_words, reader_name, reader_number, safety_words
 
 _FOLDER = Path(__file__).parent
 _TEMPLATES, _SCRIPT = _FOLDER / "template", _FOLDER / "sweep.js"
@@ -72,9 +72,9 @@ def sweep_html(data: SweepResult, webs: Mapping[str, str]) -> str:
 
 def _pick_words(points: Sequence[PointResult], row: PointResult) -> str:
     """Return what tells a point from the others in words: `web width 51 mm, web thickness 19 mm`."""
-    reported = [quantity_words(key.replace(".", " "), value) for key, value in row.varied.items()]
-    apart = len({point.design for point in points}) > 1 or not reported
-    return typeset(", ".join([row.design, *reported] if apart else reported))
+    varied = [quantity_words(key.replace(".", " "), value) for key, value in row.varied.items()]
+    apart = len({point.design for point in points}) > 1 or not varied
+    return typeset(", ".join([row.design, *varied] if apart else varied))
 
 
 def _joined(*files: Path) -> str:
@@ -122,16 +122,16 @@ def _fitting(data: SweepResult, webs: Mapping[str, str], letters: int) -> list[s
 
 def _columns(data: SweepResult) -> list[str]:
     rows = [point.row() for point in data.points]
-    reported = dict.fromkeys(name for row in rows for name in row)
+    names = dict.fromkeys(name for row in rows for name in row)
     apart = [name for name in ("design", "stage") if len({row[name] for row in rows}) > 1]
-    compared = [name for name in _SENSES if name in reported]
+    compared = [name for name in _SENSES if name in names]
     varied = [*data.varied, *(name for name in apart if name not in data.varied)]
-    rest = [name for name in reported if name not in (*_TOLD_APART, *varied, *compared)]
+    rest = [name for name in names if name not in (*_TOLD_APART, *varied, *compared)]
     return [*varied, *compared, *(name for name in rest if not name.startswith("bound_"))]
 
 
 def _column(name: str, names: Sequence[str], data: SweepResult) -> dict[str, Any]:
-    label, unit = ResultTable({}, ()).head(name if name in data.varied else shown_name(name))
+    label, unit = ResultTable({}, ()).head(name if name in data.varied else reader_name(name))
     error, sense = ERRORS.get(name), _SENSES.get(name, 0)
     bounds = [bound for row in data.points if (bound := row.number(f"bound_{name}")) is not None]
     return {
@@ -141,13 +141,13 @@ def _column(name: str, names: Sequence[str], data: SweepResult) -> dict[str, Any
         "varied": name in data.varied,
         "sense": sense,
         "error": names.index(error) if error in names else None,
-        "bound": _cell(shown_number(name, (min if sense < 0 else max)(bounds))) if bounds else None,
+        "bound": _cell(reader_number(name, (min if sense < 0 else max)(bounds))) if bounds else None,
     }
 
 
 def _value(point: PointResult, name: str) -> Any:
     if name in _SENSES:
-        return shown_number(name, point.number(name))
+        return reader_number(name, point.number(name))
     return point.varied.get(name, point.row().get(name))
 
 

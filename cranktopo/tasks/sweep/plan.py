@@ -229,13 +229,13 @@ def is_plan(text: str) -> bool:
 
 
 def _designs(file: Path, data: Mapping[str, Any]) -> list[str]:
-    given = data.get("scenes", [data["design"]] if "design" in data else [])
-    if ("design" in data) == ("scenes" in data) or not isinstance(given, list):
+    names = data.get("scenes", [data["design"]] if "design" in data else [])
+    if ("design" in data) == ("scenes" in data) or not isinstance(names, list):
         raise CranktopoError(
             f"{file}: needs either design or scenes.",
             hint='Write design = "mikron-iiic", or scenes = ["a.toml", "b.toml"].',
         )
-    paths = [(str(name), file.resolve().parent / str(name)) for name in given]
+    paths = [(str(name), file.resolve().parent / str(name)) for name in names]
     return [str(path) if path.is_file() else name for name, path in paths]
 
 

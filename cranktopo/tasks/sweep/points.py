@@ -101,7 +101,7 @@ def _samples(plan: SweepPlan) -> Sequence[Sequence[float]]:
     return cast("list[list[float]]", drawn.tolist())
 
 
-def _told(scene: Scene) -> dict[str, Any]:
+def _decisive_data(scene: Scene) -> dict[str, Any]:
     """Return what of a scene decides its results: no words on where the material's values come from."""
     return scene.model_dump(mode="json", exclude_defaults=True, exclude={"material": {"source"}})
 
@@ -126,8 +126,8 @@ def _point(
     files = {} if scene is None else {role: file_hash(path) for role, path in input_files(scene).items()}
     known = {STAGE: stage, **fineness.settings(), "files": files, **settings}
     # without what is as by default, so that keys that a later version adds leave the hash as it is
-    told = tables if scene is None else _told(scene)
-    sha256 = settings_hash(told, known)
+    decisive = tables if scene is None else _decisive_data(scene)
+    sha256 = settings_hash(decisive, known)
     pitch_mm = 0.0 if scene is None else scene.pitch_mm
     id_, balance = sha256[:_ID_LETTERS], None if scene is None else _balance_percent(scene)
     return SweepPoint(id_, sha256, stage, dict(varied), design, tables, fineness, reason, pitch_mm, balance)
@@ -149,8 +149,8 @@ def left_off_lines(points: Sequence[SweepPoint]) -> list[str]:
             key = f"{point.design} {effects}"
             if key not in found:
                 found[key] = scene_from_dict(dict(point.tables), point.design, whole=True)
-    told = ((scene.name, alone_left_off(scene)) for scene in found.values())
-    return list(dict.fromkeys(f"{name}: {missing}" for name, missing in told if missing))
+    missing_loads = ((scene.name, alone_left_off(scene)) for scene in found.values())
+    return list(dict.fromkeys(f"{name}: {missing}" for name, missing in missing_loads if missing))
 
 
 def balance_line(plan: SweepPlan, points: Sequence[SweepPoint]) -> str:
@@ -159,10 +159,10 @@ def balance_line(plan: SweepPlan, points: Sequence[SweepPoint]) -> str:
     own = _balance_percent(plan.original)
     if own is None or not found or max(own - min(found), max(found) - own) < FELT_PERCENT:
         return ""
-    told = " to ".join(dict.fromkeys(plain_number(percent, 3) for percent in (min(found), max(found))))
+    factors = " to ".join(dict.fromkeys(plain_number(percent, 3) for percent in (min(found), max(found))))
     return (
-        f"balance factors of {told} % of the oscillating mass, the original has {plain_number(own, 3)} %: no "
-        "counterweight follows a web that varies, so points differ by their balance too"
+        f"balance factors of {factors} % of the oscillating mass, the original has {plain_number(own, 3)} %: "
+        "no counterweight follows a web that varies, so points differ by their balance too"
     )
 
 
@@ -174,9 +174,9 @@ def pitch_line(plan: SweepPlan, points: Sequence[SweepPoint]) -> str:
     own, low, high = plan.original.pitch_mm, min(found, default=0.0), max(found, default=0.0)
     if not found or max(own - low, high - own) < SAME_PITCH_MM:
         return ""
-    told = " to ".join(dict.fromkeys(plain_number(mm, 6) for mm in (low, high)))
+    pitches = " to ".join(dict.fromkeys(plain_number(mm, 6) for mm in (low, high)))
     return (
-        f"pitch of the throws {told} mm, the original has {plain_number(own, 6)} mm: the length of the "
+        f"pitch of the throws {pitches} mm, the original has {plain_number(own, 6)} mm: the length of the "
         "engine changes; --keep pitch takes it from the main journals"
     )
 

@@ -108,8 +108,8 @@ def _note_what_differs(plan: SweepPlan, points: Sequence[SweepPoint]) -> None:
     """Tell what the table does not: throws farther apart, what strength and pressure hold for."""
     for line in filter(None, (pitch_line(plan, points), balance_line(plan, points))):
         note(f"sweep: {line}")
-    for told in left_off_lines(points):
-        note(f"sweep: {told}")
+    for missing_loads in left_off_lines(points):
+        note(f"sweep: {missing_loads}")
     if {"fatigue", "shape"} & set(plan.stages):
         note_strength(plan.original.name, plan.original)
     if {"fatigue", "shape", "optimise"} & set(plan.stages):
@@ -127,12 +127,12 @@ def resume_sweep(reference: str, place: Workplace = ALL_CORES) -> SweptRun:
     require_kind(run, SWEEP)
     run.require_same_inputs()
     options = run.manifest()["options"]
-    wanted = options.get("function")
-    if wanted != place.settings.get("function"):
+    function = options.get("function")
+    if function != place.settings.get("function"):
         hint = "Continue it in Python: resume=DIR with that function."
         raise CranktopoError(
-            f"run '{run.path}': was started with {wanted or 'no function'}.",
-            hint=hint if wanted else "Leave the function out.",
+            f"run '{run.path}': was started with {function or 'no function'}.",
+            hint=hint if function else "Leave the function out.",
         )
     plan = SweepPlan.of_json(options[SWEEP], f"run '{run.path}'")
     run.resume()
@@ -154,11 +154,11 @@ def _worked(run: RunStore, plan: SweepPlan, points: Sequence[SweepPoint], place:
     return SweptRun(run.path, result)
 
 
-def _result(run: RunStore, plan: SweepPlan, found: Computed, points: Sequence[SweepPoint]) -> SweepResult:
+def _result(run: RunStore, plan: SweepPlan, computed: Computed, points: Sequence[SweepPoint]) -> SweepResult:
     """Return what `sweep.json` holds, its tables written; coarse numbers have no say in front and picks."""
-    own, rows = plan.original.model_dump(mode="json"), found.rows
+    own, rows = plan.original.model_dump(mode="json"), computed.rows
     varied = {variation.key: value_at(own, variation.key) for variation in plan.vary}
-    original = found.original.model_copy(update={"varied": varied})
+    original = computed.original.model_copy(update={"varied": varied})
     full = [row for row in rows if row.status == DONE and row.number("accuracy") != COARSE]
     front, objectives = front_of(choices_of(full))
     leading = [row for row in full if row.id in set(front)]
@@ -176,7 +176,7 @@ def _result(run: RunStore, plan: SweepPlan, found: Computed, points: Sequence[Sw
         operating_conditions=tuple(conditions_of(varied)) or None,
         balance=balance_line(plan, points) or None,
         left_off=tuple(left_off_lines(points)) or None,
-        undecided=found.undecided if plan.refine == "front" else None,
+        undecided=computed.undecided if plan.refine == "front" else None,
         files=SweepFiles(**write_tables(frame_of(rows, original, front), run.path, TABLE), page=REPORT),
         seconds=SweepSeconds(total=0.0),
     )

@@ -16,7 +16,7 @@ from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.engine.plan.planning import planned_scene
-from cranktopo.report.goal_table import broken_limits
+from cranktopo.report.goal_table import violated_limits
 from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
 from cranktopo.report.viewer.small_web import packed_web
 from cranktopo.runs.directories import open_run
@@ -24,7 +24,7 @@ from cranktopo.runs.kind import RESULT_FILES, SHAPE
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.fea.targets import Target, simulated
-from cranktopo.tasks.importing.imported_body import shown_halves
+from cranktopo.tasks.importing.imported_body import half_surfaces
 from cranktopo.tasks.optimise.result import RunMetrics, read_metrics
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.plan import Stage
@@ -40,12 +40,12 @@ _COARSER = 2
 def web_view(target: Target) -> str:
     """Return the half throw of a target, or both where they differ, as text that a browser draws."""
     scene = target.scene
-    meshes = shown_halves(scene, target.file, _COARSER * coarse_facet_mm(scene))
-    shown = zip(meshes, halves(scene), PARTNERS[len(meshes)], strict=False)
+    meshes = half_surfaces(scene, target.file, _COARSER * coarse_facet_mm(scene))
+    half_meshes = zip(meshes, halves(scene), PARTNERS[len(meshes)], strict=False)
     return packed_web(
         *(
             ShownBody(target.name, mesh, half.web_z_mm, half.pitch_mm / 2, partner=partner)
-            for mesh, half, partner in shown
+            for mesh, half, partner in half_meshes
         )
     )
 
@@ -119,7 +119,13 @@ def _optimised(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     metrics = _densities(scene, folder)
     surface = Target(scene.name, planned_scene(scene), folder / RUN / metrics.files["stl"], folder / RUN)
     judged = _judged(surface, fineness)
-    return {**judged, **_limits(metrics.goal), **_told(metrics), "target": RUN, VIEW: web_view(surface)}
+    return {
+        **judged,
+        **_limits(metrics.goal),
+        **_optimiser_columns(metrics),
+        "target": RUN,
+        VIEW: web_view(surface),
+    }
 
 
 def _densities(scene: Scene, folder: Path) -> RunMetrics:
@@ -147,30 +153,30 @@ def _remodelled(scene: Scene, folder: Path, fineness: Fineness) -> Json:
         refit = remodel_run(str(folder / RUN), folder / REMODEL, evaluated=False)
     file = f"{REMODEL}/{refit.files['design']}"
     web = Target(scene.name, simulated(load_scene(str(folder / file))))
-    return {**_judged(web, fineness), **_told(metrics), "target": file, VIEW: web_view(web)}
+    return {**_judged(web, fineness), **_optimiser_columns(metrics), "target": file, VIEW: web_view(web)}
 
 
 def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
-    from cranktopo.design.goal.wanted import with_goal
+    from cranktopo.design.goal.scene_goal import with_goal
     from cranktopo.tasks.shape.result import ShapeResult
     from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
 
-    run, wanted = folder / RUN, scene if scene.goal is not None else with_goal(scene, minimise="mass")
+    run, stated = folder / RUN, scene if scene.goal is not None else with_goal(scene, minimise="mass")
     status = _status(run)
     if status == "done":
         data = ShapeResult.read(run / RESULT_FILES[SHAPE])
     elif status:
         data = resume_shape(str(run)).result
     else:
-        settings = fineness.shape_settings(shape_settings(wanted), wanted)
-        data = shape_design(wanted, settings, run, command=COMMAND).result
+        settings = fineness.shape_settings(shape_settings(stated), stated)
+        data = shape_design(stated, settings, run, command=COMMAND).result
     file = f"{RUN}/{data.files['design']}"
     shaped = load_scene(str(folder / file))
     return {
         **_columns_of(data.result),
         **_limits(data.goal),
         **_bound(data.bound),
-        **_told(data),
+        **_optimiser_columns(data),
         "target": file,
         VIEW: web_view(Target(shaped.name, simulated(shaped, fillets=True))),
     }
@@ -194,7 +200,7 @@ def _status(run: Path) -> str:
     return str(open_run(str(run)).manifest()["status"]) if (run / "manifest.json").is_file() else ""
 
 
-def _told(result: RunMetrics | ShapeResult) -> Json:
+def _optimiser_columns(result: RunMetrics | ShapeResult) -> Json:
     return {"optimiser_status": result.status, "iterations": result.iterations}
 
 
@@ -202,9 +208,9 @@ def _limits(goal: GoalOutcome | None) -> Json:
     """Tell whether every limit of the goal, if any, holds; a web that breaks one is no answer to it."""
     if not goal:
         return {}
-    if not (broken := broken_limits(goal)):
+    if not (violated := violated_limits(goal)):
         return {"limits_hold": True}
-    reason = f"no web found that holds {'; '.join(broken)}"
+    reason = f"no web found that holds {'; '.join(violated)}"
     return {"limits_hold": False, "status": IMPOSSIBLE, "reason": reason}
 
 

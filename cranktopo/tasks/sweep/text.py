@@ -55,8 +55,8 @@ def write_tables(frame: pandas.DataFrame, folder: Path, stem: str) -> dict[str, 
 
 def _flat(point: PointResult) -> dict[str, Any]:
     """Return what varied beside what came of it; a quantity that is called like a key is the quantity."""
-    told = {name: value for name, value in point.row().items() if name not in _LEFT_OUT}
-    return {**{name: told[name] for name in _FIRST if name in told}, **point.varied, **told}
+    values = {name: value for name, value in point.row().items() if name not in _LEFT_OUT}
+    return {**{name: values[name] for name in _FIRST if name in values}, **point.varied, **values}
 
 
 def _plain(column: pandas.Series) -> pandas.Series:
@@ -106,26 +106,26 @@ def _front_table(data: SweepResult) -> ResultTable:
     chosen = [row for row in data.points if row.id in set(data.front)][:_MOST_ROWS]
     known = {name: digits for name, digits in _QUANTITIES.items() if name in chosen[0].numbers}
     apart = {"design": 0} if _designs(data.points) > 1 else {}
-    shown = [("original", data.original)] if data.original.status == DONE else []
+    original = [("original", data.original)] if data.original.status == DONE else []
     rows: list[Row] = [
         {
             "point": name,
             "design": row.design,
             **{key: _cell(row.varied.get(key)) for key in data.varied},
-            **{shown_name(quantity): shown_number(quantity, row.number(quantity)) for quantity in known},
+            **{reader_name(quantity): reader_number(quantity, row.number(quantity)) for quantity in known},
         }
-        for name, row in [*shown, *((row.id, row) for row in chosen)]
+        for name, row in [*original, *((row.id, row) for row in chosen)]
     ]
-    shown_digits = {shown_name(quantity): digits for quantity, digits in known.items()}
-    return ResultTable({"point": 0, **apart, **dict.fromkeys(data.varied, 4), **shown_digits}, tuple(rows))
+    columns = {reader_name(quantity): digits for quantity, digits in known.items()}
+    return ResultTable({"point": 0, **apart, **dict.fromkeys(data.varied, 4), **columns}, tuple(rows))
 
 
-def shown_name(quantity: str) -> str:
+def reader_name(quantity: str) -> str:
     """Return the name of a quantity in the unit that readers are shown."""
     return _IN_THOUSANDS.get(quantity, quantity)
 
 
-def shown_number(quantity: str, value: float | None) -> float | None:
+def reader_number(quantity: str, value: float | None) -> float | None:
     """Return a value of a quantity in the unit that readers are shown."""
     return value / 1000 if value is not None and quantity in _IN_THOUSANDS else value
 
@@ -168,12 +168,12 @@ def condition_words(data: SweepResult) -> str:
     if not keys:
         return ""
     are = "is an operating condition" if len(keys) == 1 else "are operating conditions"
-    told = (
+    consequence = (
         "every web counts by its condition of least safety"
         if data.front
         else "so there is no front and no pick"
     )
-    return f"{' and '.join(keys)} {are}, not a choice: {told}"
+    return f"{' and '.join(keys)} {are}, not a choice: {consequence}"
 
 
 def fillet_words(data: SweepResult) -> str:
@@ -194,6 +194,6 @@ def _accuracy(data: SweepResult) -> list[str]:
     """Tell how many points stand at full accuracy where not all do, and whether the front is decided."""
     coarse = sum(row.number("accuracy") == COARSE for row in data.points)
     left = len(data.undecided or ())
-    told = f"{len(data.points) - coarse} points at full accuracy, {coarse} coarse"
+    counts = f"{len(data.points) - coarse} points at full accuracy, {coarse} coarse"
     may = f"{left} coarse points may be on the front: the budget is used" if left else ""
-    return [line for line in (may, told) if line] if coarse else []
+    return [line for line in (may, counts) if line] if coarse else []

@@ -10,7 +10,7 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode, decimal_comma, invalid, quoted
 from cranktopo.base.result import UNLESS_NONE, Result
-from cranktopo.design.goal.wanted import limits_by_quantity, with_goal
+from cranktopo.design.goal.scene_goal import limits_by_quantity, with_goal
 from cranktopo.design.loading import key_parts, scene_from_dict
 
 Value = str | float | int | bool

@@ -30,10 +30,10 @@ def barred_fact(study: VibrationStudy) -> Fact | None:
     """Return the barred ranges as a fact of the page; None where no stress is given."""
     if study.barred_rpm is None:
         return None
-    reported = [_ranges(study.barred_rpm, ", ")]
+    ranges = [_ranges(study.barred_rpm, ", ")]
     if study.misfire_barred:
-        reported = [reported[0] or "none", f"with one misfiring {_misfire_ranges(study.misfire_barred)}"]
-    value = "; ".join(filter(None, reported))
+        ranges = [ranges[0] or "none", f"with one misfiring {_misfire_ranges(study.misfire_barred)}"]
+    value = "; ".join(filter(None, ranges))
     return Fact("Barred", value or "none", barred_sentence(study), "bad" if value else "good")
 
 
@@ -41,10 +41,12 @@ def _ranges(barred_rpm: Iterable[tuple[float, float]], between: str = " and ") -
     return between.join(f"{low:.0f} to {high:.0f} rpm" for low, high in barred_rpm)
 
 
-def _misfire_ranges(found: Iterable[MisfireRange]) -> str:
-    return " and ".join(f"{_ranges([(one.low_rpm, one.high_rpm)])} ({_cylinders(one)})" for one in found)
+def _misfire_ranges(misfire_ranges: Iterable[MisfireRange]) -> str:
+    return " and ".join(
+        f"{_ranges([(one.low_rpm, one.high_rpm)])} ({_cylinders(one)})" for one in misfire_ranges
+    )
 
 
-def _cylinders(found: MisfireRange) -> str:
-    *most, last = map(str, found.cylinders)
+def _cylinders(misfire_range: MisfireRange) -> str:
+    *most, last = map(str, misfire_range.cylinders)
     return f"cylinder {', '.join(most)} or {last}" if most else f"cylinder {last}"

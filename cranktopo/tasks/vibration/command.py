@@ -80,7 +80,7 @@ def command(
     from cranktopo.tasks.fea.targets import resolve_target
     from cranktopo.tasks.shaft.assembly import Bearings
     from cranktopo.tasks.vibration.result import vibration_result
-    from cranktopo.tasks.vibration.stage import misfire_asked, shaft_vibration
+    from cranktopo.tasks.vibration.stage import misfire_option, shaft_vibration
     from cranktopo.tasks.vibration.text import vibration_text
 
     resolved = resolve_target(target, design, align=align, whole=True, crank=True)
@@ -93,7 +93,7 @@ def command(
         report,
         csv_path,
         run_up_s=run_up_s,
-        misfire=misfire_asked(misfires),
+        misfire=misfire_option(misfires),
     )
     assumed = filter_by_table(resolved.assumed, (*SHAFT, LOADS, VIBRATION))
     if as_json:

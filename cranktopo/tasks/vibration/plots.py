@@ -76,8 +76,8 @@ def _draw_campbell(axes: Any, study: VibrationStudy) -> None:
         name.set(zorder=4, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.2})
 
 
-def _frequency_Hz(found: CriticalSpeed) -> float:
-    return found.order * found.speed_rpm / 60
+def _frequency_Hz(critical: CriticalSpeed) -> float:
+    return critical.order * critical.speed_rpm / 60
 
 
 def _name_modes(axes: Any, study: VibrationStudy, top: float) -> None:

@@ -73,7 +73,7 @@ def shaft_vibration(
     if csv is not None:
         check_file(csv, "--csv")
     resolved = resolve_target(target, design, align=align, whole=True, crank=True)
-    resolved = replace(resolved, scene=_asked(resolved.scene, misfire))
+    resolved = replace(resolved, scene=_misfiring(resolved.scene, misfire))
     _ = resolved.scene.shaft_angles_deg  # refuses a scene without an engine before anything is solved
     _check_solved(resolved, bearings, element_size_mm)
     check_vibration(resolved.scene, run_up_s)
@@ -101,18 +101,18 @@ def _with_misfires(study: VibrationStudy) -> VibrationStudy:
     return replace(found, warnings=(*found.warnings, *misfire_warnings(found)))
 
 
-def _asked(scene: Scene, misfire: Sequence[int] | Literal["worst"]) -> Scene:
+def _misfiring(scene: Scene, misfire: Sequence[int] | Literal["worst"]) -> Scene:
     if isinstance(misfire, str):
         return all_firing(scene)
     return with_misfire(scene, misfire)
 
 
-def misfire_asked(given: Sequence[int | str]) -> tuple[int, ...] | Literal["worst"]:
+def misfire_option(values: Sequence[int | str]) -> tuple[int, ...] | Literal["worst"]:
     """Return what repeated `--misfire` asks for; raises CranktopoError for a word beside numbers."""
-    numbers = tuple(one for one in given if isinstance(one, int))
-    if len(numbers) == len(given):
+    numbers = tuple(one for one in values if isinstance(one, int))
+    if len(numbers) == len(values):
         return numbers
-    if len(given) > 1:
+    if len(values) > 1:
         raise CranktopoError(
             "--misfire worst: looks at every cylinder alone.",
             hint="Give worst once, or numbers of cylinders.",
@@ -121,7 +121,7 @@ def misfire_asked(given: Sequence[int | str]) -> tuple[int, ...] | Literal["wors
     return "worst"
 
 
-def _given(target: Target) -> bool:
+def _gives_stiffness(target: Target) -> bool:
     """Tell whether the design gives the stiffness of its throw, so that no elements are needed."""
     shaft = target.scene.shaft
     return target.file is None and shaft is not None and shaft.gives_stiffness
@@ -129,7 +129,7 @@ def _given(target: Target) -> bool:
 
 def _check_solved(target: Target, bearings: Bearings | None, size_mm: float | None) -> None:
     options = {"--bearings": bearings, "--element-size-mm": size_mm}
-    for option in (name for name, value in options.items() if value is not None and _given(target)):
+    for option in (name for name, value in options.items() if value is not None and _gives_stiffness(target)):
         raise CranktopoError(
             f"{option}: {_key_of_stiffness(target.scene)} gives the stiffness of a throw, so none is solved.",
             hint=f"Leave out {option}, or that key of '{target.name}'.",
@@ -141,7 +141,7 @@ def _studied(
     target: Target, bearings: Bearings, size_mm: float | None, run_up_s: float | None
 ) -> VibrationStudy:
     scene = target.scene
-    if _given(target):
+    if _gives_stiffness(target):
         inertia = _mean(throw_balance(throw).inertia_kg_mm2 for throw in throw_scenes(scene))
         source = target.throw_stiffness_source or _key_of_stiffness(scene)
         return study_vibration(scene, estimated_chain(scene), inertia, source, run_up_s)

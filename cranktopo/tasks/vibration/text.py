@@ -120,16 +120,16 @@ def joined_misfire_table(study: VibrationStudy) -> ResultTable:
 
 def joined_misfire_sentence(study: VibrationStudy) -> str:
     """Return what a misfire does outside the crankshaft at the engine's own speed; empty where not known."""
-    told = []
+    torques = []
     for place, firing in enumerate(study.joined_own if study.misfires else ()):
         cylinder, swing = _worst_of((one.cylinder, one.joined_own[place]) for one in study.misfires)
-        told.append(
+        torques.append(
             f"{study.shaft.sections[swing.section]} +-{number_text(swing.torque_amplitude_Nm)} N m without "
             f"cylinder {cylinder}, +-{number_text(firing.torque_amplitude_Nm)} N m where all fire"
         )
-    if not told:
+    if not torques:
         return ""
-    return f"With a misfire at the engine's {engine_of(study.scene).speed_rpm:.0f} rpm: {'; '.join(told)}."
+    return f"With a misfire at the engine's {engine_of(study.scene).speed_rpm:.0f} rpm: {'; '.join(torques)}."
 
 
 def _worst_of(swings: Iterable[tuple[int, Swing]]) -> tuple[int, Swing]:
@@ -292,13 +292,13 @@ def vibration_text(study: VibrationStudy) -> str:
     )
     cancelled = cancelled_sentence(study)
     parts += [cancelled] if cancelled else []
-    told = (
+    sentences = (
         worst_sentence(study),
         own_speed_sentence(study),
         pressure_sentence(study),
         run_up_sentence(study),
     )
-    parts += [terminal(sections_table(study)), "\n".join(filter(None, told))]
+    parts += [terminal(sections_table(study)), "\n".join(filter(None, sentences))]
     if study.misfires:
         parts[-1:-1] = ["One cylinder that does not fire:", terminal(misfire_table(study))]
         if study.joined_sections:

@@ -54,16 +54,16 @@ class DraftedOutline:
 
 
 def drafted_outline(
-    own: _HalfWidth, range_mm: tuple[float, float], fall: float, land_mm: float
+    own: _HalfWidth, range_mm: tuple[float, float], draft_tangent: float, land_mm: float
 ) -> DraftedOutline:
     """Return an outline with draft.
 
     Args:
         own: half-widths at places along the throw, of an outline without jumps between its ends.
-        fall: tangent of the draft.
+        draft_tangent: tangent of the draft.
         land_mm: half-width below which there is none: the land of the flash.
     """
-    search = _Search(own, range_mm, 1 / fall, land_mm)
+    search = _Search(own, range_mm, 1 / draft_tangent, land_mm)
     return DraftedOutline(own, range_mm, tuple(search.fillers()))
 
 
@@ -102,22 +102,22 @@ class _Search:
     def _corners(self, before: int, after: int) -> tuple[_Corner, ...]:
         """Return the corners between the last sample before and the first after a filler; -1, n for none."""
         last = len(self.y)
-        fall = (
+        falling_line = (
             self._touch(before, 1)
             if before >= 0 and self.falling[before + 1] > self.least[before + 1]
             else None
         )
-        rise = (
+        rising_line = (
             self._touch(after, -1)
             if after < last and self.rising[after - 1] > self.least[after - 1]
             else None
         )
-        if fall and rise:
-            return _valley(fall, rise, self.slope, self.land_mm)
-        if fall:
-            return self._line(fall, 1, after, after == last)
-        if rise:
-            return tuple(reversed(self._line(rise, -1, before, before < 0)))
+        if falling_line and rising_line:
+            return _valley(falling_line, rising_line, self.slope, self.land_mm)
+        if falling_line:
+            return self._line(falling_line, 1, after, after == last)
+        if rising_line:
+            return tuple(reversed(self._line(rising_line, -1, before, before < 0)))
         return self._flat(before, after)
 
     def _touch(self, sample: int, way: int) -> _Corner:
@@ -166,11 +166,16 @@ class _Search:
         return (start, self.land_mm), (end, self.land_mm)
 
 
-def _valley(fall: _Corner, rise: _Corner, slope: float, land_mm: float) -> tuple[_Corner, ...]:
+def _valley(falling_line: _Corner, rising_line: _Corner, slope: float, land_mm: float) -> tuple[_Corner, ...]:
     """Return two lines that meet, or end in the land between them."""
-    (a, wide), (b, other) = fall, rise
+    (a, wide), (b, other) = falling_line, rising_line
     middle = (a + b) / 2 + (wide - other) / (2 * slope)
     lowest = wide - slope * (middle - a)
     if lowest >= land_mm:
-        return fall, (middle, lowest), rise
-    return fall, (a + (wide - land_mm) / slope, land_mm), (b - (other - land_mm) / slope, land_mm), rise
+        return falling_line, (middle, lowest), rising_line
+    return (
+        falling_line,
+        (a + (wide - land_mm) / slope, land_mm),
+        (b - (other - land_mm) / slope, land_mm),
+        rising_line,
+    )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.design.goal.constraint import Constraint
-from cranktopo.design.goal.wanted import wanted, with_goal
+from cranktopo.design.goal.scene_goal import goal_of, with_goal
 from cranktopo.design.loading import builtin_designs, load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import double_precision
@@ -44,7 +44,7 @@ CELL_MM = 4.5
 
 
 def found(scene: Scene, model: BoundModel, limits: tuple[str, ...] = (), **goal: str) -> Bound:
-    goal_found = wanted(with_goal(scene, limits=limits, **goal))
+    goal_found = goal_of(with_goal(scene, limits=limits, **goal))
     assert goal_found is not None
     return prove(model, goal_found)
 

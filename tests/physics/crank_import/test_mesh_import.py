@@ -82,11 +82,11 @@ def test_a_half_throw_with_a_counterweight(tmp_path: Path, monkeypatch: pytest.M
 def test_a_boss_and_a_lack_are_told() -> None:
     block, boss = Manifold.cube((40.0, 40.0, 20.0)), Manifold.cube((6.0, 6.0, 10.0)).translate((10, 10, 20))
     scene = load_scene("mikron-iiic-plain")
-    lacks = list(ReadWeb(scene, "obround", 0.0, 0.0, block + boss, block).told)
+    lacks = list(ReadWeb(scene, "obround", 0.0, 0.0, block + boss, block).differences)
     assert lacks == ["the design lacks 360 mm3, most of it near (13, 13, 25) mm"]
-    adds = list(ReadWeb(scene, "obround", 0.0, 0.0, block, block + boss).told)
+    adds = list(ReadWeb(scene, "obround", 0.0, 0.0, block, block + boss).differences)
     assert adds == ["the design adds 360 mm3, most of it near (13, 13, 25) mm"]
-    assert not list(ReadWeb(scene, "obround", 0.0, 0.0, block, block).told)
+    assert not list(ReadWeb(scene, "obround", 0.0, 0.0, block, block).differences)
 
 
 def test_round_corners_are_no_shafts() -> None:

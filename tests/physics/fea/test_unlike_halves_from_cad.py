@@ -16,7 +16,7 @@ from cranktopo.design.writing import save_scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.tasks.fea.evaluation import evaluate
 from cranktopo.tasks.fea.targets import resolve_target
-from cranktopo.tasks.importing.imported_body import half_throw_surface, mesh_file, shown_halves
+from cranktopo.tasks.importing.imported_body import half_surfaces, half_throw_surface, mesh_file
 
 
 def bevelled_far_web() -> tuple[Scene, Scene]:
@@ -36,7 +36,7 @@ def test_the_whole_is_taken_where_halves_differ(tmp_path: Path) -> None:
     assert meshed.whole
     assert "its halves differ: the second has" in meshed.note
     assert meshed.body.volume_mm3 == pytest.approx(volume, rel=1e-6)
-    near, far = shown_halves(scene, file, 2.0)
+    near, far = half_surfaces(scene, file, 2.0)
     assert far.volume_mm3 < 0.99 * near.volume_mm3
     with pytest.raises(CranktopoError, match="halves of the throw differ"):
         half_throw_surface(file, scene)

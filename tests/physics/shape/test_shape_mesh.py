@@ -9,7 +9,7 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import MPA_PER_GPA
-from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import WebHistory, WebLoads, load_history
 from cranktopo.engine.judged_histories import histories_of

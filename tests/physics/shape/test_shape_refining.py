@@ -101,7 +101,7 @@ def test_a_limit_that_only_the_meshed_webs_know_is_kept() -> None:
     goal = SearchGoal("mass", 1.0, 100.0, (Constraint("torsion", "<=", 29.0 + 0.01 * 29.0**2),))
     found = refined(rough, exact, LAYOUT, START, goal, StageMemory(), EXTENT)
     assert found.values[MIDDLE] == pytest.approx([TRUE[0], 29.0, TRUE[2]], abs=0.02)
-    assert merit(goal, found.found.values) == pytest.approx(1.01, abs=1e-4)
+    assert merit(goal, found.quantities.values) == pytest.approx(1.01, abs=1e-4)
 
 
 def test_a_web_that_cannot_be_solved_shortens_the_step() -> None:

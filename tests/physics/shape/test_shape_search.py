@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.constraint import Constraint
-from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import multipliers

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from cranktopo.tasks.bench.limits import told_limits
+from cranktopo.tasks.bench.limits import gauge_limits
 
 
 def told(**limits: Any) -> dict[str, Any]:
-    return told_limits({"goal": {"minimise": "mass", "limits": limits}})
+    return gauge_limits({"goal": {"minimise": "mass", "limits": limits}})
 
 
 def test_a_range_is_two_limits_in_points() -> None:
@@ -28,4 +28,4 @@ def test_a_limit_has_the_unit_of_its_gauge_and_the_words_of_the_file() -> None:
 
 def test_what_is_no_limit_is_none() -> None:
     assert told(mass="none", torsion="> 3") == {}
-    assert told_limits({}) == {}
+    assert gauge_limits({}) == {}

@@ -79,10 +79,10 @@ def test_a_session_goes_on_where_it_was_left(tmp_path: Path) -> None:
     project.change({"web.width_mm": 52}, "width 52")
     project.keep("wide", {"mass": 1.5})
     for command in ("first", "second"):
-        project.note_made("mine.step", command)
+        project.record_file("mine.step", command)
     project.close()
     again = opened(tmp_path)
-    assert [(file.name, file.command) for file in again.made] == [("mine.step", "second")]
+    assert [(file.name, file.command) for file in again.files] == [("mine.step", "second")]
     assert again.text == project.text
     assert [variant.name for variant in again.variants] == ["wide"]
     assert again.variant_text("v1") == project.text

@@ -13,7 +13,7 @@ from cranktopo.design.loading import design_text, scene_from_dict
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.bench.forms import new_design
-from cranktopo.tasks.bench.live import broken_rules_of
+from cranktopo.tasks.bench.live import violated_rules_of
 from cranktopo.tasks.bench.proposals import (
     counterweight_changes,
     nearest_sound,
@@ -65,6 +65,6 @@ def test_the_nearest_value_that_keeps_the_rules_is_sound_and_the_next_is_not() -
     (key,) = wanted = {"web.width_mm": 40.0}
     found = nearest_sound(data, wanted)[key]
     assert wanted[key] < found < data["web"]["width_mm"]
-    assert broken_rules_of(changed_data(data, {key: found})) == []
-    assert broken_rules_of(changed_data(data, {key: found - 0.02})) != []
+    assert violated_rules_of(changed_data(data, {key: found})) == []
+    assert violated_rules_of(changed_data(data, {key: found - 0.02})) != []
     assert nearest_sound(changed_data(data, {key: found}), wanted) == {}, "at the rule already"

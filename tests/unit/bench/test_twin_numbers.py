@@ -12,7 +12,7 @@ from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.engine.balance.free_forces import oscillating_force, turning_masses
 from cranktopo.tasks.bench.forms import new_design
-from cranktopo.tasks.bench.live import told_numbers
+from cranktopo.tasks.bench.live import gauge_numbers
 
 STROKE_MM, ROD_MM, SPEED_RPM, BORE_MM = 67.5, 124.0, 11_500.0, 100.0
 PISTON_KG, SMALL_END_KG, BIG_END_KG = 0.40, 0.13, 0.30
@@ -33,7 +33,7 @@ TYPED = {
 def test_the_numbers_of_the_twin_are_those_by_hand() -> None:
     data = changed_data(parse_toml(new_design(ANSWERS).text, "twin"), TYPED)
     scene = scene_from_dict(data, "twin", whole=True)
-    gauges = told_numbers(scene)["gauges"]
+    gauges = gauge_numbers(scene)["gauges"]
     radius_m, w2 = STROKE_MM / 2e3, (SPEED_RPM * math.pi / 30) ** 2
     swept_m3 = math.pi / 4 * (BORE_MM / 1e3) ** 2 * STROKE_MM / 1e3
     work_J = gauges["mean_torque"] * 4 * math.pi / 2  # two strokes of power in two turns

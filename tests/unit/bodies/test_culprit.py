@@ -47,7 +47,7 @@ WRONG: dict[str, Callable[[Scene], bool]] = {
 @pytest.mark.parametrize("told", WRONG)
 def test_the_first_wrong_feature_is_named(told: str, featured: Scene) -> None:
     found = culprit(featured, lambda scene: 2.0 * WRONG[told](scene))
-    assert found.told == told
+    assert found.feature == told
     assert "by 0.1 mm" in found.hint
 
 
@@ -64,7 +64,7 @@ def test_a_rounding_that_the_kernel_makes_is_advised(largest_mm: float, hint: st
         return 5.0 if radius > largest_mm else 0.5
 
     found = culprit(featured, misfit)
-    assert found.told == "throw.drilling[1].outlet_radius_mm = 2"
+    assert found.feature == "throw.drilling[1].outlet_radius_mm = 2"
     assert found.hint.startswith(hint)
     assert not largest_mm or any(f"{radius:g} mm" in found.hint for radius in tried)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cranktopo.bodies.shown_solid import shown_half
+from cranktopo.bodies.shown_solid import display_half
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.halves import halves
 from cranktopo.design.loading import builtin_designs, load_scene, parse_scene
@@ -14,7 +14,7 @@ from cranktopo.design.reference import template
 @pytest.mark.parametrize("name", builtin_designs())
 def test_it_has_the_volume_of_the_throw(name: str) -> None:
     for half in halves(load_scene(name, whole=True)):
-        solid = shown_half(half)
+        solid = display_half(half)
         assert solid.volume() == pytest.approx(half_throw_volume_mm3(half), rel=2e-3)
         assert len(solid.decompose()) == 1
 
@@ -43,5 +43,5 @@ def test_every_outline(outline: dict[str, object]) -> None:
     data = parse_toml(template("any"), "any")
     data["web"] = {"thickness_mm": 19.0, **outline}
     scene = scene_from_dict(data)
-    assert shown_half(scene).volume() == pytest.approx(half_throw_volume_mm3(scene), rel=2e-3)
+    assert display_half(scene).volume() == pytest.approx(half_throw_volume_mm3(scene), rel=2e-3)
     assert parse_scene(template("any"), "any").name == "any"

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.named import with_values
 from cranktopo.engine.balance.throw import throw_balance

@@ -5,20 +5,20 @@ from __future__ import annotations
 import pytest
 
 from cranktopo.design.goal.balance_moved import balance_moved
-from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 
 BEFORE, AFTER = {"balance_factor": 50.0, "unbalance": -34.9}, {"balance_factor": 84.0, "unbalance": -45.8}
 
 
-def told_of(scene: Scene, now: dict[str, float], before: dict[str, float]) -> str:
+def differences_from(scene: Scene, now: dict[str, float], before: dict[str, float]) -> str:
     moved = balance_moved(scene, now, before)
     return moved.told if moved else ""
 
 
 def test_a_balance_that_moved_is_told() -> None:
-    told = told_of(load_scene("industrial-gas"), AFTER, BEFORE)
+    told = differences_from(load_scene("industrial-gas"), AFTER, BEFORE)
     assert "the balance factor is 84 % of the oscillating mass, the original web has 50 %" in told
     assert "unbalance -45.8 and -34.9 kg mm" in told
     assert told.endswith("a lighter counterweight would do, or with a goal --limit 'balance_factor <= 52 %'")
@@ -36,7 +36,7 @@ def test_a_balance_that_moved_is_told() -> None:
 )
 def test_a_limit_holds_it_on_its_own_side(limits: tuple[str, ...], held: str) -> None:
     scene = with_goal(load_scene("industrial-gas"), minimise="mass", limits=limits)
-    rise, fall = told_of(scene, AFTER, BEFORE), told_of(scene, BEFORE, AFTER)
+    rise, fall = differences_from(scene, AFTER, BEFORE), differences_from(scene, BEFORE, AFTER)
     assert (rise == "") == (held == "rise")
     assert (fall == "") == (held == "fall")
     assert "heavier" not in rise

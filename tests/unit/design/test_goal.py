@@ -11,7 +11,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.assumed import GOAL, assumptions
 from cranktopo.design.goal.limit import Limit, goal_text
 from cranktopo.design.goal.quantities import QUANTITIES
-from cranktopo.design.goal.wanted import check_known, wanted, with_goal
+from cranktopo.design.goal.scene_goal import check_known, goal_of, with_goal
 from cranktopo.design.loading import designs_folder, load_scene, parse_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.states import extreme_states
@@ -24,7 +24,7 @@ def scene_with(goal: str, text: str = MIKRON) -> Scene:
 
 
 def limits(goal: str) -> list[str]:
-    found = wanted(scene_with(goal))
+    found = goal_of(scene_with(goal))
     assert found is not None
     return [str(limit) + (" assumed" if limit.assumed else "") for limit in found.limits]
 
@@ -40,7 +40,7 @@ def with_limit(text: str, goal: str = 'minimise = "mass"') -> str:
 
 
 def test_a_scene_without_a_goal_wants_nothing_more() -> None:
-    assert wanted(scene_with("")) is None
+    assert goal_of(scene_with("")) is None
 
 
 @pytest.mark.parametrize(
@@ -67,7 +67,7 @@ def test_a_counterweight_is_not_made_smaller_for_a_lighter_web() -> None:
     )
     found = [
         [str(limit) for limit in goal.limits if limit.quantity == "unbalance"]
-        for goal in map(wanted, (light, balanced, free))
+        for goal in map(goal_of, (light, balanced, free))
         if goal is not None
     ]
     assert found == [["unbalance <= 100 %"], ["unbalance >= 0 kg mm"], []]
@@ -82,13 +82,13 @@ def test_a_balance_factor_is_percent_of_the_oscillating_mass() -> None:
     """Not of the original; the counterweight then follows it and not the original's unbalance."""
     found = limits(with_limit('balance_factor = [">= -20 %", "<= 52.5 %"]'))
     assert found[:2] == ["balance_factor >= -20 %", "balance_factor <= 52.5 %"]
-    goal = wanted(scene_with(with_limit('balance_factor = ">= 50 %"')))
+    goal = goal_of(scene_with(with_limit('balance_factor = ">= 50 %"')))
     assert goal is not None
     limit = goal.limits[0]
     assert (limit.percent, limit.required(-140.0)) == (False, 50.0)
     weighted = with_goal(load_scene("car-diesel"), minimise="mass", limits=["balance_factor >= 40 %"])
     most = with_goal(load_scene("car-diesel"), maximise="balance_factor")
-    for goal in map(wanted, (weighted, most)):
+    for goal in map(goal_of, (weighted, most)):
         assert goal is not None
         assert "unbalance" not in {limit.quantity for limit in goal.limits}
     with pytest.raises(CranktopoError, match=r"the unit is missing; valid: %\.") as caught:
@@ -125,7 +125,7 @@ def test_a_range_is_two_limits() -> None:
     ],
 )
 def test_units_become_the_internal_one(quantity: str, text: str, value: float) -> None:
-    found = wanted(
+    found = goal_of(
         scene_with(
             with_limit(
                 f'{quantity} = "{text}"',
@@ -216,7 +216,7 @@ def test_limits_leave_the_goal_its_sense(goal: str, message: str) -> None:
 def test_a_safety_that_is_switched_off_cannot_be_limited() -> None:
     text = MIKRON.replace("[effects]", '[effects]\nfatigue = "off"')
     assert "effects.fatigue is 'off'" in error_of(with_limit('fatigue_safety = ">= 1.5"'), text)
-    assert "fatigue" not in str(wanted(scene_with('[goal]\nminimise = "mass"', text)))
+    assert "fatigue" not in str(goal_of(scene_with('[goal]\nminimise = "mass"', text)))
 
 
 def test_what_depends_on_the_load_needs_an_engine() -> None:
@@ -229,7 +229,7 @@ def test_what_depends_on_the_load_needs_an_engine() -> None:
 
 
 def test_the_safety_goes_without_saying_only_where_there_is_one() -> None:
-    found = wanted(scene_with('[goal]\nminimise = "mass"', NO_ENGINE))
+    found = goal_of(scene_with('[goal]\nminimise = "mass"', NO_ENGINE))
     assert found is not None
     assert [limit.quantity for limit in found.limits] == ["torsion", "bending"]
 
@@ -258,8 +258,8 @@ def test_the_balance_is_where_the_least_unbalance_ends() -> None:
 
 def test_options_replace_goal_and_limits() -> None:
     scene = scene_with(with_limit('torsion = ">= 120 %"'))
-    more = wanted(with_goal(scene, limits=["bending >= 90 %", "bending <= 95 %", "fatigue_safety none"]))
-    other = wanted(with_goal(scene, maximise="bending"))
+    more = goal_of(with_goal(scene, limits=["bending >= 90 %", "bending <= 95 %", "fatigue_safety none"]))
+    other = goal_of(with_goal(scene, maximise="bending"))
     assert more is not None
     assert other is not None
     assert [str(limit) for limit in more.limits] == ["torsion >= 120 %", "bending >= 90 %", "bending <= 95 %"]
@@ -292,7 +292,7 @@ def test_what_is_assumed_and_what_is_left_is_said() -> None:
         'goal.limits.bending = ">= 100 %" (of the original web)',
         'goal.limits.fatigue_safety = ">= 100 %" (of the original web)',
     ]
-    goal = wanted(scene)
+    goal = goal_of(scene)
     assert goal is not None
     assert goal_text(goal, "density").splitlines() == [
         "goal: least mass; torsion >= 120 %, bending >= 100 % (% of the original web)",
@@ -303,7 +303,7 @@ def test_what_is_assumed_and_what_is_left_is_said() -> None:
 
 
 def test_an_optimiser_refuses_a_goal_that_it_does_not_know() -> None:
-    goal = wanted(scene_with('[goal]\nmaximise = "fatigue_safety"'))
+    goal = goal_of(scene_with('[goal]\nmaximise = "fatigue_safety"'))
     assert goal is not None
     check_known(goal, "shape")
     with pytest.raises(CranktopoError, match="cannot tell the fatigue safety of a design"):
@@ -311,7 +311,7 @@ def test_an_optimiser_refuses_a_goal_that_it_does_not_know() -> None:
 
 
 def test_a_density_does_not_rest_on_the_safety_alone() -> None:
-    goal = wanted(with_goal(scene_with(""), minimise="mass", limits=["torsion none", "bending none"]))
+    goal = goal_of(with_goal(scene_with(""), minimise="mass", limits=["torsion none", "bending none"]))
     assert goal is not None
     check_known(goal, "shape")
     with pytest.raises(CranktopoError, match="no limit asks for a stiffness"):

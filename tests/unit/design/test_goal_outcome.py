@@ -6,14 +6,15 @@ import json
 
 import pytest
 
+from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome, limit_outcome
 from cranktopo.report.goal_table import (
-    broken_limits,
     evaluated_changes,
     goal_line,
     limits_table,
     unknown_limits,
+    violated_limits,
 )
 from cranktopo.report.result_table import terminal
 
@@ -55,6 +56,20 @@ def test_a_limit_holds_within_half_a_percent_and_is_active_within_one(
     assert (found.holds, found.active) == (holds, active)
 
 
+def test_a_written_limit_is_another_number_in_each_model() -> None:
+    share, in_unit = Limit("torsion", ">=", 90.0, percent=True), Limit("mass", "<=", 1.5)
+    assert share.constraint({"torsion": 140e3}) == Constraint("torsion", ">=", 126e3)
+    assert share.constraint({"torsion": 130e3}) == Constraint("torsion", ">=", 117e3)
+    assert share.constraint({"mass": 1.6}) is None
+    assert in_unit.constraint({}) == in_unit.constraint({"mass": 1.6}) == Constraint("mass", "<=", 1.5)
+
+
+def test_a_limit_of_zero_is_measured_by_the_original() -> None:
+    level = Limit("unbalance", "<=", 0.0).constraint({"unbalance": 40.0})
+    assert level is not None
+    assert level.violation(2.0) == pytest.approx(0.05)
+
+
 def test_what_is_missing_of_a_limit_that_counts_as_kept_is_told() -> None:
     goal = Goal(
         "minimise", "mass", (Limit("torsion", ">=", 110.0, percent=True), Limit("unbalance", "<=", 30.0))
@@ -92,7 +107,7 @@ def test_the_metrics_have_the_contract_keys_and_both_percentages() -> None:
     assert unbalance["required_percent"] == pytest.approx(100 * 30 / 35)
     assert (torsion["holds"], unbalance["holds"], safety["holds"]) == (False, True, None)
     assert goal_line(found) == "least mass: 1.4 kg, 87.5 % of the original web"
-    assert broken_limits(found) == ["torsion >= 154,000 N m/rad: reached 147,000 N m/rad"]
+    assert violated_limits(found) == ["torsion >= 154,000 N m/rad: reached 147,000 N m/rad"]
     lines = terminal(limits_table(found)).splitlines()
     assert lines[3].split() == [
         *("torsion", ">=", "154,000", "N", "m/rad", "147,000", "N", "m/rad"),
@@ -117,7 +132,7 @@ def test_cells_and_evaluation_are_told_by_one_measure() -> None:
     assert unknown_limits(found) == ["fatigue_safety >= 95 %"]
     assert evaluated_changes(found) == "by the evaluation torsion -1.5 %"
     missed = cells.with_evaluation(goal_outcome(goal, {"mass": 1.4, "torsion": 117e3}, finer), **how)
-    assert broken_limits(missed) == ["torsion >= 98 %: reached 90.0 %"]
+    assert violated_limits(missed) == ["torsion >= 98 %: reached 90.0 %"]
 
 
 def test_a_share_of_a_negative_unbalance_is_told_by_its_value() -> None:
@@ -130,7 +145,7 @@ def test_a_share_of_a_negative_unbalance_is_told_by_its_value() -> None:
     (row,) = limits_table(found).rows
     assert (row["limit"], row["required_percent"], row["holds"]) == ("unbalance <= -71.27 kg mm", None, "yes")
     broken = cells.with_evaluation(goal_outcome(goal, {"mass": 1.4, "unbalance": -60.0}, better), **how)
-    assert broken_limits(broken) == ["unbalance <= -71.27 kg mm: reached -60 kg mm"]
+    assert violated_limits(broken) == ["unbalance <= -71.27 kg mm: reached -60 kg mm"]
 
 
 def test_percent_of_a_balanced_original_is_none() -> None:

@@ -3,7 +3,7 @@
 import pytest
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.design.goal.wanted import wanted, with_goal
+from cranktopo.design.goal.scene_goal import goal_of, with_goal
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Weights
 from cranktopo.engine.balance.throw import throw_balance
@@ -12,8 +12,8 @@ from tests.unit.engine.plan_cases import MIKRON, with_effects, with_part
 
 
 def goal_plan(scene=MIKRON, **options):
-    wanted_scene = with_goal(scene, **options)
-    return plan(wanted_scene, goal=wanted(wanted_scene))
+    goal_scene = with_goal(scene, **options)
+    return plan(goal_scene, goal=goal_of(goal_scene))
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from cranktopo.design.balance_factor import balance_factor_percent
-from cranktopo.design.goal.wanted import wanted, with_goal
+from cranktopo.design.goal.scene_goal import goal_of, with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.named import with_values
 from cranktopo.design.schema import Scene
@@ -25,7 +25,7 @@ def test_no_farther_from_the_balance_that_is_asked_for_than_it_is(
     """By hand: the factor of the original on one side, the share asked for on the other, 2 % of room."""
     caplog.set_level("INFO")
     scene = balance_kept(asking(share))
-    goal = wanted(scene)
+    goal = goal_of(scene)
     assert goal is not None
     low, high = sorted(limit.value for limit in goal.limits_of("unbalance"))
     own = throw_balance(scene).balance_factor_percent

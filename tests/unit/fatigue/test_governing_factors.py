@@ -147,7 +147,7 @@ def test_polynomials_that_are_not_valid_do_not_govern() -> None:
 def test_the_scene_chooses(wanted: str, safety: float) -> None:
     scene = with_values(load_scene("mikron-iiic"), {"fatigue.m53_factors": wanted})
     assert scene.fatigue.m53_factors == wanted
-    found = replace(check(WEAK, ALLOWED), wanted_factors=scene.fatigue.m53_factors)
+    found = replace(check(WEAK, ALLOWED), m53_factors=scene.fatigue.m53_factors)
     assert found.safety == pytest.approx(safety)
 
 
@@ -271,7 +271,7 @@ def test_elements_judge_a_leaning_outlet_if_their_mesh_proves_it() -> None:
 def test_the_lower_set_governs_at_a_radial_outlet(
     wanted: Any, gammas: tuple[float, float], governs: str
 ) -> None:
-    radial = leaning(gammas, outside=(), wanted=wanted)
+    radial = leaning(gammas, outside=(), m53_factors=wanted)
     assert radial.governed_by == governs
     found = replace(check(ALLOWED, ALLOWED), outlets=(radial,))
     rows = acceptability_table(found).rows[-2:]
@@ -337,7 +337,7 @@ def test_an_outlet_on_a_thin_main_journal_is_not_judged() -> None:
 def test_a_choice_that_flatters_is_said_even_within_the_error_of_the_elements() -> None:
     near = FilletCheck(200.0, 237.0)
     assert check(near, ALLOWED).departures == ()
-    (line,) = replace(check(near, ALLOWED), wanted_factors="elements").departures
+    (line,) = replace(check(near, ALLOWED), m53_factors="elements").departures
     assert "elements govern" in line
 
 

@@ -15,12 +15,12 @@ from cranktopo.tasks.fatigue.hardened_layer import HardenedLayer
 from cranktopo.tasks.fatigue.hardening import (
     TreatedFillet,
     at_nodes,
+    fillet_result,
     harden,
     least_safety,
     of_nodes,
     over_depth,
     safety_at,
-    told_fillet,
 )
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
 from cranktopo.tasks.fatigue.m53 import concentration_factors, dimensions
@@ -71,7 +71,7 @@ def test_a_straight_fall_of_the_stress_decides_just_below_the_layer() -> None:
     assert found.depth_mm[found.deciding] == depth
     assert found.safety[found.deciding] == pytest.approx(below, rel=1e-12)
     assert found.safety[0] == pytest.approx(400 / 300 * harder * support, rel=1e-12)
-    told = told_fillet(by_amplitude, one, local)
+    told = fillet_result(by_amplitude, one, local)
     assert (told.depth_mm, told.safety, told.safety_below) == (depth, told.safety_below, told.safety)
     assert told.gain == pytest.approx(1 / (1 - gradient * depth))
 
@@ -93,7 +93,7 @@ def test_both_ends_of_the_scatter_are_told() -> None:
         "induction", 9.0, 600.0, 340.0, 340.0, ((0.0, -200.0), (9.0, -200.0), (20.0, -200.0))
     )
     told = [
-        told_fillet(by_amplitude, fillet(replace(layer, scatter_MPa=s), NotchShape(3.0, 1e9)), points(0.5))
+        fillet_result(by_amplitude, fillet(replace(layer, scatter_MPa=s), NotchShape(3.0, 1e9)), points(0.5))
         for s in (0.0, 60.0)
     ]
     assert told[0].safety_high is None
@@ -105,7 +105,7 @@ def test_both_ends_of_the_scatter_are_told() -> None:
 
 
 def test_a_steep_fall_decides_at_the_surface_and_tells_the_transition_beside_it() -> None:
-    found = told_fillet(judge, fillet(INDUCTION), points(1.2))
+    found = fillet_result(judge, fillet(INDUCTION), points(1.2))
     assert found.depth_mm == 0.0
     assert found.safety == found.safety_surface < found.safety_below
     transition = over_depth(judge, fillet(INDUCTION), points(1.2))
@@ -149,10 +149,10 @@ def test_deeper_is_never_less_safe_without_residual_stress(gradient: float) -> N
 
 def test_lengths_scale() -> None:
     """Twice the size, half the gradient: twice the depth, the same safety but for the support."""
-    small = told_fillet(
+    small = fillet_result(
         by_amplitude, fillet(replace(INDUCTION, depth_mm=1.0), NotchShape(3.0, 5.0)), points(0.4)
     )
-    large = told_fillet(by_amplitude, fillet(INDUCTION), points(0.2))
+    large = fillet_result(by_amplitude, fillet(INDUCTION), points(0.2))
     assert (small.depth_mm, large.depth_mm) == (1.0, 2.0)
     assert small.stress_share == pytest.approx(large.stress_share, rel=1e-12)
     assert small.safety == pytest.approx(large.safety, rel=0.02)

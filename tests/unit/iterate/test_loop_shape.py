@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.runs.directories import RunStore, create_run

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from cranktopo.report.page import Fact, Page, Section, pairs
-from cranktopo.report.pdf_blocks import HEIGHT, MARGIN, ROOM, Block, _broken, table
+from cranktopo.report.pdf_blocks import HEIGHT, MARGIN, ROOM, Block, _wrapped, table
 from cranktopo.report.pdf_file import _section, blocks, sheets, write_pdf
 from cranktopo.report.plot import Picture, picture
 from cranktopo.report.result_table import ResultTable
@@ -34,7 +34,7 @@ def drawn(block: Block) -> list[tuple[float, float, str]]:
 
 def test_line_breaks_of_the_terminal_are_spaces() -> None:
     """A font has no glyph for them, and what follows them would lie over the next block."""
-    assert _broken("as one\nbody", 1e4, 9.0) == ["as one body"]
+    assert _wrapped("as one\nbody", 1e4, 9.0) == ["as one body"]
 
 
 def test_columns_fit_side_by_side_and_lie_apart() -> None:

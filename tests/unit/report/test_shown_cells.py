@@ -9,7 +9,7 @@ from cranktopo.report.result_table import ResultTable
 
 def shown(column: str, digits: int, *values: float | str | None) -> list[str]:
     table = ResultTable({"name": 0, column: digits}, tuple({"name": "a", column: value} for value in values))
-    return [table.shown(row, column) for row in range(len(values))]
+    return [table.page_cell(row, column) for row in range(len(values))]
 
 
 @pytest.mark.parametrize(
@@ -32,7 +32,7 @@ def test_digits(column: str, digits: int, values: tuple[float | str | None, ...]
 
 def test_the_best_keeps_its_star() -> None:
     table = ResultTable({"mass_kg": 3}, ({"mass_kg": 12345.0},), frozenset({(0, "mass_kg")}))
-    assert table.shown(0, "mass_kg") == "12,345*"
+    assert table.page_cell(0, "mass_kg") == "12,345*"
     assert table.cell(0, "mass_kg") == "12345.000*"
 
 

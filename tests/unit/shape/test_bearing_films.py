@@ -8,7 +8,7 @@ import pytest
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.bearing_room import main_room_mm
 from cranktopo.design.goal.limit import goal_text
-from cranktopo.design.goal.wanted import check_goal, wanted, with_goal
+from cranktopo.design.goal.scene_goal import check_goal, goal_of, with_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.bound.webs import convex_problem
@@ -59,8 +59,8 @@ def test_slopes_are_those_by_the_width_that_a_dimension_takes() -> None:
     assert taken == pytest.approx(-2.0)
     assert list(found.values()) == pytest.approx(list(at_width(own)), rel=1e-9)
     by_width = (at_width(own + 0.02) - at_width(own - 0.02)) / 0.04
-    wanted = taken * by_width
-    assert [slope[place] for slope in slopes.values()] == pytest.approx(list(wanted), rel=0.05), (
+    goal_of = taken * by_width
+    assert [slope[place] for slope in slopes.values()] == pytest.approx(list(goal_of), rel=0.05), (
         "and a little of its mass"
     )
     assert slopes["oil_film"][place] < 0 < slopes["bearing_pressure"][place]
@@ -86,7 +86,7 @@ def test_a_film_is_no_goal_and_has_no_part_in_a_proof_or_on_cells() -> None:
     scene = limited(load_scene("mikron-iiic"), "oil_film >= 1 um", "bearing_pressure <= 90 %")
     with pytest.raises(CranktopoError, match="can be limited but is no goal"):
         with_goal(scene, minimise=None, maximise="oil_film", limits=())
-    goal = wanted(scene)
+    goal = goal_of(scene)
     assert goal is not None
     told = goal_text(goal, "density")
     assert "not judged, `cranktopo shape` changes what the bearings have: " in told

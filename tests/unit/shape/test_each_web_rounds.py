@@ -64,7 +64,7 @@ def test_a_web_that_is_safer_may_lose_as_much(searches: Searches) -> None:
     """Required is the least safety of the design; a web with 1.5 times that needs 1 / 1.5 of its own."""
     search, stand_in = searches(DESIGN, percent={"mass": 90.0})
     found = search.variant("own", (OUTER, INNER))
-    crank, decides = found.told, found.safety_decides
+    crank, decides = found.variant, found.safety_decides
     assert asked(stand_in) == [(">= 100 %", {1, 2, 7, 8}), (">= 80 %", {3, 4, 5, 6})]
     assert crank.held
     assert decides  # the outer webs have 100 % of what they need, and no more
@@ -89,7 +89,7 @@ def test_a_web_that_falls_short_is_sought_again_under_its_new_loads(searches: Se
     """Its throw alone has 3 where the shaft has 1.0, so that 1.2 in the shaft are 3.6 alone."""
     short = tuple(1.0 if web in OUTER.webs else 1.5 for web in range(1, 9))
     search, stand_in = searches(short, DESIGN, percent={"mass": 90.0, "fatigue_safety": 110.0})
-    crank = search.variant("own", (OUTER, INNER)).told
+    crank = search.variant("own", (OUTER, INNER)).variant
     assert asked(stand_in)[2:] == [(">= 3.6", {1, 2, 7, 8})]  # the others have enough
     loads = stand_in.asked[2][1].loads
     assert {float(history.torque_Nm[0]) for history in loads.histories} == {1.0}
@@ -109,7 +109,7 @@ def test_a_web_that_is_safer_than_its_search_knew_is_sought_again(searches: Sear
 def test_the_nearest_round_counts_where_none_is_safe(searches: Searches) -> None:
     low, lower = tuple(1.1 for _ in DESIGN), tuple(1.0 for _ in DESIGN)
     search, _ = searches(low, lower, percent={"mass": 90.0})
-    crank = search.variant("own", (ALL,)).told
+    crank = search.variant("own", (ALL,)).variant
     assert (crank.best_round, crank.held) == (0, False)
 
 
@@ -127,7 +127,7 @@ def test_an_interrupted_search_goes_on_and_finished_ones_are_read(
     with pytest.raises(CranktopoError, match="interrupted"):
         search.variant("own", (OUTER, INNER))
     stand_in.error = None
-    crank = search.variant("own", (OUTER, INNER)).told
+    crank = search.variant("own", (OUTER, INNER)).variant
     assert stand_in.asked[2:] == [search.folder / INNER.name]
     assert [one.webs for one in crank.groups] == [OUTER.webs, INNER.webs]
 

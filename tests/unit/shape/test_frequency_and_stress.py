@@ -13,7 +13,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import redirected
 from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.limit import Goal, Limit, goal_text
-from cranktopo.design.goal.wanted import check_goal, check_known, wanted, with_goal
+from cranktopo.design.goal.scene_goal import check_goal, check_known, goal_of, with_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
@@ -40,8 +40,8 @@ def limited(*limits: str, **tables: Any) -> Scene:
     return with_goal(scene_from_dict(plain() | tables), minimise="mass", limits=limits or LIMITS)
 
 
-def goal_of(scene: Scene) -> Goal:
-    goal = wanted(scene)
+def stated_goal(scene: Scene) -> Goal:
+    goal = goal_of(scene)
     assert goal is not None
     return goal
 
@@ -83,9 +83,9 @@ def test_a_sharp_fillet_has_no_stress() -> None:
 
 def test_the_density_optimisation_refuses_a_stress_and_names_shape() -> None:
     with pytest.raises(CranktopoError) as error:
-        check_known(goal_of(limited("stress <= 250 MPa")), "density")
+        check_known(stated_goal(limited("stress <= 250 MPa")), "density")
     told = str(error.value)
-    line = goal_text(goal_of(limited("stress <= 250 MPa")), "density").splitlines()[1]
+    line = goal_text(stated_goal(limited("stress <= 250 MPa")), "density").splitlines()[1]
     assert line == "of `cranktopo shape` alone, `optimise` refuses it: stress <= 250 MPa"
     assert "goal.limits.stress" in told
     assert "<= 250 MPa" in told
@@ -96,19 +96,19 @@ def test_the_density_optimisation_refuses_a_stress_and_names_shape() -> None:
 def test_the_density_optimisation_is_not_asked_for_a_web_that_only_a_frequency_holds() -> None:
     none = ("torsion none", "bending none", "fatigue_safety none")
     with pytest.raises(CranktopoError, match="leaves the first natural frequency of the shaft in torsion to"):
-        check_known(goal_of(limited(LIMITS[0], *none)), "density")
-    check_known(goal_of(limited(LIMITS[0])), "density")
-    assert goal_of(limited(LIMITS[0], *none)).load_cases == {"torsion"}
+        check_known(stated_goal(limited(LIMITS[0], *none)), "density")
+    check_known(stated_goal(limited(LIMITS[0])), "density")
+    assert stated_goal(limited(LIMITS[0], *none)).load_cases == {"torsion"}
 
 
 def test_neither_is_part_of_a_proof() -> None:
     original = {"mass": 1.5, "torsion": 1.4e5, "bending": 2.3e5, "inertia": 2000.0, "unbalance": 35.0}
-    dropped = {limit.quantity: why for limit, why in convex_problem(goal_of(limited()), original).dropped}
+    dropped = {limit.quantity: why for limit, why in convex_problem(stated_goal(limited()), original).dropped}
     assert dropped["stress"] == "stress is not part of the proof"
     assert dropped["natural_frequency"] == "what turns with the throws is not part of the proof"
     most = with_goal(load_scene("mikron-iiic-plain"), maximise="natural_frequency")
     with pytest.raises(CranktopoError, match="what turns with the throws is not part of the proof"):
-        convex_problem(goal_of(most), original)
+        convex_problem(stated_goal(most), original)
     with pytest.raises(CranktopoError, match="can be limited but is no goal"):
         with_goal(load_scene("mikron-iiic-plain"), minimise="stress")
 

@@ -13,7 +13,7 @@ from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.loading import load_scene
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.shape.mesh_model import MeshedWebs
-from cranktopo.tasks.shape.nearest_web import asked_again, nearest_of, nearest_web
+from cranktopo.tasks.shape.nearest_web import nearest_of, nearest_web, search_with_corrections
 from cranktopo.tasks.shape.refining import Step
 from cranktopo.tasks.shape.rules import EnvelopeClearance, rules_of
 from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
@@ -38,7 +38,7 @@ def test_the_web_by_slopes_keeps_rules_and_comes_as_near_as_it_can(reach: float,
     moved = step.values - START
     assert np.abs(moved).max() <= reach + 1e-9
     assert rules_of(web, EnvelopeClearance(scene), step.values)[0].max() < 5e-3
-    safety = step.found.values["fatigue_safety"]
+    safety = step.quantities.values["fatigue_safety"]
     assert safety == pytest.approx(0.97 + SAFETY @ moved, rel=1e-12)
     if not kept:
         assert 0.98 < safety <= 0.97 + reach * np.abs(SAFETY).sum()
@@ -74,15 +74,15 @@ class Asked:
 def test_a_window_stays_as_wide_when_one_side_of_it_is_missed() -> None:
     """Both sides came nearer to each other at each try, until no web was left between them."""
     asked = Asked(0.8)
-    step = asked_again(window(49.0, 51.0), asked.search, asked.known)
+    step = search_with_corrections(window(49.0, 51.0), asked.search, asked.known)
     assert asked.bounds == [(49.0, 51.0), pytest.approx((49.8, 51.8))]
-    assert step.found.values["balance_factor"] == pytest.approx(49.0)
+    assert step.quantities.values["balance_factor"] == pytest.approx(49.0)
     assert step.solved == 6
 
 
 def test_what_is_as_the_search_tells_it_is_not_asked_again() -> None:
     asked = Asked(0.0)
-    asked_again(window(49.0, 48.0), asked.search, asked.known)  # no web keeps both
+    search_with_corrections(window(49.0, 48.0), asked.search, asked.known)  # no web keeps both
     assert len(asked.bounds) == 1
 
 

@@ -15,7 +15,7 @@ from cranktopo.base.notes import redirected
 from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.goal.wanted import wanted, with_goal
+from cranktopo.design.goal.scene_goal import goal_of, with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import HistoryKind, WebLoads
@@ -119,7 +119,7 @@ def shaped(monkeypatch: pytest.MonkeyPatch) -> Shaped:
         monkeypatch.setattr(stage, "stepped", told.stepped)
         monkeypatch.setattr(stage, "MeshedWebs", meshes)
         with redirected(told.lines.append):
-            return optimise_shape(scene, goal_of(scene), settings, work or StageMemory())
+            return optimise_shape(scene, stated_goal(scene), settings, work or StageMemory())
 
     return run
 
@@ -133,8 +133,8 @@ def test_original_gradients_and_every_web_have_the_same_load_states(
     assert set(told.loads) == {("original", loads), ("web", loads), ("mesh", loads)}
 
 
-def goal_of(scene: Scene) -> Goal:
-    goal = wanted(scene)
+def stated_goal(scene: Scene) -> Goal:
+    goal = goal_of(scene)
     assert goal is not None
     return goal
 

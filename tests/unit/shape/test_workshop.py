@@ -52,7 +52,7 @@ def test_a_feature_opens_the_way_of_the_process(
     mikron: Scene, process: dict[str, Any], possible: set[str]
 ) -> None:
     scene, limits = made_by(mikron, **process)
-    assert {name for name, kind in KINDS.items() if kind.made(limits) is not None} == possible
+    assert {name for name, kind in KINDS.items() if kind.manufactured(limits) is not None} == possible
     ends = {part.label for part, _ in end_starts(scene, limits)}
     assert ("groove" in ends) == ("groove" in possible)
     groove = dict(zip(KINDS["groove"].names, KINDS["groove"].bounds(scene, limits), strict=True))
@@ -79,7 +79,7 @@ def test_a_pocket_has_draft_and_radii_of_the_process(
     The edge of a floor is rounded by no more than half of the greatest depth, 9.5 mm of a die and 16 mm.
     """
     scene, limits = made_by(mikron, **process)
-    box = FittedBox("pin").made(limits)
+    box = FittedBox("pin").manufactured(limits)
     assert box == FittedBox("pin", False, draft, corner, floor)
     least = max(1.0, floor * (1 - np.sin(np.deg2rad(draft))))
     assert box.bounds(scene, limits)[3][0] == pytest.approx(least, abs=0.03)
@@ -93,7 +93,7 @@ def test_a_pocket_has_draft_and_radii_of_the_process(
 
 def test_a_side_pocket_of_a_die_has_round_corners_and_a_groove_has_none(mikron: Scene) -> None:
     _, limits = made_by(mikron, process="forged")
-    side, groove = (KINDS[name].made(limits) for name in ("side", "groove"))
+    side, groove = (KINDS[name].manufactured(limits) for name in ("side", "groove"))
     assert (side, groove) == (FittedSlot(False, 6.0), FittedSlot(through=True))
     named = dict(zip(side.names, [24.0, 20.0, 14.0, 20.0, 0.0, 5.0], strict=True))
     (written,) = side.tables(named, (-25.0, 73.0, 25.0))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import build_domain
-from cranktopo.bodies.shown_solid import shown_half
+from cranktopo.bodies.shown_solid import display_half
 from cranktopo.bodies.solid.files import export_solid, surface_of
 from cranktopo.bodies.volume import half_throw_volume_mm3, web_volume_mm3
 from cranktopo.design.schema import Scene
@@ -89,7 +89,7 @@ def test_sections_cells_and_kernel_agree(throw: Scene, features: dict[str, Any],
 
 def test_the_picture_of_a_drag_has_the_draft(throw: Scene) -> None:
     plain, cut = (scene_with_web(throw, {**RECTANGLE, "bevel": own}) for own in ([], [BEVEL]))
-    taken = shown_half(plain).volume() - shown_half(cut).volume()
+    taken = display_half(plain).volume() - display_half(cut).volume()
     exact = half_throw_volume_mm3(plain) - half_throw_volume_mm3(cut)
     assert taken == pytest.approx(exact, rel=1e-2)
 
@@ -239,7 +239,7 @@ def test_signed_distance_is_that_of_the_solid(throw: Scene, face: Any, crown_mm:
 def family(scene: Scene) -> tuple[ParametricWeb, Array]:
     """Both bevels with draft, a groove and a pocket-free outline of the family, for the rules of a die."""
     limits = process_limits(scene, usual_limits(scene))
-    parts = [part.made(limits) for part in (FittedBevel("journal", True), FittedBevel("pin", True))]
+    parts = [part.manufactured(limits) for part in (FittedBevel("journal", True), FittedBevel("pin", True))]
     layout = Layout(7, (*(part for part in parts if part is not None), FittedSlot(through=True)))
     values = [50.0, 9.0, 0.6, -1.0, 8.0, -0.8, 5.0, 24.0, 0.3, 10.0]
     outline = outline_start(scene, limits)
@@ -335,7 +335,7 @@ def test_a_die_gives_bevels_its_draft(mikron: Scene) -> None:
                 assert max(value for name, value in rules.items() if name.startswith("shoulder")) < 0.2
     for process in ({"process": "milled"}, {"process": "free"}, {**DIE, "parting": "web_faces"}):
         other = mikron.with_optimise(**process)
-        part = FittedBevel("pin").made(process_limits(other, usual_limits(other)))
+        part = FittedBevel("pin").manufactured(process_limits(other, usual_limits(other)))
         assert part == FittedBevel("pin")
 
 

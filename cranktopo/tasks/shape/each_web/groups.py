@@ -49,8 +49,8 @@ def web_groups(
         safeties: least safety of each web where all are equal.
         same_webs: groups that are given; they stay as they are.
     """
-    given = [WebGroup(tuple(sorted(webs))) for webs in same_webs]
-    taken = {web for group in given for web in group.webs}
+    fixed = [WebGroup(tuple(sorted(webs))) for webs in same_webs]
+    taken = {web for group in fixed for web in group.webs}
     free = [web for web in range(1, len(safeties) + 1) if web not in taken]
     twin = len(safeties) + 1 if is_mirrored(angles_deg) else 0
     pairs = {tuple(sorted({web, twin - web} & set(free))) if twin else (web,) for web in free}
@@ -60,7 +60,7 @@ def web_groups(
             merged[-1] = WebGroup(tuple(sorted(merged[-1].webs + group.webs)))
         else:
             merged.append(group)
-    return tuple(sorted([*given, *merged], key=lambda one: one.webs))
+    return tuple(sorted([*fixed, *merged], key=lambda one: one.webs))
 
 
 def is_mirrored(angles_deg: Sequence[float]) -> bool:

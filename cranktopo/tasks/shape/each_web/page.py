@@ -34,21 +34,21 @@ _BARS = 0.76
 """Width of all bars of a web together."""
 
 
-def each_web_page(found: EachWebResult, manifest: Mapping[str, Any]) -> Page:
+def each_web_page(result: EachWebResult, manifest: Mapping[str, Any]) -> Page:
     """Return a finished run as content."""
-    caption = f"Least safety of each web in its shaft; {found.required_safety:.3f} is required"
+    caption = f"Least safety of each web in its shaft; {result.required_safety:.3f} is required"
     return Page(
-        title=f"Webs of their own on the crank of {found.design}",
+        title=f"Webs of their own on the crank of {result.design}",
         subtitle=f"Run {manifest['run']}, {manifest['started'][:10]}",
-        headline=left_off_first(found.left_off, each_web_headline(found)),
-        facts=_facts(found),
+        headline=left_off_first(result.left_off, each_web_headline(result)),
+        facts=_facts(result),
         sections=(
             Section(
                 "cranks",
                 "The whole crank",
-                f"{limits_text(found)} {grouping_text(found)}",
-                (("At equal limits", crank_table(found)), ("Rounds of searches", round_table(found))),
-                (picture("safety-by-web", caption, draw_safeties, found),),
+                f"{limits_text(result)} {grouping_text(result)}",
+                (("At equal limits", crank_table(result)), ("Rounds of searches", round_table(result))),
+                (picture("safety-by-web", caption, draw_safeties, result),),
             ),
             Section(
                 "loads",
@@ -56,7 +56,7 @@ def each_web_page(found: EachWebResult, manifest: Mapping[str, Any]) -> Page:
                 "The shaft stands on all its main bearings, and each cylinder acts at its own phase. Moments "
                 "in the middle of each web, largest less smallest over the cycle: in the plane of its throw, "
                 "across it, and about the crank axis.",
-                (("By web, from the free end", load_table(found)),),
+                (("By web, from the free end", load_table(result)),),
             ),
             Section(
                 "webs",
@@ -65,56 +65,56 @@ def each_web_page(found: EachWebResult, manifest: Mapping[str, Any]) -> Page:
                 "in the shaft; these stay as they are within a search. Each search has a page of its own in "
                 "its folder.",
                 (
-                    ("Searches", search_table(found)),
-                    ("Dimensions that differ, mm or degrees", dimension_table(found)),
+                    ("Searches", search_table(result)),
+                    ("Dimensions that differ, mm or degrees", dimension_table(result)),
                 ),
             ),
             Section(
                 "provenance",
                 "Where this comes from",
-                tables=(("Run", pairs(origin_rows(manifest))), *assumed_tables(found.assumed)),
+                tables=(("Run", pairs(origin_rows(manifest))), *assumed_tables(result.assumed)),
             ),
             versions_section(manifest["versions"]),
         ),
     )
 
 
-def _facts(found: EachWebResult) -> tuple[Fact, ...]:
-    own, one = found.each_web.shaft, found.one_web.shaft
+def _facts(result: EachWebResult) -> tuple[Fact, ...]:
+    own, one = result.each_web.shaft, result.one_web.shaft
     return (
         Fact(
             "Mass of the crank",
             f"{own.mass_kg:.3f} kg",
-            f"one web for all {one.mass_kg:.3f} kg, the design {found.original.mass_kg:.3f} kg",
+            f"one web for all {one.mass_kg:.3f} kg, the design {result.original.mass_kg:.3f} kg",
             "good" if own.mass_kg < one.mass_kg else "neutral",
         ),
         Fact(
             "Least safety in the shaft",
             f"{own.safety:.3f}",
-            f"required {found.required_safety:.3f}; one web for all {one.safety:.3f}",
-            "good" if found.held else "bad",
+            f"required {result.required_safety:.3f}; one web for all {one.safety:.3f}",
+            "good" if result.held else "bad",
         ),
         Fact(
             "Torsion end to end",
             f"{own.torsion_end_to_end_Nm_per_rad / 1000:.2f} kN m/rad",
-            f"the design {found.original.torsion_end_to_end_Nm_per_rad / 1000:.2f} kN m/rad",
+            f"the design {result.original.torsion_end_to_end_Nm_per_rad / 1000:.2f} kN m/rad",
             "neutral",
         ),
-        Fact("Different webs", str(len(found.each_web.groups)), grouping_text(found), "neutral"),
+        Fact("Different webs", str(len(result.each_web.groups)), grouping_text(result), "neutral"),
     )
 
 
-def draw_safeties(axes: Any, found: EachWebResult) -> None:
+def draw_safeties(axes: Any, result: EachWebResult) -> None:
     """Draw the least safety of each web with the design's web, one for all, and its own."""
     cranks = {
-        "the design's web": found.original,
-        "one web for all": found.one_web.shaft,
-        "each its own": found.each_web.shaft,
+        "the design's web": result.original,
+        "one web for all": result.one_web.shaft,
+        "each its own": result.each_web.shaft,
     }
-    webs, wide = np.array([web.web for web in found.original.webs]), _BARS / len(cranks)
+    webs, wide = np.array([web.web for web in result.original.webs]), _BARS / len(cranks)
     for number, (name, shaft) in enumerate(cranks.items()):
         axes.bar(webs + (number - (len(cranks) - 1) / 2) * wide, shaft.safeties, wide, label=name)
-    axes.axhline(found.required_safety, color=GREY, ls="--", lw=1.0, label="required")
+    axes.axhline(result.required_safety, color=GREY, ls="--", lw=1.0, label="required")
     axes.set_xticks(webs)
     axes.set(xlabel="web, from the free end", ylabel="least safety", ylim=(0, None))
     plain(axes)

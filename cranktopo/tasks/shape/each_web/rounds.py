@@ -14,7 +14,7 @@ from pathlib import Path
 from cranktopo.base.notes import Pace, indented, note
 from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.constraint import TOLERANCE
-from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import WebLoads
@@ -74,14 +74,14 @@ class Searched:
 class SearchedCrank:
     """A crank with the webs that its searches found, and its shaft."""
 
-    told: CrankVariant
-    found: tuple[Searched, ...]
+    variant: CrankVariant
+    searches: tuple[Searched, ...]
     shaft: LoadedShaft
 
     @property
     def safety_decides(self) -> bool:
         """True where it decides one of the webs."""
-        return any(one.safety_decides for one in self.found)
+        return any(one.safety_decides for one in self.searches)
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ class CrankSearch:
         crank = CrankVariant(
             design=f"{folder.name}/{MAIN}",
             shaft=shaft.figures,
-            groups=tuple(self._told(one) for one in found),
+            groups=tuple(self._group_search(one) for one in found),
             rounds=tuple(
                 CrankRound(
                     mass_kg=shaft.figures.mass_kg,
@@ -141,7 +141,7 @@ class CrankSearch:
         self, name: str, groups: Sequence[WebGroup], begun: SearchedCrank | None
     ) -> Iterator[tuple[Path, tuple[Searched, ...], LoadedShaft]]:
         found: tuple[Searched, ...] = tuple(
-            self._from_design(group) if begun is None else self._on(group, begun.found[0], begun.shaft, 1)
+            self._from_design(group) if begun is None else self._on(group, begun.searches[0], begun.shaft, 1)
             for group in groups
         )
         for number in range(1, _ROUNDS + 1):
@@ -172,8 +172,8 @@ class CrankSearch:
         self, group: WebGroup, number: int, limit: str, loads: WebLoads, begun: Scene | None
     ) -> Searched:
         folder = self.folder / (group.name if number == 1 else f"{group.name}-{number}")
-        told = "" if number == 1 else ", second round"
-        self.pace.begin(f"{group.words}{told}: safety >= {limit}")
+        round_words = "" if number == 1 else ", second round"
+        self.pace.begin(f"{group.words}{round_words}: safety >= {limit}")
         scene = with_goal(self.scene, limits=[f"fatigue_safety >= {limit}"])
         scene = scene.model_copy(update={"name": f"{scene.name}-{folder.name}"})
         with indented():
@@ -182,10 +182,10 @@ class CrankSearch:
         required = next(one.required for one in result.goal.limits if one.quantity == "fatigue_safety")
         return Searched(group, number, folder, required or 0.0, result)
 
-    def _shaft(self, folder: Path, found: Sequence[Searched]) -> LoadedShaft:
+    def _shaft(self, folder: Path, searches: Sequence[Searched]) -> LoadedShaft:
         def solved() -> dict[str, object]:
-            self.pace.begin(f"the shaft with {len(found)} different web{'s' * (len(found) > 1)}")
-            webs = {web: one.scene.web for one in found for web in one.group.webs}
+            self.pace.begin(f"the shaft with {len(searches)} different web{'s' * (len(searches) > 1)}")
+            webs = {web: one.scene.web for one in searches for web in one.group.webs}
             folder.mkdir(exist_ok=True)
             scene = self.scene.model_copy(update={"name": f"{self.scene.name}-{folder.name}"})
             heading = f"Crank of {self.scene.name} with the webs that `cranktopo shape --each-web` found."
@@ -194,11 +194,11 @@ class CrankSearch:
                 return loaded_shaft(str(folder / MAIN), self.settings.fillet_fraction).as_json()
 
         kept = LoadedShaft.of_json(self.work.once(folder.name, solved))
-        told = ", ".join(f"{safety:.3f}" for safety in kept.figures.safeties)
-        note(f"{folder.name}: {kept.figures.mass_kg:.3f} kg; safety of the webs {told}")
+        safeties = ", ".join(f"{safety:.3f}" for safety in kept.figures.safeties)
+        note(f"{folder.name}: {kept.figures.mass_kg:.3f} kg; safety of the webs {safeties}")
         return kept
 
-    def _told(self, one: Searched) -> GroupSearch:
+    def _group_search(self, one: Searched) -> GroupSearch:
         result, values, before = one.result, one.result.values.result, one.result.values.original
         return GroupSearch(
             webs=one.group.webs,

@@ -31,9 +31,9 @@ from cranktopo.runs.directories import WORK, RunStore, check_destination, open_r
 from cranktopo.runs.kind import (
     EACH_WEB,
     RESULT_FILES,
+    reading_results,
     require_kind,
     require_result,
-    shown_results,
     working_in,
 )
 from cranktopo.tasks.shape.each_web.groups import ALIKE_PERCENT, WebGroup, is_mirrored, web_groups
@@ -101,7 +101,7 @@ def resume_each_web(reference: str | Path) -> EachWebRun:
     require_kind(run, EACH_WEB)
     run.require_same_inputs()
     data = run.manifest()["options"][EACH_WEB]
-    with shown_results(run):
+    with reading_results(run):
         settings = settings_of(data)
     run.resume()
     return _worked(run, design_from_run(run), settings)
@@ -169,8 +169,8 @@ def _without_free_journals(scene: Scene) -> Scene:
     if not free:
         return scene
     note(f"{scene.name}: {', '.join(free)} not free here: webs of their own share their journals")
-    given = scene.shape.free.model_dump(include={"counterweight_radius_mm", "counterweight_angle_deg"})
-    shape = scene.shape.model_copy(update={"free": FreeDimensions(**given)})
+    free_web = scene.shape.free.model_dump(include={"counterweight_radius_mm", "counterweight_angle_deg"})
+    shape = scene.shape.model_copy(update={"free": FreeDimensions(**free_web)})
     return scene.model_copy(update={"shape": shape})
 
 
@@ -188,8 +188,8 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings) -> EachWebRun:
         search = CrankSearch(run.path, _without_bound(scene), settings, work, original, required, pace)
         every = WebGroup(tuple(range(1, 2 * throw_count(scene) + 1)))
         alike = search.variant(_ONE, (every,))
-        decides, one = alike.safety_decides, alike.told
-        own = search.variant(_OWN, groups, alike).told if decides else one
+        decides, one = alike.safety_decides, alike.variant
+        own = search.variant(_OWN, groups, alike).variant if decides else one
         found = EachWebResult(
             design=scene.name,
             goal=GoalWords.model_validate({goal.sense: goal.quantity}),
@@ -227,8 +227,8 @@ def _without_bound(scene: Scene) -> Scene:
 
 def _tell(scene: Scene, original: LoadedShaft, groups: Sequence[WebGroup]) -> None:
     safeties = original.figures.safeties
-    told = "; ".join(f"{group.words} at least {group.least(safeties):.3f}" for group in groups)
-    note(f"{scene.name}: safety in the shaft on all its bearings: {told}")
+    least_safeties = "; ".join(f"{group.words} at least {group.least(safeties):.3f}" for group in groups)
+    note(f"{scene.name}: safety in the shaft on all its bearings: {least_safeties}")
     if len(groups) == 1:
         raise CranktopoError(
             f"{scene.name}: all webs are to be equal: their least safeties in the shaft differ by less than "

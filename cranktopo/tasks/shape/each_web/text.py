@@ -14,23 +14,23 @@ from cranktopo.tasks.shape.each_web.result import CrankVariant, EachWebResult, G
 _KILO = 1e-3
 
 
-def crank_table(found: EachWebResult) -> ResultTable:
+def crank_table(result: EachWebResult) -> ResultTable:
     """Return the cranks at equal limits: with the design's web, with one for all, with webs of their own."""
     cranks = (
-        ("the design's web", found.original, ""),
-        ("one web for all", found.one_web.shaft, _verdict(found.one_web)),
-        ("each its own", found.each_web.shaft, _verdict(found.each_web)),
+        ("the design's web", result.original, ""),
+        ("one web for all", result.one_web.shaft, _verdict(result.one_web)),
+        ("each its own", result.each_web.shaft, _verdict(result.each_web)),
     )
     rows: tuple[Row, ...] = tuple(
         {
             "webs": name,
             "mass_kg": shaft.mass_kg,
-            "change_percent": 100 * (shaft.mass_kg / found.original.mass_kg - 1),
+            "change_percent": 100 * (shaft.mass_kg / result.original.mass_kg - 1),
             "end_to_end_kNm_per_rad": _KILO * shaft.torsion_end_to_end_Nm_per_rad,
             "least_safety": shaft.safety,
-            "limits": reported,
+            "limits": limits,
         }
-        for name, shaft, reported in cranks
+        for name, shaft, limits in cranks
     )
     digits = {"webs": 0, "mass_kg": 3, "change_percent": 2}
     return ResultTable({**digits, "end_to_end_kNm_per_rad": 2, "least_safety": 3, "limits": 0}, rows)
@@ -42,9 +42,9 @@ def _verdict(crank: CrankVariant) -> str:
     return "kept" if crank.held else "missed"
 
 
-def load_table(found: EachWebResult) -> ResultTable:
+def load_table(result: EachWebResult) -> ResultTable:
     """Return the moments in each web of the design's shaft, and its safety before and after."""
-    one, own = (_safeties(crank.shaft) for crank in (found.one_web, found.each_web))
+    one, own = (_safeties(crank.shaft) for crank in (result.one_web, result.each_web))
     rows: tuple[Row, ...] = tuple(
         {
             "web": str(web.web),
@@ -55,9 +55,9 @@ def load_table(found: EachWebResult) -> ResultTable:
             "safety": web.safety,
             "one_web": one[web.web],
             "own_web": own[web.web],
-            "half_throw_kg": found.each_web.group_of(web.web).throw_kg / 2,
+            "half_throw_kg": result.each_web.group_of(web.web).throw_kg / 2,
         }
-        for web in found.original.webs
+        for web in result.original.webs
     )
     digits = {"web": 0, "throw": 0, "bending_Nm": 0, "across_Nm": 0, "torque_Nm": 0}
     return ResultTable({**digits, "safety": 3, "one_web": 3, "own_web": 3, "half_throw_kg": 3}, rows)
@@ -67,7 +67,7 @@ def _safeties(shaft: ShaftFigures) -> dict[int, float]:
     return {web.web: web.safety for web in shaft.webs}
 
 
-def search_table(found: EachWebResult) -> ResultTable:
+def search_table(result: EachWebResult) -> ResultTable:
     """Return the searches: the safety that each kept and reached, mass and stiffness of its throw."""
     rows: tuple[Row, ...] = tuple(
         {
@@ -80,25 +80,25 @@ def search_table(found: EachWebResult) -> ResultTable:
             "torsion_percent": group.torsion_percent - 100,
             "bending_percent": group.bending_percent - 100,
         }
-        for name, group in _named(found).items()
+        for name, group in _named(result).items()
     )
     digits = {"webs": 0, "safety_kept": 3, "reached": 3, "design": 3, "throw_kg": 3, "change_percent": 2}
     return ResultTable({**digits, "torsion_percent": 2, "bending_percent": 2}, rows)
 
 
-def dimension_table(found: EachWebResult) -> ResultTable:
+def dimension_table(result: EachWebResult) -> ResultTable:
     """Return the dimensions in which the webs differ, one column for each group."""
-    named = {name: group.dimensions for name, group in _named(found).items()}
+    named = {name: group.dimensions for name, group in _named(result).items()}
     rows: tuple[Row, ...] = tuple(
         {"dimension": key, **{name: own.get(key) for name, own in named.items()}} for key in differing(named)
     )
     return ResultTable({"dimension": 0, **dict.fromkeys(named, 2)}, rows)
 
 
-def round_table(found: EachWebResult) -> ResultTable:
+def round_table(result: EachWebResult) -> ResultTable:
     """Return mass and least safety of both cranks after each round of searches."""
     rows: list[Row] = []
-    for name, crank in (("one web for all", found.one_web), ("each its own", found.each_web)):
+    for name, crank in (("one web for all", result.one_web), ("each its own", result.each_web)):
         for number, at in enumerate(crank.rounds):
             kept = "taken" if number == crank.best_round else ""
             rows.append(
@@ -113,84 +113,84 @@ def round_table(found: EachWebResult) -> ResultTable:
     return ResultTable({"webs": 0, "round": 0, "mass_kg": 3, "safety": 3, "result": 0}, tuple(rows))
 
 
-def _named(found: EachWebResult) -> Mapping[str, GroupSearch]:
+def _named(result: EachWebResult) -> Mapping[str, GroupSearch]:
     """Return the searches by the words of their webs, that for all first."""
-    groups = {WebGroup(group.webs).words: group for group in found.each_web.groups}
-    return {"all": found.one_web.groups[0], **groups}
+    groups = {WebGroup(group.webs).words: group for group in result.each_web.groups}
+    return {"all": result.one_web.groups[0], **groups}
 
 
-def each_web_headline(found: EachWebResult) -> str:
+def each_web_headline(result: EachWebResult) -> str:
     """Return the result in one sentence, what is missed first."""
-    one, own = found.one_web, found.each_web
-    if not found.safety_decides:
+    one, own = result.one_web, result.each_web
+    if not result.safety_decides:
         return (
-            f"Webs of their own gain nothing: the least safety of {found.required_safety:.3f} does not "
+            f"Webs of their own gain nothing: the least safety of {result.required_safety:.3f} does not "
             "decide, stiffness or rules do, alike for all webs. One web for all gives "
-            f"{one.shaft.mass_kg:.3f} kg; the design has {found.original.mass_kg:.3f} kg."
+            f"{one.shaft.mass_kg:.3f} kg; the design has {result.original.mass_kg:.3f} kg."
         )
     missed = "" if own.held else "NOT MET with webs of their own. "
     unmade = "" if own.makeable else "CANNOT BE MADE: a web that its process does not release. "
     beside = "" if one.held else ", which misses its limits"
-    more = "less" if found.saved_percent >= 0 else "more"
+    more = "less" if result.saved_percent >= 0 else "more"
     return (
         f"{unmade}{missed}With {len(own.groups)} different webs the crank has {own.shaft.mass_kg:.3f} kg, "
-        f"{abs(found.saved_percent):.2f} % {more} than with one web for all "
-        f"({one.shaft.mass_kg:.3f} kg{beside}); the design has {found.original.mass_kg:.3f} kg."
+        f"{abs(result.saved_percent):.2f} % {more} than with one web for all "
+        f"({one.shaft.mass_kg:.3f} kg{beside}); the design has {result.original.mass_kg:.3f} kg."
     )
 
 
-def grouping_text(found: EachWebResult) -> str:
+def grouping_text(result: EachWebResult) -> str:
     """Return which webs are equal, and why."""
-    given = "; ".join(WebGroup(webs).words for webs in found.same_webs)
-    rest = [group.webs for group in found.each_web.groups if group.webs not in found.same_webs]
-    named = f"Equal by shape.same_webs: {given}. " if given else ""
+    same_webs = "; ".join(WebGroup(webs).words for webs in result.same_webs)
+    rest = [group.webs for group in result.each_web.groups if group.webs not in result.same_webs]
+    named = f"Equal by shape.same_webs: {same_webs}. " if same_webs else ""
     if not rest:
         return named.rstrip()
-    pairs = "Mirror pairs are equal, and webs" if found.mirrored else "Webs are equal"
+    pairs = "Mirror pairs are equal, and webs" if result.mirrored else "Webs are equal"
     return (
         f"{named}{pairs} whose least safeties in the design's shaft differ by less than "
-        f"{found.alike_percent:g} %: {'; '.join(WebGroup(webs).words for webs in rest)}."
+        f"{result.alike_percent:g} %: {'; '.join(WebGroup(webs).words for webs in rest)}."
     )
 
 
-def limits_text(found: EachWebResult) -> str:
+def limits_text(result: EachWebResult) -> str:
     """Return the limits that every web keeps, in a sentence."""
-    limits = ", ".join(f"{name} {condition}" for name, condition in found.limits.items())
+    limits = ", ".join(f"{name} {condition}" for name, condition in result.limits.items())
     return (
-        f"Every web keeps {limits}; safety of {found.required_safety:.3f} in the shaft, within "
+        f"Every web keeps {limits}; safety of {result.required_safety:.3f} in the shaft, within "
         f"{100 * TOLERANCE:g} %."
     )
 
 
-def _dimensions(found: EachWebResult) -> list[str]:
-    table = dimension_table(found)
+def _dimensions(result: EachWebResult) -> list[str]:
+    table = dimension_table(result)
     if not table.rows:
         return ["No dimension of the webs differs."]
     return ["Dimensions in which the webs differ, mm or degrees:", terminal(table)]
 
 
-def each_web_summary(found: EachWebResult, folder: Path) -> str:
+def each_web_summary(result: EachWebResult, folder: Path) -> str:
     """Return what `cranktopo shape --each-web` prints."""
     lines = [
-        each_web_headline(found),
-        *filter(None, [found.left_off]),
-        limits_text(found),
-        grouping_text(found),
+        each_web_headline(result),
+        *filter(None, [result.left_off]),
+        limits_text(result),
+        grouping_text(result),
         "",
-        terminal(crank_table(found)),
+        terminal(crank_table(result)),
         "",
         "Ranges of the moments in the middle of each web of the design's shaft, and its least safety there,",
         "then with one web for all and with its own:",
-        terminal(load_table(found)),
+        terminal(load_table(result)),
         "",
         "The searches, each for a throw of two such webs under the loads of the shaft:",
-        terminal(search_table(found)),
+        terminal(search_table(result)),
         "",
-        *_dimensions(found),
+        *_dimensions(result),
         "",
-        terminal(round_table(found)),
+        terminal(round_table(result)),
         "",
-        f"{found.seconds:.0f} s",
-        *(str(folder / name) for name in found.files.values()),
+        f"{result.seconds:.0f} s",
+        *(str(folder / name) for name in result.files.values()),
     ]
     return "\n".join(lines)

@@ -67,7 +67,7 @@ def limits_by_quantity(texts: Sequence[str]) -> dict[str, str | tuple[str, ...]]
     return {name: rest[0] if len(rest) == 1 else rest for name, rest in found.items()}
 
 
-def wanted(scene: Scene) -> Goal | None:
+def goal_of(scene: Scene) -> Goal | None:
     """Return the goal of a scene, if any, with its limits: those given, then those that the goal brings.
 
     By default nothing gets worse: mass stays at most, both stiffnesses and the fatigue safety at least 100 %
@@ -79,15 +79,15 @@ def wanted(scene: Scene) -> Goal | None:
     if scene.goal is None:
         return None
     quantity = scene.goal.quantity
-    given = _given(scene.goal.limits)
+    stated = _stated_limits(scene.goal.limits)
     said = {name for name in QUANTITIES if getattr(scene.goal.limits, name) is not None}
     more = tuple(limit for limit in _default(scene, quantity) if limit.quantity not in said)
-    return Goal("minimise" if scene.goal.minimise else "maximise", quantity, (*given, *more))
+    return Goal("minimise" if scene.goal.minimise else "maximise", quantity, (*stated, *more))
 
 
 def require_goal(scene: Scene, task: str, example: str) -> Goal:
     """Return the goal of a scene for a task that needs one; the refusal names an example to maximise."""
-    goal = wanted(scene)
+    goal = goal_of(scene)
     if goal is None:
         raise CranktopoError(
             f"goal: a {task} needs one.",
@@ -99,19 +99,19 @@ def require_goal(scene: Scene, task: str, example: str) -> Goal:
 
 def asks_for(scene: Scene, *quantities: QuantityName) -> bool:
     """Tell whether the goal of a scene, or one of its limits, is of one of some quantities."""
-    goal = wanted(scene)
+    goal = goal_of(scene)
     return goal is not None and not goal.quantities.isdisjoint(quantities)
 
 
 def judged_by_evaluation(scene: Scene) -> bool:
     """Tell whether a density optimisation has limits that are to hold by the evaluation of its surface."""
-    goal = wanted(scene)
+    goal = goal_of(scene)
     if goal is None or not scene.optimise.limits_by_evaluation:
         return False
     return any("density" in QUANTITIES[limit.quantity].optimisers for limit in goal.limits)
 
 
-def _given(table: LimitsTable) -> tuple[Limit, ...]:
+def _stated_limits(table: LimitsTable) -> tuple[Limit, ...]:
     texts = ((quantity, getattr(table, name)) for name, quantity in QUANTITIES.items())
     return tuple(limit for what, text in texts if text is not None for limit in read_limits(what, text))
 
@@ -125,8 +125,8 @@ def _default(scene: Scene, goal: QuantityName) -> tuple[Limit, ...]:
     if goal == "unbalance":
         return (*kept, Limit("unbalance", ">=", 0.0, assumed=True))
     balanced = (Limit("unbalance", "<=", 100.0, percent=True, assumed=True),)
-    requested = goal == "balance_factor" or (scene.goal and scene.goal.limits.balance_factor)
-    return (*kept, *balanced) if scene.web.counterweight and not requested else kept
+    own_balance = goal == "balance_factor" or (scene.goal and scene.goal.limits.balance_factor)
+    return (*kept, *balanced) if scene.web.counterweight and not own_balance else kept
 
 
 def _no_safety(scene: Scene) -> str:
@@ -156,7 +156,7 @@ def _no_fillets(scene: Scene) -> str:
 
 def check_goal(scene: Scene) -> None:
     """Check that the limits leave the goal its sense and that the scene can tell every quantity."""
-    goal = wanted(scene)
+    goal = goal_of(scene)
     if goal is None:
         return
     problems = [*_goal_problems(scene, goal), *_limit_problems(scene, goal)]
