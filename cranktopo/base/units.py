@@ -108,6 +108,7 @@ UNITS = {
     "Hz": "Hz",
     "rpm": "rpm",
     "deg": "deg",
+    "mrad": "mrad",
     "C": "°C",
     "mPas": "mPa s",
     "um": "µm",

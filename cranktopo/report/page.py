@@ -29,7 +29,7 @@ class Fact:
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the report: one paragraph, tables by caption, pictures; `anchor` is its name for links.
+    """A part of the report: paragraphs, one a line, tables by caption, pictures; `anchor` is its name for links.
 
     Details that only help beside the files are not printed on paper.
     """

@@ -28,6 +28,7 @@ from cranktopo.report.typeset import typeset
         ("residual 4.8e-09, load 6.844e+04.", "residual 4.8·10⁻⁹, load 6.844·10⁴."),
         ("1e-06", "10⁻⁶"),
         ("torsion >= 100 % of it", "torsion ≥ 100_% of it"),
+        ("50 -> 26 % at x = 0, y = -199.9 mm", "50 → 26_% at x_=_0, y_=_-199.9_mm"),
         ("runs/1e-05/page, 9f7e28, web_2mm3, 5 minutes, x-2", None),
     ],
 )

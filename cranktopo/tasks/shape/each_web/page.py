@@ -18,6 +18,7 @@ from cranktopo.report.page import (
     versions_section,
 )
 from cranktopo.report.plot import GREY, picture, plain
+from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.shape.each_web.result import EachWebResult
 from cranktopo.tasks.shape.each_web.text import (
     crank_table,
@@ -64,10 +65,7 @@ def each_web_page(found: EachWebResult, manifest: Mapping[str, Any]) -> Page:
                 "Each was searched for as the web of a throw that has it twice, under the loads that it has "
                 "in the shaft; these stay as they are within a search. Each search has a page of its own in "
                 "its folder.",
-                (
-                    ("Searches", search_table(found)),
-                    ("Dimensions that differ, mm or degrees", dimension_table(found)),
-                ),
+                (("Searches", search_table(found)), *_differing(found)),
             ),
             Section(
                 "provenance",
@@ -77,6 +75,11 @@ def each_web_page(found: EachWebResult, manifest: Mapping[str, Any]) -> Page:
             versions_section(manifest["versions"]),
         ),
     )
+
+
+def _differing(found: EachWebResult) -> tuple[tuple[str, ResultTable], ...]:
+    table = dimension_table(found)
+    return (("Dimensions that differ, mm or degrees", table),) if table.rows else ()
 
 
 def _facts(found: EachWebResult) -> tuple[Fact, ...]:

@@ -1,0 +1,98 @@
+"""Checks of a page in a browser: what sticks out of it, what of its plots lies over something else, what paper cuts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+PAPER_PX = (688, 1017)
+"""Width and height of a page A4 within its margins of 14 mm, at 96 px per inch."""
+
+# Of each text its corners on the screen: the ink of its letters, not the height of its line.
+_CORNERS = """
+const corners = (text) => {
+    const box = text.getBBox(), at = text.getScreenCTM(), trim = Math.min(0.5, box.width / 4);
+    const [left, right] = [box.x + trim, box.x + box.width - trim];
+    const [top, bottom] = [box.y + 0.18 * box.height, box.y + 0.8 * box.height];
+    return [[left, top], [right, top], [right, bottom], [left, bottom]].map(([x, y]) => {
+        const point = new DOMPoint(x, y).matrixTransform(at);
+        return [point.x, point.y];
+    });
+};
+const ofBox = (box) => [[box.left, box.top], [box.right, box.top], [box.right, box.bottom], [box.left, box.bottom]];
+// Two convex figures are apart if a side of one of them parts them.
+const meets = (one, other) => [[one, other], [other, one]].every(([a, b]) => a.every(([x, y], i) => {
+    const [nx, ny] = [a[(i + 1) % a.length][1] - y, x - a[(i + 1) % a.length][0]];
+    const side = (points) => points.map(([px, py]) => nx * (px - x) + ny * (py - y));
+    const [own, theirs] = [side(a), side(b)];
+    return Math.max(...own) > Math.min(...theirs) && Math.max(...theirs) > Math.min(...own);
+}));
+"""
+PLOTS = f"""(svgs) => {{
+    {_CORNERS}
+    const found = [];
+    for (const svg of svgs) {{
+        const name = (svg.getAttribute("aria-label") || "").slice(0, 40), frame = svg.getBoundingClientRect();
+        const texts = [...svg.querySelectorAll("text")].filter((t) => t.textContent.trim() && t.checkVisibility());
+        const at = texts.map(corners), said = (i) => texts[i].textContent.trim();
+        const marks = [...svg.querySelectorAll("g[clip-path] use")].map((use) => ofBox(use.getBoundingClientRect()));
+        at.forEach((box, i) => {{
+            const out = box.some(([x, y]) =>
+                x < frame.left - 1 || x > frame.right + 1 || y < frame.top - 1 || y > frame.bottom + 1);
+            if (out) found.push(`${{name}}: "${{said(i)}}" leaves the picture`);
+            for (let j = 0; j < i; j++)
+                if (meets(box, at[j])) found.push(`${{name}}: "${{said(i)}}" lies over "${{said(j)}}"`);
+            if (marks.some((mark) => meets(box, mark))) found.push(`${{name}}: "${{said(i)}}" lies over a point`);
+        }});
+    }}
+    return [...new Set(found)];
+}}"""
+"""Texts of plots that leave them, lie over each other or over points."""
+CURVES = f"""(svgs) => {{
+    {_CORNERS}
+    const found = [];
+    for (const svg of svgs) {{
+        const name = (svg.getAttribute("aria-label") || "").slice(0, 40);
+        const texts = [...svg.querySelectorAll("text")].filter((t) => t.textContent.trim() && t.checkVisibility());
+        const at = texts.map(corners);
+        for (const path of svg.querySelectorAll("path[clip-path]")) {{
+            const style = getComputedStyle(path), length = path.getTotalLength(), to = path.getScreenCTM();
+            if (style.fill !== "none" || length === 0) continue;
+            const points = Array.from({{length: 400}}, (_, k) => path.getPointAtLength(length * k / 399))
+                .map((p) => p.matrixTransform(to)).map((p) => [[p.x, p.y]]);
+            at.forEach((box, i) => {{
+                if (points.some(([[x, y]]) => meets(box, [[x, y], [x + .2, y], [x, y + .2]])))
+                    found.push(`${{name}}: "${{texts[i].textContent.trim()}}" lies over a line, ${{style.stroke}}`);
+            }});
+        }}
+    }}
+    return [...new Set(found)];
+}}"""
+"""Texts of plots that lie over lines, which may be right: names in a field of isolines."""
+PAPER = """([width, height]) => {
+    const found = [], named = (node) => (node.textContent || node.getAttribute("aria-label") || "").trim().slice(0, 40);
+    for (const node of document.querySelectorAll("tr, figure, svg, img, .facts div, h2, h3")) {
+        if (!node.checkVisibility() || node.closest("thead")) continue;
+        const box = node.getBoundingClientRect();
+        if (box.height > height) found.push(`${node.tagName} "${named(node)}" is higher than a page: ${box.height}`);
+        if (box.right > width + 1) found.push(`${node.tagName} "${named(node)}" is wider than the page: ${box.right}`);
+        if (["TR", "FIGURE"].includes(node.tagName) && getComputedStyle(node).breakInside !== "avoid")
+            found.push(`${node.tagName} "${named(node)}" may be broken`);
+    }
+    return found;
+}"""
+
+
+def found_in_plots(page: Any, curves: bool = False) -> list[str]:
+    """Return what is wrong with the pictures of a page."""
+    found: list[str] = page.locator("svg").evaluate_all(CURVES if curves else PLOTS)
+    return found
+
+
+def found_on_paper(page: Any) -> list[str]:
+    """Return what a page of paper cuts or breaks, and leave the window as wide as paper."""
+    width, height = PAPER_PX
+    page.set_viewport_size({"width": width, "height": height})
+    page.emulate_media(media="print")
+    page.evaluate("() => dispatchEvent(new Event('beforeprint'))")
+    found: list[str] = page.evaluate(PAPER, [width, height])
+    return found
