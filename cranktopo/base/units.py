@@ -108,7 +108,6 @@ UNITS = {
     "Hz": "Hz",
     "rpm": "rpm",
     "deg": "deg",
-    "mrad": "mrad",
     "C": "°C",
     "mPas": "mPa s",
     "um": "µm",

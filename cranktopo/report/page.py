@@ -29,9 +29,9 @@ class Fact:
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the report: paragraphs, one a line, tables by caption, pictures; `anchor` is its name for links.
+    """A part of the report: paragraphs, tables by caption, pictures; `anchor` is its name for links.
 
-    Details that only help beside the files are not printed on paper.
+    Each line of the text is a paragraph. Details that only help beside the files are not printed on paper.
     """
 
     anchor: str
@@ -40,6 +40,11 @@ class Section:
     tables: tuple[tuple[str, ResultTable], ...] = ()
     pictures: tuple[Picture, ...] = ()
     on_paper: bool = True
+
+    @property
+    def paragraphs(self) -> tuple[str, ...]:
+        """Lines of the text that say something."""
+        return tuple(line.strip() for line in self.text.splitlines() if line.strip())
 
 
 @dataclass(frozen=True)

@@ -58,7 +58,7 @@ def _fact(fact: Fact) -> Iterator[Block]:
 
 def _section(section: Section) -> Iterator[Block]:
     """Yield a section; its title stays with a short text and the start of what is below it."""
-    paragraphs = section.text.replace("`", "").splitlines()
+    paragraphs = (paragraph.replace("`", "") for paragraph in section.paragraphs)
     text = [block for paragraph in paragraphs for block in (gap(3), *words(paragraph, 9))]
     below = [block for caption, found in section.tables for block in _table(caption, found)]
     below += _pictures(section.pictures)

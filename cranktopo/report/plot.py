@@ -55,7 +55,7 @@ def name_above(axes: Any, inches: float, size: float = 9) -> None:
 
 
 _OUTERMOST = 0.85
-"""Of the radius of a polar plot where its outermost circle may be: the number of one farther out lies on its edge."""
+"""Of the radius of a polar plot what its circles may have: the number of a larger one lies on the edge."""
 
 
 def polar_frame(axes: Any, points: Complex, largest: float, circles: int) -> None:

@@ -157,7 +157,7 @@ def _fact(fact: Fact) -> str:
 
 
 def _section(section: Section, folder: str) -> list[str]:
-    blocks = [f"## {escaped(section.title)}", *map(escaped, section.text.splitlines())]
+    blocks = [f"## {escaped(section.title)}", *map(escaped, section.paragraphs)]
     for caption, table in section.tables:
         blocks += [f"{escaped(caption)}:", markdown(table)]
     return blocks + [_image(picture, folder) for picture in section.pictures]

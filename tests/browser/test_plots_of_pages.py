@@ -26,19 +26,29 @@ def six_throws() -> Any:
     """Safeties of twelve webs at three speeds, each a little above the one before."""
     parts = dict.fromkeys(("journal_fillet", "outlets", "elsewhere"), 2.4)
     webs = [
-        SimpleNamespace(web=n, safety=1.5 + n / 40, pin_fillet=1.5 + n / 40, over_speeds=(2.0, 1.5, 1.7), **parts)
+        SimpleNamespace(
+            web=n, safety=1.5 + n / 40, pin_fillet=1.5 + n / 40, over_speeds=(2.0, 1.5, 1.7), **parts
+        )
         for n in range(1, 13)
     ]
     speeds = [SimpleNamespace(speed_rpm=speed, safety=1.5) for speed in SPEEDS]
-    return SimpleNamespace(webs=webs, speeds=speeds, safety=1.525, worst=SimpleNamespace(web=1, speed_rpm=562.5))
+    return SimpleNamespace(
+        webs=webs, speeds=speeds, safety=1.525, worst=SimpleNamespace(web=1, speed_rpm=562.5)
+    )
 
 
 def steep_history() -> list[dict[str, Any]]:
-    """A volume fraction that is at its limit from the second iteration on, and a projection that gets steeper."""
+    """A volume fraction that stays at its limit, and a projection that gets steeper."""
     names = ("bending_compliance_N_mm", "torsion_compliance_N_mm", "objective")
-    rows = ({name: 900 / n**2 for name in names} for n in range(1, 24))
+    rows = (dict.fromkeys(names, 900 / n**2) for n in range(1, 24))
     return [
-        {**row, "iteration": n, "beta": 2 ** (n // 5), "volume_fraction": min(0.2 + n / 15, 0.3), "greyness": 1 / n}
+        {
+            **row,
+            "iteration": n,
+            "beta": 2 ** (n // 5),
+            "volume_fraction": min(0.2 + n / 15, 0.3),
+            "greyness": 1 / n,
+        }
         for n, row in enumerate(rows, start=1)
     ]
 
@@ -46,14 +56,16 @@ def steep_history() -> list[dict[str, Any]]:
 def alike_webs() -> tuple[Picture, ...]:
     """Five webs that lie close to each other, with long names."""
     points = [Point(f"opposed-piston-variant-{n}", 2.6 - n / 50, 355.0 + n) for n in range(5)]
-    return scatter_pictures({label: points for label in LABELS.values()}, 0, {})
+    return scatter_pictures(dict.fromkeys(LABELS.values(), points), 0, {})
 
 
 def settled_goal() -> Any:
     quantity = SimpleNamespace(name="mass", unit="kg", label="mass")
     rounds = [SimpleNamespace(values={"mass": 1.0 - n * 1e-4}, excess_percent=(n * 1e-3,)) for n in range(3)]
     values = SimpleNamespace(original={"mass": 1.0})
-    return SimpleNamespace(rounds=rounds, values=values, goal=SimpleNamespace(quantity=quantity), best_round=2)
+    return SimpleNamespace(
+        rounds=rounds, values=values, goal=SimpleNamespace(quantity=quantity), best_round=2
+    )
 
 
 def crowded() -> Page:

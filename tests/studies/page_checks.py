@@ -1,4 +1,4 @@
-"""Checks of a page in a browser: what sticks out of it, what of its plots lies over something else, what paper cuts."""
+"""Checks of a page in a browser: texts of plots that lie over something, and what paper cuts."""
 
 from __future__ import annotations
 
@@ -18,7 +18,11 @@ const corners = (text) => {
         return [point.x, point.y];
     });
 };
-const ofBox = (box) => [[box.left, box.top], [box.right, box.top], [box.right, box.bottom], [box.left, box.bottom]];
+const ofBox = ({left, right, top, bottom}) => [[left, top], [right, top], [right, bottom], [left, bottom]];
+const named = (svg) => (svg.getAttribute("aria-label") || "").slice(0, 40);
+const said = (text) => `"${text.textContent.trim()}"`;
+const textsOf = (svg) =>
+    [...svg.querySelectorAll("text")].filter((text) => text.textContent.trim() && text.checkVisibility());
 // Two convex figures are apart if a side of one of them parts them.
 const meets = (one, other) => [[one, other], [other, one]].every(([a, b]) => a.every(([x, y], i) => {
     const [nx, ny] = [a[(i + 1) % a.length][1] - y, x - a[(i + 1) % a.length][0]];
@@ -31,17 +35,17 @@ PLOTS = f"""(svgs) => {{
     {_CORNERS}
     const found = [];
     for (const svg of svgs) {{
-        const name = (svg.getAttribute("aria-label") || "").slice(0, 40), frame = svg.getBoundingClientRect();
-        const texts = [...svg.querySelectorAll("text")].filter((t) => t.textContent.trim() && t.checkVisibility());
-        const at = texts.map(corners), said = (i) => texts[i].textContent.trim();
-        const marks = [...svg.querySelectorAll("g[clip-path] use")].map((use) => ofBox(use.getBoundingClientRect()));
+        const frame = svg.getBoundingClientRect(), texts = textsOf(svg), at = texts.map(corners);
+        const points = [...svg.querySelectorAll("g[clip-path] use")];
+        const marks = points.map((use) => ofBox(use.getBoundingClientRect()));
+        const tell = (i, what) => found.push(`${{named(svg)}}: ${{said(texts[i])}} ${{what}}`);
         at.forEach((box, i) => {{
             const out = box.some(([x, y]) =>
                 x < frame.left - 1 || x > frame.right + 1 || y < frame.top - 1 || y > frame.bottom + 1);
-            if (out) found.push(`${{name}}: "${{said(i)}}" leaves the picture`);
+            if (out) tell(i, "leaves the picture");
             for (let j = 0; j < i; j++)
-                if (meets(box, at[j])) found.push(`${{name}}: "${{said(i)}}" lies over "${{said(j)}}"`);
-            if (marks.some((mark) => meets(box, mark))) found.push(`${{name}}: "${{said(i)}}" lies over a point`);
+                if (meets(box, at[j])) tell(i, `lies over ${{said(texts[j])}}`);
+            if (marks.some((mark) => meets(box, mark))) tell(i, "lies over a point");
         }});
     }}
     return [...new Set(found)];
@@ -51,9 +55,7 @@ CURVES = f"""(svgs) => {{
     {_CORNERS}
     const found = [];
     for (const svg of svgs) {{
-        const name = (svg.getAttribute("aria-label") || "").slice(0, 40);
-        const texts = [...svg.querySelectorAll("text")].filter((t) => t.textContent.trim() && t.checkVisibility());
-        const at = texts.map(corners);
+        const texts = textsOf(svg), at = texts.map(corners);
         for (const path of svg.querySelectorAll("path[clip-path]")) {{
             const style = getComputedStyle(path), length = path.getTotalLength(), to = path.getScreenCTM();
             if (style.fill !== "none" || length === 0) continue;
@@ -61,7 +63,7 @@ CURVES = f"""(svgs) => {{
                 .map((p) => p.matrixTransform(to)).map((p) => [[p.x, p.y]]);
             at.forEach((box, i) => {{
                 if (points.some(([[x, y]]) => meets(box, [[x, y], [x + .2, y], [x, y + .2]])))
-                    found.push(`${{name}}: "${{texts[i].textContent.trim()}}" lies over a line, ${{style.stroke}}`);
+                    found.push(`${{named(svg)}}: ${{said(texts[i])}} lies over a line, ${{style.stroke}}`);
             }});
         }}
     }}
@@ -69,14 +71,17 @@ CURVES = f"""(svgs) => {{
 }}"""
 """Texts of plots that lie over lines, which may be right: names in a field of isolines."""
 PAPER = """([width, height]) => {
-    const found = [], named = (node) => (node.textContent || node.getAttribute("aria-label") || "").trim().slice(0, 40);
+    const found = [], tell = (node, what) => {
+        const name = (node.textContent || node.getAttribute("aria-label") || "").trim().slice(0, 40);
+        found.push(`${node.tagName} "${name}" ${what}`);
+    };
     for (const node of document.querySelectorAll("tr, figure, svg, img, .facts div, h2, h3")) {
         if (!node.checkVisibility() || node.closest("thead")) continue;
         const box = node.getBoundingClientRect();
-        if (box.height > height) found.push(`${node.tagName} "${named(node)}" is higher than a page: ${box.height}`);
-        if (box.right > width + 1) found.push(`${node.tagName} "${named(node)}" is wider than the page: ${box.right}`);
+        if (box.height > height) tell(node, `is higher than a page: ${box.height}`);
+        if (box.right > width + 1) tell(node, `is wider than the page: ${box.right}`);
         if (["TR", "FIGURE"].includes(node.tagName) && getComputedStyle(node).breakInside !== "avoid")
-            found.push(`${node.tagName} "${named(node)}" may be broken`);
+            tell(node, "may be broken");
     }
     return found;
 }"""

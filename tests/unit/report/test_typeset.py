@@ -54,6 +54,20 @@ def test_a_key_of_a_scene_breaks_behind_its_parts() -> None:
     assert ">a name. Another_one</th>" in text
 
 
+def test_each_line_of_a_text_is_a_paragraph() -> None:
+    page = Page("T", "t", "h", (), (Section("a", "A", "One.\n \nTwo, by --limit x."),))
+    assert '<p>One.</p><p>Two, by <span class="word">--limit</span> x.</p>' in html(page)
+    assert "\n\nOne.\n\nTwo, by " in markdown_text(page, "p")
+
+
+def test_names_of_rows_break_in_front_of_a_unit_and_short_ones_nowhere() -> None:
+    rows = [("webs 1 and 8", "39.999471"), ("torsion >= 748,652 N m/rad", "1")]
+    text = html(Page("T", "t", "h", (), (Section("a", "A", "", (("Rows", pairs(rows)),)),)))
+    assert '<th scope="row" class="word">webs 1 and 8</th>' in text
+    assert 'class="text word">39.999471</td>' in text
+    assert "748,652 N\u00a0m/rad</th>" in text
+
+
 def test_what_is_bad_is_said_first() -> None:
     facts = tuple(Fact(name, "1", "", status) for name, status in (("a", "good"), ("b", "bad"), ("c", "bad")))
     page = Page("T", "t", "h", facts, ())
