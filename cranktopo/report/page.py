@@ -29,9 +29,9 @@ class Fact:
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the report: paragraphs, tables by caption, pictures; `anchor` is its name for links.
+    """A part of the report: text, `more` paragraphs, tables by caption, pictures; `anchor` is its name for links.
 
-    Each line of the text is a paragraph. Details that only help beside the files are not printed on paper.
+    Details that only help beside the files are not printed on paper.
     """
 
     anchor: str
@@ -40,11 +40,12 @@ class Section:
     tables: tuple[tuple[str, ResultTable], ...] = ()
     pictures: tuple[Picture, ...] = ()
     on_paper: bool = True
+    more: tuple[str, ...] = ()
 
     @property
     def paragraphs(self) -> tuple[str, ...]:
-        """Lines of the text that say something."""
-        return tuple(line.strip() for line in self.text.splitlines() if line.strip())
+        """The text and what follows it, each a paragraph, as far as they say something."""
+        return tuple(text for text in (self.text, *self.more) if text)
 
 
 @dataclass(frozen=True)

@@ -241,10 +241,10 @@ def _variants(
         "Variants",
         "A star marks the best of each column, unless another is within the error estimate. Stiffnesses are "
         "those of the full throw with the supports of its design."
-        + "".join(f" {line}" for line in (*comparison.pitches, *star_lines(comparison)))
-        + "".join(f"\n{line}" for line in _safety(comparison)),
+        + "".join(f" {line}" for line in (*comparison.pitches, *star_lines(comparison))),
         tuple(tables),
         scatter_pictures(_scatter_points(comparison), comparison.baseline, bound.stiffest if bound else {}),
+        more=tuple(_safety(comparison)),
     )
 
 

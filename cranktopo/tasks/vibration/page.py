@@ -48,13 +48,15 @@ def vibration_page(study: VibrationStudy, written: str) -> Page:
                 "same phase, dashed a half order. Where one meets a natural frequency, in red, the shaft "
                 "resonates; dots are the critical speeds of the table, their orders beside them where "
                 "there is room. "
-                f"{ORDER_AND_SUM if critical else ''}\n"
-                f"{cancelled_sentence(study)} "
-                f"{own_speed_sentence(study)} {pressure_sentence(study)} {barred_sentence(study)} "
-                f"{run_up_sentence(study)}\n"
-                f"{misfire_sentence(study)} {joined_misfire_sentence(study)}".rstrip(),
+                f"{ORDER_AND_SUM if critical else ''}".rstrip(),
                 (*critical, *_misfires(study)),
                 (campbell, torque),
+                more=(
+                    f"{cancelled_sentence(study)} "
+                    f"{own_speed_sentence(study)} {pressure_sentence(study)} {barred_sentence(study)} "
+                    f"{run_up_sentence(study)}".strip(),
+                    f"{misfire_sentence(study)} {joined_misfire_sentence(study)}".strip(),
+                ),
             ),
             Section(
                 "sections",

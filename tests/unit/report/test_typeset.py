@@ -54,8 +54,8 @@ def test_a_key_of_a_scene_breaks_behind_its_parts() -> None:
     assert ">a name. Another_one</th>" in text
 
 
-def test_each_line_of_a_text_is_a_paragraph() -> None:
-    page = Page("T", "t", "h", (), (Section("a", "A", "One.\n \nTwo, by --limit x."),))
+def test_what_follows_a_text_is_a_paragraph_of_its_own() -> None:
+    page = Page("T", "t", "h", (), (Section("a", "A", "One.", more=("", "Two, by --limit x.")),))
     assert '<p>One.</p><p>Two, by <span class="word">--limit</span> x.</p>' in html(page)
     assert "\n\nOne.\n\nTwo, by " in markdown_text(page, "p")
 
