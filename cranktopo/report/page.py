@@ -29,7 +29,7 @@ class Fact:
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the report: text and `more` of it, tables by caption, pictures; `anchor` is its name for links.
+    """A part of the report: text, `more` text, tables by caption, pictures; `anchor` is its name for links.
 
     Details that only help beside the files are not printed on paper.
     """

@@ -251,7 +251,7 @@ def picture(name: str, alt: str, draw: Callable[..., None], *arguments: Any, pol
     return Picture(name, figure, alt)
 
 
-_UPRIGHT_LETTERS, _TITLE_LETTERS = 32, 48
+_UPRIGHT_LETTERS, _TITLE_LETTERS = 32, 52
 """As many as stand beside the axes, and above them, in one line."""
 _LETTER_INCHES, _HANDLE_INCHES, _ROW_INCHES, _NAME_SIZE = 0.065, 0.55, 0.17, 8.0
 """Of a name of this size in points: its letter, what stands before it, its line."""

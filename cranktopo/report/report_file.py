@@ -69,6 +69,7 @@ def html(page: Page) -> str:
             for p in section.pictures
         },
         version=metadata.version("cranktopo"),
+        word=_WORD,
     )
 
 
@@ -83,14 +84,17 @@ def _prose(text: str) -> str:
 def _name(text: str) -> str:
     """Return the name of a row as HTML, which has little room.
 
-    A key of a scene may go on in the next line behind any part, a number in front of its unit.
+    A long key of a scene may go on in the next line behind any part, a number in front of its unit.
     """
     from markupsafe import Markup, escape
 
     found = _IN_FRONT_OF_UNIT.sub(" ", str(escape(typeset(text))))
-    return Markup(re.sub(r"(?<=\w)([._])(?=\w)", r"\1<wbr>", found) if _KEY.fullmatch(text) else found)
+    broken = len(text) > _WORD and _KEY.fullmatch(text)
+    return Markup(re.sub(r"(?<=\w)([._])(?=\w)", r"\1<wbr>", found) if broken else found)
 
 
+_WORD = 16
+"""Letters of a cell that stays on one line."""
 _KEY = re.compile(r"[\w.\[\]-]*[._][\w.\[\]-]*")
 _OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
 _IN_FRONT_OF_UNIT = re.compile(r"(?<=\d)\u00a0(?=[^\W\d])")
