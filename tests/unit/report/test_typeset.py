@@ -61,8 +61,8 @@ def test_what_follows_a_text_is_a_paragraph_of_its_own() -> None:
 
 
 def test_names_of_rows_break_in_front_of_a_unit_and_short_ones_nowhere() -> None:
-    short, long = [("webs 1 and 8", "39.999471"), ("half_width_1", "2")], [("torsion >= 748,652 N m/rad", "1")]
-    tables = (("Short", pairs(short)), ("Long", pairs(long)))
+    short = pairs([("webs 1 and 8", "39.999471"), ("half_width_1", "2")])
+    tables = (("Short", short), ("Long", pairs([("torsion >= 748,652 N m/rad", "1")])))
     text = html(Page("T", "t", "h", (), (Section("a", "A", "", tables),)))
     assert '<th scope="row" class="word">webs 1 and 8</th>' in text
     assert 'class="text word">39.999471</td>' in text
