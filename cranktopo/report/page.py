@@ -29,7 +29,7 @@ class Fact:
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the report: one paragraph, tables by caption, pictures; `anchor` is its name for links.
+    """A part of the report: text, `more` text, tables by caption, pictures; `anchor` is its name for links.
 
     Details that only help beside the files are not printed on paper.
     """
@@ -40,6 +40,12 @@ class Section:
     tables: tuple[tuple[str, ResultTable], ...] = ()
     pictures: tuple[Picture, ...] = ()
     on_paper: bool = True
+    more: tuple[str, ...] = ()
+
+    @property
+    def paragraphs(self) -> tuple[str, ...]:
+        """The text and what follows it, each a paragraph, as far as they say something."""
+        return tuple(text for text in (self.text, *self.more) if text)
 
 
 @dataclass(frozen=True)

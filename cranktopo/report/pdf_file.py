@@ -58,7 +58,8 @@ def _fact(fact: Fact) -> Iterator[Block]:
 
 def _section(section: Section) -> Iterator[Block]:
     """Yield a section; its title stays with a short text and the start of what is below it."""
-    text = [gap(3), *words(section.text.replace("`", ""), 9)] if section.text else []
+    paragraphs = (paragraph.replace("`", "") for paragraph in section.paragraphs)
+    text = [block for paragraph in paragraphs for block in (gap(3), *words(paragraph, 9))]
     below = [block for caption, found in section.tables for block in _table(caption, found)]
     below += _pictures(section.pictures)
     yield gap(14)

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import io
+import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cranktopo.base.units import plain_number
+import numpy as np
+
+from cranktopo.base.arrays import Complex
+from cranktopo.base.units import number_text, plain_number
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -25,6 +29,15 @@ def plain(axes: Any) -> None:
         axes.spines[side].set_visible(False)
 
 
+def curve_style(number: int) -> dict[str, Any]:
+    """Return colour and dashes of one of many curves, from 0; no two of forty are alike."""
+    turn, colour = divmod(number, _COLOURS)
+    return {"color": f"C{colour}", "ls": _DASHES[turn % len(_DASHES)]}
+
+
+_COLOURS, _DASHES = 10, ("-", "--", ":", "-.")
+
+
 def plain_decades(axis: Any) -> None:
     """Number a logarithmic axis by 1, 2 and 5 as plain numbers; below a decade no power of ten is on it."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
@@ -39,6 +52,38 @@ def name_above(axes: Any, inches: float, size: float = 9) -> None:
     labels = axes.get_legend_handles_labels()[1]
     place = {"loc": "lower left", "bbox_to_anchor": (0, 1), "borderaxespad": 0.2}
     axes.legend(fontsize=size, ncols=_columns(labels, inches, size), frameon=False, **place)
+
+
+_OUTERMOST = 0.85
+"""Of the radius of a polar plot what its circles may have: the number of a larger one lies on the edge."""
+
+
+def polar_frame(axes: Any, points: Complex, largest: float, circles: int) -> None:
+    """Have polar axes begin at the top and turn clockwise, and number their circles where no curve goes.
+
+    Args:
+        points: of all curves, in the plane whose real axis is up.
+        largest: radius that is shown.
+        circles: most of them, the edge among these.
+    """
+    from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator
+
+    axes.set_theta_zero_location("N")
+    axes.set_theta_direction(-1)
+    axes.set_rlim(0.0, 1.05 * largest)
+    axes.set_rlabel_position(emptiest_deg(points))
+    places = MaxNLocator(circles).tick_values(0.0, 1.05 * largest)
+    axes.yaxis.set_major_locator(FixedLocator([at for at in places if 0 < at < _OUTERMOST * 1.05 * largest]))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda size, _: number_text(size)))
+    axes.tick_params(labelsize=7, colors=GREY)
+    axes.grid(color="0.9", linewidth=0.8)
+
+
+def emptiest_deg(points: Complex) -> float:
+    """Return the direction, between those that are named, from which the points keep farthest away."""
+    places = np.arange(22.5, 360.0, 45.0)
+    along = np.real(points.reshape(-1, 1) * np.exp(-1j * np.deg2rad(places)))
+    return float(places[along.max(axis=0).argmin()])
 
 
 _SIDES = (
@@ -199,11 +244,15 @@ def picture(name: str, alt: str, draw: Callable[..., None], *arguments: Any, pol
     axes = figure.add_axes(_POLAR_AXES, projection="polar") if polar else figure.add_subplot()
     axes.set_facecolor("none")
     draw(axes, *arguments)
+    for text, letters in ((axes.yaxis.label, _UPRIGHT_LETTERS), (axes.title, _TITLE_LETTERS)):
+        text.set_text(textwrap.fill(text.get_text(), letters, break_on_hyphens=False))
     if axes.get_legend() is None:
         _name_below(axes)
     return Picture(name, figure, alt)
 
 
+_UPRIGHT_LETTERS, _TITLE_LETTERS = 32, 52
+"""As many as stand beside the axes, and above them, in one line."""
 _LETTER_INCHES, _HANDLE_INCHES, _ROW_INCHES, _NAME_SIZE = 0.065, 0.55, 0.17, 8.0
 """Of a name of this size in points: its letter, what stands before it, its line."""
 

@@ -69,25 +69,35 @@ def html(page: Page) -> str:
             for p in section.pictures
         },
         version=metadata.version("cranktopo"),
+        word=_WORD,
     )
 
 
 def _prose(text: str) -> str:
-    """Return a text as HTML: typeset, what stands between backticks as code."""
+    """Return a text as HTML: typeset, what stands between backticks as code, options on one line."""
     from markupsafe import Markup, escape
 
-    return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(typeset(text)))))
+    found = _OPTION.sub(r'<span class="word">\g<0></span>', str(escape(typeset(text))))
+    return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", found))
 
 
 def _name(text: str) -> str:
-    """Return the name of a row as HTML; a key of a scene may go on in the next line behind any part."""
+    """Return the name of a row as HTML, which has little room.
+
+    A long key of a scene may go on in the next line behind any part, a number in front of its unit.
+    """
     from markupsafe import Markup, escape
 
-    found = str(escape(typeset(text)))
-    return Markup(re.sub(r"(?<=\w)([._])(?=\w)", r"\1<wbr>", found) if _KEY.fullmatch(text) else found)
+    found = _IN_FRONT_OF_UNIT.sub(" ", str(escape(typeset(text))))
+    broken = len(text) > _WORD and _KEY.fullmatch(text)
+    return Markup(re.sub(r"(?<=\w)([._])(?=\w)", r"\1<wbr>", found) if broken else found)
 
 
+_WORD = 16
+"""Letters of a cell that stays on one line."""
 _KEY = re.compile(r"[\w.\[\]-]*[._][\w.\[\]-]*")
+_OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
+_IN_FRONT_OF_UNIT = re.compile(r"(?<=\d)\u00a0(?=[^\W\d])")
 
 
 def _inline_png(picture: Picture) -> str:
@@ -151,7 +161,7 @@ def _fact(fact: Fact) -> str:
 
 
 def _section(section: Section, folder: str) -> list[str]:
-    blocks = [f"## {escaped(section.title)}", *([escaped(section.text)] if section.text else [])]
+    blocks = [f"## {escaped(section.title)}", *map(escaped, section.paragraphs)]
     for caption, table in section.tables:
         blocks += [f"{escaped(caption)}:", markdown(table)]
     return blocks + [_image(picture, folder) for picture in section.pictures]

@@ -16,6 +16,8 @@ _SIGNS: tuple[tuple[re.Pattern[str], str | Callable[[re.Match[str]], str]], ...]
     (re.compile(r"(?<=\d)%(?!\w)"), f"{_FIXED}%"),
     (re.compile(r"(?<= )>=(?= )"), "≥"),
     (re.compile(r"(?<= )<=(?= )"), "≤"),
+    (re.compile(r"(?<= )->(?= )"), "→"),
+    (re.compile(r"(?<=\b[A-Za-z]) = (?=-?\d)"), f"{_FIXED}={_FIXED}"),
     (re.compile(r"(?<![\w/.])mm([23])\b"), lambda found: f"mm{found[1].translate(_RAISED)}"),
     (
         re.compile(r"(?<![\w./])(\d(?:\.\d+)?)e(?:\+|(-))0*(\d+)(?![\w/]|\.\d)"),

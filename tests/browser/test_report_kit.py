@@ -41,6 +41,14 @@ def numbers(count: int) -> ResultTable:
     return ResultTable(columns, rows)
 
 
+def wide_table() -> ResultTable:
+    """What a comparison has by two methods of fatigue."""
+    names = ("torsion_kNm_per_rad", "bending_kN_per_mm", "torsion_error_percent", "bending_error_percent")
+    names += ("torsion_per_mass_kNm_per_rad_kg", "bending_per_mass_kN_per_mm_kg", "inertia_kg_mm2")
+    columns = {"target": 0, "mass_kg": 3, **dict.fromkeys(names, 2), "unbalance_kg_mm": 2, "safety lsa": 3}
+    return ResultTable(columns, ({**dict.fromkeys(columns, 1357.1), "target": "my-diesel-shape"},) * 3)
+
+
 def _curves(axes: Any) -> None:
     for number in range(10):
         axes.plot([0, 1], [number, 0])
@@ -52,6 +60,7 @@ def by_hand() -> Page:
     tables = (
         ("Few", numbers(3)),
         ("Many", numbers(12)),
+        ("Wide", wide_table()),
         ("Keys", ResultTable({"assumption": 0, "value": 0, "agreed_by": 0}, keys)),
         ("Reasons", ResultTable({"effect": 0, "state": 0, "size_percent": 1, "because": 0}, reasons)),
         ("Pairs", pairs([("mass", "1 kg")])),
@@ -143,6 +152,22 @@ def test_pairs_need_no_head_and_bad_news_comes_first(opened: Any) -> None:
     page = opened()
     assert table(page, "Pairs").locator("thead").bounding_box()["x"] < -100
     assert page.locator(".facts dt").all_inner_texts() == ["Safety", "Mass"]
+
+
+def test_a_table_of_many_columns_fits_on_paper(opened: Any) -> None:
+    """As that of a comparison by two methods of fatigue; a wider one would shrink the whole page."""
+    page = opened(viewport={"width": 688, "height": 1017})
+    page.emulate_media(media="print")
+    assert table(page, "Wide").bounding_box()["width"] <= 688
+
+
+def test_a_long_name_does_not_widen_a_phone(browser: Any, tmp_path: Path) -> None:
+    page = browser.new_context(**PHONE).new_page()
+    long = f"Crank from /{'a' * 60}/crank.step"
+    (tmp_path / "long.html").write_text(html(Page(long, long, long, (), ())), encoding="utf-8")
+    page.goto((tmp_path / "long.html").as_uri())
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    page.context.close()
 
 
 def test_paper_keeps_a_text_with_its_table(opened: Any) -> None:

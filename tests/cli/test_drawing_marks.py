@@ -51,6 +51,16 @@ def test_labels_of_the_front_view_are_apart(scene: Scene) -> None:
         assert not a.overlaps(b), (one.get_text(), other.get_text())
 
 
+@pytest.mark.parametrize("name", ["mikron-iiic", "industrial-gas", "opposed-piston-variant-2"])
+def test_no_text_of_a_sheet_lies_over_another(name: str) -> None:
+    """The depth of a bevel lay over the thickness of the web."""
+    figure, renderer = drawn(load_scene(name))
+    texts = [text for axes in figure.axes for text in axes.texts if text.get_text().strip()]
+    boxes = [text.get_window_extent(renderer).expanded(0.95, 0.8) for text in texts]
+    found = combinations(zip(texts, boxes, strict=True), 2)
+    assert not [(a.get_text(), b.get_text()) for (a, one), (b, other) in found if one.overlaps(other)]
+
+
 @pytest.fixture(scope="module")
 def slit() -> Manifold:
     """A raw half with a slit through it as narrow as rounding leaves one, seen in a forging."""

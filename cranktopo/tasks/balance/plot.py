@@ -12,7 +12,7 @@ from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.units import number_text
 from cranktopo.engine.balance.free_forces import ORDERS
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, WITH_SHAFTS, EngineBalance
-from cranktopo.report.plot import GREY, Picture, picture
+from cranktopo.report.plot import Picture, picture, polar_frame
 
 _TURN_DEG: Array = np.linspace(0.0, 360.0, 361)
 _STYLES = {AS_IT_IS: "-", COUNTERWEIGHTED: "--", WITH_SHAFTS: ":"}
@@ -76,20 +76,10 @@ def _polar(name: str, title: str, curves: Sequence[_Curve], unit: str) -> Pictur
     return picture(f"balance-{name}", f"{title}. {maxima}", _draw, title, curves, unit, polar=True)
 
 
-def _emptiest_deg(curves: Sequence[_Curve]) -> float:
-    """Return the direction, between those that are named, from which the curves keep farthest away."""
-    points = np.concatenate([curve.values for curve in curves])
-    places = np.arange(22.5, 360.0, 45.0)
-    along = np.real(points[:, None] * np.exp(-1j * np.deg2rad(places)))
-    return float(places[along.max(axis=0).argmin()])
-
-
 def _draw(axes: Any, title: str, curves: Sequence[_Curve], unit: str) -> None:
     """Directions as in the engine: its plane of symmetry upright, the crank turning clockwise."""
-    from matplotlib.ticker import FuncFormatter, MaxNLocator
-
-    axes.set_theta_zero_location("N")
-    axes.set_theta_direction(-1)
+    largest = max(curve.largest for curve in curves)
+    polar_frame(axes, np.concatenate([curve.values for curve in curves]), largest, circles=4)
     for curve in curves:
         # Smaller curves lie on top of larger ones.
         axes.plot(
@@ -98,13 +88,7 @@ def _draw(axes: Any, title: str, curves: Sequence[_Curve], unit: str) -> None:
             curve.style,
             color=curve.colour,
             label=f"{curve.label}\n{curve.size(unit)}",
-            zorder=3 - curve.largest / max(c.largest for c in curves),
+            zorder=3 - curve.largest / largest,
         )
-    axes.set_rmax(1.05 * max(curve.largest for curve in curves))
-    axes.set_rlabel_position(_emptiest_deg(curves))
-    axes.yaxis.set_major_locator(MaxNLocator(4, prune="upper"))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda size, _: number_text(size)))
-    axes.tick_params(labelsize=7, colors=GREY)
-    axes.grid(color="0.9", linewidth=0.8)
     axes.figure.text(0.02, 0.93, f"{title} ({unit})", fontsize=9)
     axes.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.16, 1.12), frameon=False)

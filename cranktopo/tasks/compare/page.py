@@ -241,10 +241,10 @@ def _variants(
         "Variants",
         "A star marks the best of each column, unless another is within the error estimate. Stiffnesses are "
         "those of the full throw with the supports of its design."
-        + "".join(f" {line}" for line in (*comparison.pitches, *star_lines(comparison)))
-        + _safety(comparison),
+        + "".join(f" {line}" for line in (*comparison.pitches, *star_lines(comparison))),
         tuple(tables),
         scatter_pictures(_scatter_points(comparison), comparison.baseline, bound.stiffest if bound else {}),
+        more=tuple(_safety(comparison)),
     )
 
 
@@ -257,13 +257,15 @@ def _goals(comparison: Comparison) -> tuple[Section, ...]:
     return (Section("goals", "Goals and limits", " ".join([*lines, *safety_method(comparison)]), tables),)
 
 
-def _safety(comparison: Comparison) -> str:
-    lines = "".join(f" {line}" for line in method_lines(comparison))
-    return "".join(map(_safety_by, comparison.fatigues)) + lines
+def _safety(comparison: Comparison) -> list[str]:
+    """Return a paragraph by method for the verdicts and the worst places, and one about the methods."""
+    lines = [line for fatigue in comparison.fatigues for line in _safety_by(fatigue)]
+    return [*lines, " ".join(method_lines(comparison))]
 
 
-def _safety_by(fatigue: FatigueComparison) -> str:
-    return f" By {fatigue.result.method}: {' '.join([*fatigue.verdicts, *safety_places(fatigue)])}"
+def _safety_by(fatigue: FatigueComparison) -> list[str]:
+    verdicts, places = " ".join(fatigue.verdicts), " ".join(safety_places(fatigue))
+    return [f"By {fatigue.result.method}: {verdicts}", places]
 
 
 def _accuracy(comparison: Comparison) -> Section:

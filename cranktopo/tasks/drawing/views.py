@@ -5,7 +5,7 @@ Distances from the body to its dimension lines are millimetres of paper, so that
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -42,6 +42,7 @@ from cranktopo.throw.profile import ProfileWeb
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
+_Span = tuple[float, float]
 _POINTS = 400
 _GAP_MM, _LINE_MM = 8.0, 8.0
 """Paper from the body to the first dimension line, and from one line to the next."""
@@ -220,12 +221,14 @@ def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
     gap, line, (low, high) = _GAP_MM / scale, _LINE_MM / scale, sheet.y_range_mm
     lengthwise_body(axes, sheet, 3 / scale)
     main, pin = throw.main_journal, throw.crankpin
-    for a, b, edge, text in (
-        (0.0, start, low, f"{main.length_mm / 2:g}"),
-        (start, stop, low, f"{scene.web.thickness_mm:g}"),
-        (stop, end, high, f"{pin.length_mm / 2:g}"),
+    own = [one for feature in sheet.features for one in feature.lengthwise]
+    for a, b, edge, side, text in (
+        (0.0, start, low, -1, f"{main.length_mm / 2:g}"),
+        (start, stop, low, -1, f"{scene.web.thickness_mm:g}"),
+        (stop, end, high, 1, f"{pin.length_mm / 2:g}"),
     ):
-        dimension(axes, (a, edge), (b, edge), (0, -gap if edge == low else gap), text)
+        row = any(side * one.shift[1] > 0 for one in own)  # the first row is that of features
+        dimension(axes, (a, edge), (b, edge), (0, side * (gap + row * line)), text)
     for journal, y, z, side in ((main, 0.0, 0.0, -1), (pin, throw.radius_mm, end, 1)):
         diameters = filter(None, (journal.bore_diameter_mm, journal.outer_diameter_mm))
         for number, diameter in enumerate(diameters):
@@ -238,8 +241,7 @@ def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
             away = 0.55 * gap if way == side else 0.9 * gap  # clear of the mark of a detail
             at = across + side * 0.4 * journal.length_mm / 2, up + way * away
             leader(axes, (across, up), at, str(journal.fillet))
-    for feature in sheet.features:
-        _dimensions(axes, feature.lengthwise, (0.0, end), gap + 2 * line, 1 / scale)
+    _dimensions(axes, own, ((-gap - 2 * line, end + gap + 2 * line), (low - gap, high + gap)), 1 / scale)
     for drilled in sheet.drilled:
         _outlets(axes, drilled.lengthwise, 1 / scale)
     finish(axes, "Section x = 0")
@@ -329,17 +331,18 @@ def _edges(axes: Any, stroke: Circle | Polyline) -> None:
         axes.plot(*zip(*stroke.points, strict=True), color=INK, lw=1.0, ls=style)
 
 
-def _dimensions(
-    axes: Any, found: tuple[DimensionLine, ...], span: tuple[float, float], away: float, mm: float
-) -> None:
-    """Draw dimensions of a feature; upright ones are moved beyond the ends of the body."""
+def _dimensions(axes: Any, found: Sequence[DimensionLine], lines: tuple[_Span, _Span], mm: float) -> None:
+    """Draw dimensions of features, moved beyond the body.
+
+    Args:
+        lines: places of their lines, left and right of the body, below and above it.
+    """
     for one in found:
-        shift = one.shift
-        if shift[0] < 0:
-            shift = (span[0] - away - min(one.start[0], one.end[0]), 0.0)
-        elif shift[0] > 0:
-            shift = (span[1] + away - max(one.start[0], one.end[0]), 0.0)
-        _sized(axes, replace(one, shift=shift), mm)
+        axis = 1 if one.shift[1] else 0
+        end = one.shift[axis] > 0
+        from_points = (max if end else min)(one.start[axis], one.end[axis])
+        off = lines[axis][end] - from_points
+        _sized(axes, replace(one, shift=(0.0, off) if axis else (off, 0.0)), mm)
 
 
 def _outlets(axes: Any, found: tuple[DimensionLine, ...], mm: float) -> None:

@@ -12,7 +12,7 @@ from cranktopo.base.formats import PLOTS
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.numerics.bearing_film.orbit import Orbit
-from cranktopo.report.plot import name_above, plain_decades, save_figure
+from cranktopo.report.plot import curve_style, name_above, plain_decades, save_figure
 from cranktopo.runs.destination import check_file
 from cranktopo.tasks.film.stage import LoadedBearing, orbits_at
 
@@ -54,8 +54,8 @@ def plot_films(scene: DesignLike, path: Path, speed_rpm: float | None = None) ->
 
 def _draw_cycle(figure: Any, found: tuple[tuple[LoadedBearing, Orbit], ...]) -> None:
     film, pressure = figure.subplots(2, 1, sharex=True)
-    for loaded, steady in found:
-        style = {"color": "k", "lw": 1.5} if loaded is found[-1][0] else {"lw": 1.0}
+    for number, (loaded, steady) in enumerate(found):
+        style = {"color": "k", "lw": 1.5} if loaded is found[-1][0] else {"lw": 1.0, **curve_style(number)}
         film.plot(steady.angle_deg, steady.film_mm * _UM_PER_MM, label=loaded.name, **style)
         pressure.plot(steady.angle_deg, steady.pressure_MPa, **style)
     film.set(yscale="log", ylabel="least film (µm)")

@@ -160,7 +160,10 @@ def _draw_fraction(axes: Any, history: _History, key: str, label: str) -> None:
 
 
 def _mark_projection(axes: Any, history: _History) -> None:
-    """Draw thin lines where the sharpness of the projection changes: the curves jump there."""
+    """Draw thin lines where the sharpness of the projection changes: the curves jump there.
+
+    They are named above the axes, where no curve goes.
+    """
     steps, betas = _series(history, "beta")
     for before, now, step in zip(betas, betas[1:], steps[1:], strict=False):
         if now != before:
@@ -169,8 +172,9 @@ def _mark_projection(axes: Any, history: _History) -> None:
                 f"β {now:g}",
                 (step, 1.0),
                 xycoords=("data", "axes fraction"),
-                xytext=(2, -9),
+                xytext=(0, 2),
                 textcoords="offset points",
+                ha="center",
                 fontsize=7,
                 color=GREY,
             )

@@ -12,7 +12,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import N_PER_KN
 from cranktopo.design.schema import Scene
-from cranktopo.report.plot import GREY, Picture, picture, plain
+from cranktopo.report.plot import GREY, Picture, curve_style, picture, plain, polar_frame
 from cranktopo.tasks.shaft.web_sections import WebSections
 from cranktopo.tasks.shaft_safety.result import ShaftSafety
 
@@ -23,6 +23,10 @@ _PARTS = {"pin_fillet": "C0", "journal_fillet": "C1", "outlets": "C2", "elsewher
 _LIMIT: dict[str, Any] = {"color": GREY, "ls": "--", "lw": 1.0, "label": "safety of 1"}
 
 
+_VALUES = 0.42
+"""Room for the numbers above and below a crank, of its height."""
+_SCALES_INCHES = 1.2
+"""Height of the two scales below a crank."""
 _SHADES, _PLAIN = "RdYlGn", "0.9"
 """Colours of safeties, and of what has none."""
 
@@ -154,8 +158,8 @@ def _by_web(axes: Any, shaft: ShaftSafety) -> None:
 
 def _over_speed(axes: Any, shaft: ShaftSafety) -> None:
     speeds = [at.speed_rpm for at in shaft.speeds]
-    for web in shaft.webs:
-        axes.plot(speeds, web.over_speeds, lw=0.9, label=f"web {web.web}")
+    for number, web in enumerate(shaft.webs):
+        axes.plot(speeds, web.over_speeds, lw=0.9, label=f"web {web.web}", **curve_style(number))
     axes.plot(speeds, [at.safety for at in shaft.speeds], "k", lw=1.6, label="shaft")
     axes.axhline(1.0, **_LIMIT)
     axes.set(xlabel="speed (rpm)", ylabel="least safety", ylim=(0, None), xlim=(speeds[0], speeds[-1]))
@@ -195,13 +199,22 @@ def _on_crank(axes: Any, shaft: ShaftSafety, journal_z_mm: Sequence[float], shap
         for side, web in ((-1, 2 * number), (1, 2 * number + 1)):
             place = middle + side * (shape.pin_mm + shape.web_mm) / 2
             _box(axes, place, shape.web_mm, centre, span, colours[web])
-            above = centre + np.sign(height or 1.0) * (span / 2 + shape.pin_diameter_mm / 4)
-            axes.annotate(f"{safeties[web]:.2f}", (place, above), ha="center", va="center", fontsize=7)
-    axes.figure.colorbar(shades, ax=axes, label="least safety").ax.tick_params(labelsize=8)
+            _value(axes, safeties[web], (place, centre + np.sign(height or 1.0) * span / 2))
+    beside = {"location": "bottom", "aspect": 40, "label": "least safety"}
+    axes.figure.colorbar(shades, ax=axes, **beside).ax.tick_params(labelsize=8)
     axes.set_aspect("equal")
-    axes.margins(0.05)
+    axes.margins(0.02, _VALUES)
     axes.set(xlabel="along the shaft (mm), from the free end", yticks=[])
     plain(axes)
+    width, _ = axes.figure.get_size_inches()
+    axes.figure.set_size_inches(width, _SCALES_INCHES + 0.9 * width * axes.get_data_ratio())
+
+
+def _value(axes: Any, safety: float, end: tuple[float, float]) -> None:
+    """Write a safety upright at the outer end of its web, where many webs leave room for it."""
+    up = 1 if end[1] > 0 else -1
+    style = {"va": "bottom" if up > 0 else "top", "ha": "center", "rotation": 90, "fontsize": 6}
+    axes.annotate(f"{safety:.2f}", end, (0, 2 * up), textcoords="offset points", **style)
 
 
 def _box(axes: Any, z_mm: float, wide_mm: float, y_mm: float, high_mm: float, colour: Any) -> None:
@@ -212,22 +225,15 @@ def _box(axes: Any, z_mm: float, wide_mm: float, y_mm: float, high_mm: float, co
 
 
 def _curves(axes: Any, angle_deg: Array, curves: Array, name: str) -> None:
-    for number, curve in enumerate(curves, start=1):
-        axes.plot(angle_deg, curve, lw=0.9, label=f"web {number}")
+    for number, curve in enumerate(curves):
+        axes.plot(angle_deg, curve, lw=0.9, label=f"web {number + 1}", **curve_style(number))
     axes.set(xlabel="crank angle (deg)", ylabel=name, xlim=(angle_deg[0], angle_deg[-1]))
     plain(axes)
 
 
 def _polar(axes: Any, number: int, force_N: Array, most_kN: float) -> None:
-    from matplotlib.ticker import MaxNLocator
-
     axes.set_position((0.08, 0.08, 0.84, 0.76))
-    axes.set_theta_zero_location("N")
-    axes.set_theta_direction(-1)
     x, y = np.hstack([force_N, force_N[:, :1]]) / N_PER_KN
+    polar_frame(axes, y + 1j * x, most_kN, circles=3)
     axes.plot(np.arctan2(x, y), np.hypot(x, y), "C0", lw=1.0)
-    axes.set_rlim(0, 1.05 * most_kN)
-    axes.yaxis.set_major_locator(MaxNLocator(3, prune="upper"))
-    axes.grid(color="0.85", linewidth=0.6)
-    axes.tick_params(labelsize=7, colors=GREY)
     axes.set_title(f"bearing {number} (kN)", fontsize=9, loc="left")

@@ -34,6 +34,7 @@ from cranktopo.tasks.vibration.text import (
 def vibration_page(study: VibrationStudy, written: str) -> Page:
     """Return the vibration of a shaft as content; `written` is a date."""
     campbell, torque, modes = vibration_pictures(study)
+    critical = _critical(study)
     return Page(
         title=f"Torsional vibration: {study.scene.name}",
         subtitle=f"stiffness of the throws: {study.stiffness_source}; {written}",
@@ -47,12 +48,15 @@ def vibration_page(study: VibrationStudy, written: str) -> Page:
                 "same phase, dashed a half order. Where one meets a natural frequency, in red, the shaft "
                 "resonates; dots are the critical speeds of the table, their orders beside them where "
                 "there is room. "
-                f"{cancelled_sentence(study)} "
-                f"{own_speed_sentence(study)} {pressure_sentence(study)} {barred_sentence(study)} "
-                f"{run_up_sentence(study)} "
-                f"{misfire_sentence(study)} {joined_misfire_sentence(study)}".rstrip(),
-                (*_critical(study), *_misfires(study)),
+                f"{ORDER_AND_SUM if critical else ''}".rstrip(),
+                (*critical, *_misfires(study)),
                 (campbell, torque),
+                more=(
+                    f"{cancelled_sentence(study)} "
+                    f"{own_speed_sentence(study)} {pressure_sentence(study)} {barred_sentence(study)} "
+                    f"{run_up_sentence(study)}".strip(),
+                    f"{misfire_sentence(study)} {joined_misfire_sentence(study)}".strip(),
+                ),
             ),
             Section(
                 "sections",
@@ -74,8 +78,7 @@ def vibration_page(study: VibrationStudy, written: str) -> Page:
 
 def _critical(study: VibrationStudy) -> tuple[tuple[str, ResultTable], ...]:
     table = critical_table(study)
-    caption = f"Critical speeds at which the cylinders help each other. {ORDER_AND_SUM}"
-    return ((caption, table),) if table.rows else ()
+    return (("Critical speeds at which the cylinders help each other", table),) if table.rows else ()
 
 
 def _misfires(study: VibrationStudy) -> tuple[tuple[str, ResultTable], ...]:

@@ -14,8 +14,7 @@ from matplotlib.figure import Figure
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.engine.vibration.study import study_vibration
-from cranktopo.report.plot import Picture, name_above, picture, plain_decades
-from cranktopo.tasks.balance.plot import _Curve, _emptiest_deg
+from cranktopo.report.plot import Picture, emptiest_deg, name_above, picture, plain_decades, polar_frame
 from cranktopo.tasks.fea.scatter import LABELS, Point, scatter_pictures
 from cranktopo.tasks.shape.page import draw_goal, draw_worst_limit
 from cranktopo.tasks.vibration.plots import _draw_modes, vibration_pictures
@@ -149,6 +148,19 @@ def test_a_logarithmic_axis_has_plain_numbers(values: tuple[float, float], told:
 
 def test_the_scale_of_a_polar_plot_stands_where_no_curve_goes() -> None:
     toward = np.exp(1j * np.deg2rad(np.array([100.0, 150.0, 157.5])))
-    place = _emptiest_deg([_Curve("load", 38_761 * toward, "C0", "-")])
-    assert abs(place - 157.5) > 90
-    assert _Curve("load", 38_761 * toward, "C0", "-").size("N") == "38,761 N"
+    assert abs(emptiest_deg(38_761 * toward) - 157.5) > 90
+
+
+def test_no_number_of_a_polar_plot_lies_on_its_edge() -> None:
+    """Whatever the largest force is: each number is whole within the outermost line."""
+    for largest in (10.98, 155_019.0, 38_761.0, 1.0):
+        drawn = picture("polar", "", polar_frame, largest * np.exp(1j * np.arange(3)), largest, 4, polar=True)
+        axes = drawn.figure.axes[0]
+        drawn.figure.canvas.draw()
+        edge = axes.patch.get_window_extent()
+        names = [name for name in axes.get_yticklabels() if name.get_text()]
+        assert len(names) >= 2
+        for name in names:
+            box = name.get_window_extent()
+            far = np.hypot(*(box.corners() - np.array([edge.x0 + edge.x1, edge.y0 + edge.y1]) / 2).T).max()
+            assert far < edge.width / 2

@@ -28,6 +28,7 @@ from cranktopo.report.typeset import typeset
         ("residual 4.8e-09, load 6.844e+04.", "residual 4.8·10⁻⁹, load 6.844·10⁴."),
         ("1e-06", "10⁻⁶"),
         ("torsion >= 100 % of it", "torsion ≥ 100_% of it"),
+        ("50 -> 26 % at x = 0, y = -199.9 mm", "50 → 26_% at x_=_0, y_=_-199.9_mm"),
         ("runs/1e-05/page, 9f7e28, web_2mm3, 5 minutes, x-2", None),
     ],
 )
@@ -51,6 +52,22 @@ def test_a_key_of_a_scene_breaks_behind_its_parts() -> None:
     text = html(Page("T", "t", "h", (), (Section("a", "A", "", (("Keys", pairs(rows)),)),)))
     assert ">throw.<wbr>main_<wbr>journal.<wbr>fillet_<wbr>mm</th>" in text
     assert ">a name. Another_one</th>" in text
+
+
+def test_what_follows_a_text_is_a_paragraph_of_its_own() -> None:
+    page = Page("T", "t", "h", (), (Section("a", "A", "One.", more=("", "Two, by --limit x.")),))
+    assert '<p>One.</p><p>Two, by <span class="word">--limit</span> x.</p>' in html(page)
+    assert "\n\nOne.\n\nTwo, by " in markdown_text(page, "p")
+
+
+def test_names_of_rows_break_in_front_of_a_unit_and_short_ones_nowhere() -> None:
+    short = pairs([("webs 1 and 8", "39.999471"), ("half_width_1", "2")])
+    tables = (("Short", short), ("Long", pairs([("torsion >= 748,652 N m/rad", "1")])))
+    text = html(Page("T", "t", "h", (), (Section("a", "A", "", tables),)))
+    assert '<th scope="row" class="word">webs 1 and 8</th>' in text
+    assert 'class="text word">39.999471</td>' in text
+    assert ">half_width_1</th>" in text
+    assert "748,652 N\u00a0m/rad</th>" in text
 
 
 def test_what_is_bad_is_said_first() -> None:

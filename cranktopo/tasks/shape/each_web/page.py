@@ -18,6 +18,7 @@ from cranktopo.report.page import (
     versions_section,
 )
 from cranktopo.report.plot import GREY, picture, plain
+from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.shape.each_web.result import EachWebResult
 from cranktopo.tasks.shape.each_web.text import (
     crank_table,
@@ -64,10 +65,7 @@ def each_web_page(result: EachWebResult, manifest: Mapping[str, Any]) -> Page:
                 "Each was searched for as the web of a throw that has it twice, under the loads that it has "
                 "in the shaft; these stay as they are within a search. Each search has a page of its own in "
                 "its folder.",
-                (
-                    ("Searches", search_table(result)),
-                    ("Dimensions that differ, mm or degrees", dimension_table(result)),
-                ),
+                (("Searches", search_table(result)), *_differing(result)),
             ),
             Section(
                 "provenance",
@@ -77,6 +75,11 @@ def each_web_page(result: EachWebResult, manifest: Mapping[str, Any]) -> Page:
             versions_section(manifest["versions"]),
         ),
     )
+
+
+def _differing(result: EachWebResult) -> tuple[tuple[str, ResultTable], ...]:
+    table = dimension_table(result)
+    return (("Dimensions that differ, mm or degrees", table),) if table.rows else ()
 
 
 def _facts(result: EachWebResult) -> tuple[Fact, ...]:
