@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from cranktopo.bodies.shown_solid import shown_half
+from cranktopo.bodies.shown_solid import display_half
 from cranktopo.design.loading import load_scene
 from cranktopo.report.shading import sharp_edges
 from cranktopo.tasks.bench.live import live_picture
@@ -39,7 +39,7 @@ def test_the_picture_of_a_drag_has_those_of_its_body() -> None:
     header, arrays = unpacked(live_picture(scene.model_dump(mode="json", exclude_none=True))["picture"])
     body = header["bodies"][0]
     places = np.array(body["low_mm"]) + arrays[body["positions"]].reshape(-1, 3) / 65535 * body["size_mm"]
-    points, edges = of(shown_half(scene))
+    points, edges = of(display_half(scene))
     found, known = (
         np.sort(np.linalg.norm(np.diff(where[pairs], axis=1), axis=2).ravel())
         for where, pairs in ((places, arrays[body["edges"]].reshape(-1, 2)), (points, edges))
