@@ -127,9 +127,10 @@ def test_page_and_summary_show_both(short: Short) -> None:
 
 
 @pytest.mark.slow
-def test_a_run_killed_in_an_evaluation_ends_the_same(short: Short) -> None:
+def test_a_run_killed_in_an_evaluation_ends_the_same(short: Short, tmp_path: Path) -> None:
     _, whole, metrics, evaluator = short
-    out, calls = evaluator.copy, len(evaluator.names)
+    out, calls = tmp_path / "run", len(evaluator.names)
+    shutil.copytree(evaluator.copy, out)
     assert json.loads((out / "manifest.json").read_text(encoding="utf-8"))["status"] == "running"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(evaluated_goal, "evaluate", evaluator)

@@ -113,20 +113,20 @@ def _films_fact(shaft: ShaftAssessment) -> list[Fact]:
     ]
 
 
-def _facts(shaft: ShaftAssessment, shaft_safety: ShaftSafety, carried: ContinuousShaft) -> tuple[Fact, ...]:
-    safest = max(shaft_safety.webs, key=lambda web: web.safety)
+def _facts(shaft: ShaftAssessment, safety: ShaftSafety, carried: ContinuousShaft) -> tuple[Fact, ...]:
+    safest = max(safety.webs, key=lambda web: web.safety)
     bearing = carried.worst_bearing
     return (
         Fact(
             "Least safety",
-            f"{shaft_safety.safety:.3f}",
+            f"{safety.safety:.3f}",
             "; ".join(
                 [
-                    f"web {shaft_safety.worst.web} at {shaft_safety.worst.speed_rpm:,.0f} rpm",
-                    *unsure_words(shaft_safety),
+                    f"web {safety.worst.web} at {safety.worst.speed_rpm:,.0f} rpm",
+                    *unsure_words(safety),
                 ]
             ),
-            "bad" if shaft_safety.safety < 1 else "unknown" if shaft_safety.mesh_shortfall else "good",
+            "bad" if safety.safety < 1 else "unknown" if safety.mesh_shortfall else "good",
         ),
         Fact("Safest web", f"{safest.safety:.3f}", f"web {safest.web}", "neutral"),
         Fact(
