@@ -6,7 +6,7 @@ corners alone tell dimensions. What lies along the crank is looked for in a plan
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -31,6 +31,8 @@ _BENT_RAD = (3e-3, 0.75)
 _DIRECTIONS = 64
 _SPREAD = 0.07
 """Sine between the crank axis and the fold of two neighbours that lie along it."""
+_ROUNDS, _EXACT = 12, 1e-6
+"""Rounds in which the median of directions is found, and the sine between those that are one."""
 _UPRIGHT, _ACROSS = 0.1, 1 - 1e-4
 """Parts of a normal along the crank of a wall, and of a face across."""
 _COPLANAR_RAD, _FILLET_RAD = 0.02, 0.95
@@ -47,6 +49,10 @@ _SLANTED = 1e-4
 _COLLINEAR = 1 - 1e-4
 _SQUARE = 1 - 3e-7
 """Part along the crank of the normal of a face that is square to it: 0.045 deg."""
+_MOST_BORES = 20
+"""Directions of drillings with rounded outlets that are looked for."""
+_BESIDE = 0.01
+"""Part along a drilling of the normals of its wall."""
 _BORED = 0.98
 """Largest part of a drilling's direction along the walls: what lies along the crank is a wall."""
 
@@ -92,15 +98,27 @@ def _direction(skin: Skin) -> Array | None:
     weights = (skin.areas[one] + skin.areas[other]) * (skin.folds[bent] > 0)
     if not len(weights) or weights.sum() == 0:
         return None
-    folds /= np.linalg.norm(folds, axis=1)[:, None]
+    return _median_direction(folds / np.linalg.norm(folds, axis=1)[:, None], weights, _SPREAD)
+
+
+def _median_direction(folds: Array, weights: Array, spread: float) -> Array | None:
+    """Return the median of the unit folds (n, 3) within a sine of the direction that most of them have.
+
+    A mean would be turned by drillings and roundings beside it. None without folds.
+    """
+    if not len(folds):
+        return None
+    near_cosine = 1 - spread**2 / 2
     tried = np.random.default_rng(0).choice(len(folds), _DIRECTIONS, p=weights / weights.sum())
     axis = max(
         (folds[index] for index in tried),
-        key=lambda d: float(weights[np.abs(folds @ d) > 1 - _SPREAD**2 / 2].sum()),
+        key=lambda d: float(weights[np.abs(folds @ d) > near_cosine].sum()),
     )
-    for _ in range(3):
-        near = np.abs(folds @ axis) > 1 - _SPREAD**2 / 2
-        axis = np.linalg.eigh((folds[near].T * weights[near]) @ folds[near])[1][:, -1]
+    for _ in range(_ROUNDS):
+        near = np.abs(folds @ axis) > near_cosine
+        aside = np.linalg.norm(np.cross(folds[near], axis), axis=1)
+        own = weights[near] / np.maximum(aside, _EXACT)
+        axis = np.linalg.eigh((folds[near].T * own) @ folds[near])[1][:, -1]
     return np.asarray(axis)
 
 
@@ -111,21 +129,33 @@ def _straightened(skin: Skin) -> Array:
         turned = skin.turned(matrix)
         leaning, total = np.zeros(2), 0.0
         for region in turned.regions(np.abs(turned.normals[:, 2]) < _UPRIGHT, _BENT_RAD[1]):
-            points, weights = turned.mesh.corners_mm[region].reshape(-1, 3), turned.areas[region].repeat(3)
-            found, near = trimmed_circle(points[:, :2], weights, turned.near_mm)
-            whole = covered_rad(points[near, :2], found.centre)[0] > FULL_RAD
-            if not whole or near.mean() < 0.5 or np.ptp(points[near, 2]) == 0:
-                continue
-            z = points[near, 2] - points[near, 2].mean()
-            unit = (points[near, :2] - found.centre) / found.radius
-            weight = float(turned.areas[region].sum()) * float(np.ptp(z)) ** 2
-            leaning, total = leaning + weight * tilt(unit, z, found.off_mm[near]), total + weight
+            slopes, weight = _lean(turned, region)
+            leaning, total = leaning + weight * slopes, total + weight
         if total == 0:
             return matrix
         axis = np.array([*(leaning / total), 1.0])
         axis /= np.linalg.norm(axis)
         matrix = np.vstack([across(axis), axis]) @ matrix
     return matrix
+
+
+def _lean(skin: Skin, region: Int64) -> tuple[Array, float]:
+    """Return the slopes (2,) of the whole cylinder that a region is, and their weight; 0 where it is none.
+
+    An ellipse goes all the way round as well: corners must lie on the cylinder once its lean is taken off.
+    """
+    points, weights = skin.mesh.corners_mm[region].reshape(-1, 3), skin.areas[region].repeat(3)
+    found, near = trimmed_circle(points[:, :2], weights, skin.near_mm)
+    whole = covered_rad(points[near, :2], found.centre)[0] > FULL_RAD
+    height = float(np.ptp(points[near, 2]))
+    if not whole or weights[near].sum() < weights.sum() / 2 or height == 0:
+        return np.zeros(2), 0.0
+    z = points[near, 2] - points[near, 2].mean()
+    unit = (points[near, :2] - found.centre) / found.radius
+    slopes = tilt(unit, z, found.off_mm[near])
+    beside = np.abs(found.off_mm[near] - z * (unit @ slopes))
+    on = weighted_median(beside, weights[near]) < skin.near_mm
+    return slopes, float(skin.areas[region].sum()) * height**2 if on else 0.0
 
 
 def _faces(skin: Skin) -> tuple[Faces, float]:
@@ -180,14 +210,41 @@ def on_axes(found: Sequence[Wall], near_mm: float) -> list[Wall]:
 
 
 def _drillings(skin: Skin, left: Mask) -> Iterator[CylinderFace]:
-    """Yield oblique bores that sharp edges bound, and take their triangles out of `left`."""
+    """Yield oblique bores, and take their triangles out of `left`.
+
+    Sharp edges bound them; those that rounded outlets join to journals are found by the folds along them.
+    """
     inner = np.abs(skin.normals[:, 2]) < _ACROSS
-    for region in list(skin.regions(inner, _BENT_RAD[1])):
+    yield from _bores(skin, skin.regions(inner, _BENT_RAD[1]), left)
+    for _ in range(_MOST_BORES):
+        axis = _oblique(skin, left & inner)
+        if axis is None:
+            return
+        beside = left & inner & (np.abs(skin.normals @ axis) < _BESIDE)
+        found = list(_bores(skin, skin.regions(beside, _BENT_RAD[1]), left))
+        if not found:
+            return
+        yield from found
+
+
+def _bores(skin: Skin, regions: Iterable[Int64], left: Mask) -> Iterator[CylinderFace]:
+    for region in list(regions):
         if len(region) >= _FEWEST and skin.areas[region].sum() < _SMALL * skin.areas.sum():
             bore = _cylinder(skin, region)
             if bore is not None and abs(bore.axis[2]) < _BORED:
                 left[region] = False
                 yield bore
+
+
+def _oblique(skin: Skin, chosen: Mask) -> Array | None:
+    """Return the direction off the crank's along which most of the folds of chosen triangles lie."""
+    one, other = skin.pairs.T
+    bent = chosen[one] & chosen[other] & (skin.folds > _BENT_RAD[0]) & (skin.folds < _BENT_RAD[1])
+    folds = np.cross(skin.normals[one[bent]], skin.normals[other[bent]])
+    folds /= np.linalg.norm(folds, axis=1)[:, None]
+    aside = np.abs(folds[:, 2]) < _BORED
+    weights = (skin.areas[one[bent]] + skin.areas[other[bent]])[aside]
+    return _median_direction(folds[aside], weights, _BESIDE)
 
 
 def _cylinder(skin: Skin, region: Int64) -> CylinderFace | None:

@@ -19,6 +19,8 @@ _WHOLE = 0.9
 """Share of a region's area that lies on one cylinder, which is then all of it."""
 _TRIES, _MOST = 40, 40
 """Places at which a circle and a line are tried for each wall of a region, and its walls."""
+_GROWN = 12
+"""Rounds in which the triangles on a circle grow from a first few of them."""
 _LEAST = 0.004
 """Area of a wall over its region's."""
 _FACING = 0.92
@@ -118,6 +120,8 @@ def walls(skin: Skin, region: Int64) -> Iterator[Wall]:
         wall, on_it = _largest(skin, left, draw)
         if wall is None:
             return
+        if wall.full:
+            wall, on_it = _in_one_piece(skin, left, on_it)
         if wall.area > _LEAST * area:
             yield wall
         left = left[~on_it]
@@ -180,15 +184,29 @@ def _tried(
             near = draw.choice(near, 300, replace=False)
         found = circle(corners[near].reshape(-1, 2))
         on = line
-        for _ in range(3):
+        for _ in range(_GROWN):
             if not found.radius < _LARGEST * size:
                 break
+            before = on
             on = _on_circle(corners, normals, found.centre, found.radius, skin.near_mm)
             yield False, on
-            if on.sum() < 2:
+            if on.sum() < 2 or (on == before).all():
                 break
             found = circle(corners[on].reshape(-1, 2))
         seen |= line if line.sum() > on.sum() else on
+
+
+def _in_one_piece(skin: Skin, left: Int64, on_it: Mask) -> tuple[Wall, Mask]:
+    """Return the largest part of a cylinder without a gap along it: journals on one axis are several."""
+    heights = skin.mesh.corners_mm[left][:, :, 2]
+    low, high = heights.min(axis=1), heights.max(axis=1)
+    own = np.flatnonzero(on_it)[np.argsort(low[on_it])]
+    reached = np.maximum.accumulate(high[own])
+    parts = np.split(own, np.flatnonzero(low[own][1:] > reached[:-1] + skin.near_mm) + 1)
+    largest = max(parts, key=lambda part: float(skin.areas[left[part]].sum()))
+    chosen = np.zeros(len(left), bool)
+    chosen[largest] = True
+    return _trimmed(skin, left[chosen]), chosen
 
 
 def _on_line(corners: Array, normals: Array, start: int, near: float) -> Mask:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from manifold3d import Manifold
+from scipy.spatial.transform import Rotation
 
 from cranktopo import load_scene
 from cranktopo.base.errors import CranktopoError
@@ -16,8 +17,11 @@ from cranktopo.bodies.solid.files import kernel_surface_of, surface_of
 from cranktopo.design.loading import builtin_designs, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.files import write_stl, write_surface
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.tasks.crank_import.faces import CylinderFace, Faces
+from cranktopo.tasks.crank_import.mesh_faces import mesh_faces
+from cranktopo.tasks.crank_import.mesh_skin import Skin
+from cranktopo.tasks.crank_import.mesh_walls import walls
 from cranktopo.tasks.crank_import.meshes import mesh_solids
 from cranktopo.tasks.crank_import.result import CrankImport
 from cranktopo.tasks.crank_import.solids import parallel_axes
@@ -29,8 +33,6 @@ LENGTH_MM, ANGLE_DEG = 0.02, 0.05
 
 
 def turned(mesh: SurfaceMesh, seed: int) -> SurfaceMesh:
-    from scipy.spatial.transform import Rotation
-
     place = 100 * np.random.default_rng(seed).normal(size=3)
     matrix = Rotation.random(random_state=seed).as_matrix()
     return SurfaceMesh(mesh.vertices_mm @ matrix.T + place, mesh.faces)
@@ -128,6 +130,42 @@ def test_3mf_and_obj(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         (own,) = found.values()
         assert own.volume_mm3 == pytest.approx(mesh.volume_mm3, rel=1e-6)
         assert len(assumed) == told
+
+
+def shaft(radius: float, low: float, high: float, y: float = 0.0) -> Manifold:
+    return Manifold.cylinder(high - low, radius, circular_segments=64).translate((0.0, y, low))
+
+
+def elliptic_web(low: float, high: float) -> Manifold:
+    """An elliptic disc whose rims have unlike corners: a lean fitted to it is not zero."""
+    rims = [(low, 40, 0.03), (high, 57, 0.4)]
+    points = [
+        (30 * np.cos(a), 26 * np.sin(a) + 8, z)
+        for z, count, start in rims
+        for a in start + 2 * np.pi * np.arange(count) / count
+    ]
+    return Manifold.hull_points(np.array(points))
+
+
+def test_an_elliptic_web_turns_no_axis() -> None:
+    """It goes all the way round as a journal does; both journals stay parallel and on their corners."""
+    body = shaft(10.0, 0.0, 10.0) + elliptic_web(10.0, 18.0) + shaft(9.0, 18.0, 40.0, y=20.0)
+    mesh = turned(mesh_of(body), 5)
+    faces, off_mm = mesh_faces(mesh, 2e-3)
+    whole = [face for face in faces.cylinders if face.full]
+    assert sorted(face.radius_mm for face in whole) == pytest.approx([9.0, 10.0], abs=1e-5)
+    assert off_mm < 1e-5
+    for face in whole:
+        axis = Rotation.random(random_state=5).as_matrix()[:, 2]
+        assert np.linalg.norm(np.cross(face.axis, axis)) < 1e-6
+
+
+def test_journals_that_a_drilling_joins_are_found_apart() -> None:
+    """Both main journals lie on one cylinder; with rounded outlets all is one region of triangles."""
+    body = shaft(10.0, 0.0, 10.0) + shaft(4.0, 10.0, 30.0, y=5.0) + shaft(10.0, 30.0, 45.0)
+    skin = Skin(mesh_of(body), 2e-3)
+    found = [wall for wall in walls(skin, np.flatnonzero(np.abs(skin.normals[:, 2]) < 0.1)) if wall.full]
+    assert sorted(wall.span for wall in found) == [(0.0, 10.0), (10.0, 30.0), (30.0, 45.0)]
 
 
 @pytest.mark.slow
