@@ -56,6 +56,8 @@ def one_throw(scene: Scene, number: int | None = None, *, all_fire: bool = True)
             hint="They count from the free end.",
             code=ExitCode.USAGE,
         )
+    if number is None and len(throws) == 1:
+        number = 1
     if number is None:
         stresses = nominal_stresses_MPa(scene)
         number = int(np.argmax(np.round(stresses, 6))) + 1
@@ -64,7 +66,7 @@ def one_throw(scene: Scene, number: int | None = None, *, all_fire: bool = True)
             f"({stresses[number - 1]:.0f} MPa nominal); --throw N takes another"
         )
     ends = Crank(end=crank.end) if crank.end else None
-    name = f"{scene.name}-throw-{number}"
+    name = f"{scene.name}-throw-{number}" if len(throws) > 1 else scene.name
     return throws[number - 1].model_copy(update={"crank": ends, "name": name})
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from cranktopo.tasks.crank_import.faces import Faces, TorusFace, from_line_mm, parallel
+from cranktopo.tasks.crank_import.fits import centred_ellipse
 from cranktopo.tasks.importing.found_fillets import FilletRing, ring_of
 
 _TANGENT = 1e-5
@@ -39,8 +40,13 @@ def fillet_keys(
 
 
 def unread_patches(faces: Faces, radius_mm: float) -> int:
-    """Return how many of the other faces are no part of a ring about a journal of a throw of this radius."""
-    return sum(not any(ring_of(points, y) for y in (0.0, radius_mm)) for points in faces.patches_mm)
+    """Return how many of the other faces are no ring about a journal and no elliptic side of a web."""
+    middle = np.array([0.0, radius_mm / 2])
+    return sum(
+        not any(ring_of(points, y) for y in (0.0, radius_mm))
+        and centred_ellipse(points[:, :2] - middle) is None
+        for points in faces.patches_mm
+    )
 
 
 def _tangent(faces: Faces, radius_mm: float, y_mm: float) -> Iterator[TorusFace]:

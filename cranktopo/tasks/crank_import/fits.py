@@ -11,8 +11,14 @@ from cranktopo.base.arrays import Array
 
 _TRIMMED = 6
 """Rounds in which points far from a circle are left out of its fit."""
+_ON_ELLIPSE = 1e-6
+"""Distance of points from an ellipse over its size below which they lie on it."""
 _BAND = 4.0
 """Distance of points that are kept, over the median one."""
+_DIRECTIONS = 64
+"""Directions of which the one with most folds about it is taken."""
+_ROUNDS, _EXACT = 12, 1e-6
+"""Rounds in which the median of directions is found, and the sine between those that are one."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +86,16 @@ def tangent_fillet(out: Array, z: Array, radius: float) -> tuple[float, float]:
     return float(found[0]), float(found[1])
 
 
+def centred_ellipse(points: Array) -> tuple[float, float] | None:
+    """Return the semi-axes along x and y of the ellipse about the origin through points (n, 2), if any."""
+    squares = points**2
+    inverse = np.linalg.lstsq(squares, np.ones(len(points)), rcond=None)[0]
+    if (inverse <= 0).any() or np.abs(squares @ inverse - 1).max() > _ON_ELLIPSE:
+        return None
+    x, y = 1 / np.sqrt(inverse)
+    return float(x), float(y)
+
+
 def tilt(unit: Array, heights: Array, off_mm: Array) -> Array:
     """Return the slopes (2,) of a cylinder's axis, from distances of points beside one that is nearly it.
 
@@ -89,6 +105,27 @@ def tilt(unit: Array, heights: Array, off_mm: Array) -> Array:
     """
     slope = np.column_stack([unit, unit * heights[:, None], np.ones(len(heights))])
     return np.asarray(np.linalg.lstsq(slope, off_mm, rcond=None)[0][2:4])
+
+
+def median_direction(folds: Array, weights: Array, spread: float) -> Array | None:
+    """Return the median of the unit folds (n, 3) within a sine of the direction that most of them have.
+
+    A mean would be turned by drillings and roundings beside it. None without folds.
+    """
+    if not len(folds):
+        return None
+    near_cosine = 1 - spread**2 / 2
+    tried = np.random.default_rng(0).choice(len(folds), _DIRECTIONS, p=weights / weights.sum())
+    axis = max(
+        (folds[index] for index in tried),
+        key=lambda d: float(weights[np.abs(folds @ d) > near_cosine].sum()),
+    )
+    for _ in range(_ROUNDS):
+        near = np.abs(folds @ axis) > near_cosine
+        aside = np.linalg.norm(np.cross(folds[near], axis), axis=1)
+        own = weights[near] / np.maximum(aside, _EXACT)
+        axis = np.linalg.eigh((folds[near].T * own) @ folds[near])[1][:, -1]
+    return np.asarray(axis)
 
 
 def across(axis: Array) -> Array:

@@ -6,55 +6,39 @@ corners alone tell dimensions. What lies along the crank is looked for in a plan
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from cranktopo.base.arrays import Array, Int64, Mask
+from cranktopo.base.arrays import Array, Int64
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.tasks.crank_import.faces import CylinderFace, Faces, PlaneFace, TorusFace, from_line_mm
+from cranktopo.tasks.crank_import.faces import Faces, PlaneFace, TorusFace
 from cranktopo.tasks.crank_import.fits import (
     across,
-    circle,
     covered_rad,
+    median_direction,
     tangent_fillet,
     tilt,
     trimmed_circle,
     weighted_median,
 )
+from cranktopo.tasks.crank_import.mesh_bores import BENT_RAD, FEWEST, bore_of, drillings, of_one_bore
 from cranktopo.tasks.crank_import.mesh_skin import Skin
 from cranktopo.tasks.crank_import.mesh_walls import FULL_RAD, Wall, walls
 
-_BENT_RAD = (3e-3, 0.75)
-"""Angle between neighbours that may be facets of one round face."""
-_DIRECTIONS = 64
 _SPREAD = 0.07
 """Sine between the crank axis and the fold of two neighbours that lie along it."""
-_ROUNDS, _EXACT = 12, 1e-6
-"""Rounds in which the median of directions is found, and the sine between those that are one."""
 _UPRIGHT, _ACROSS = 0.1, 1 - 1e-4
 """Parts of a normal along the crank of a wall, and of a face across."""
 _COPLANAR_RAD, _FILLET_RAD = 0.02, 0.95
 """Folds within a plane, and within a fillet of few facets."""
 _SHARED = 0.02
 """Distance of axes that may be one over the radius of the cylinder about them."""
-_FEWEST = 6
-_SMALL = 0.05
-"""Area of a drilling over the body's."""
-_BARREL = 0.02
-"""Mean square of the normals along its axis on a cylinder of coarse triangles."""
 _SLANTED = 1e-4
 """Area of a bevel, or of a face that is told, over the body's."""
-_COLLINEAR = 1 - 1e-4
 _SQUARE = 1 - 3e-7
 """Part along the crank of the normal of a face that is square to it: 0.045 deg."""
-_MOST_BORES = 20
-"""Directions of drillings with rounded outlets that are looked for."""
-_BESIDE = 0.01
-"""Part along a drilling of the normals of its wall."""
-_BORED = 0.98
-"""Largest part of a drilling's direction along the walls: what lies along the crank is a wall."""
 
 
 def mesh_faces(mesh: SurfaceMesh, near_mm: float) -> tuple[Faces, float]:
@@ -92,34 +76,13 @@ def turned_faces(faces: Faces, matrix: Array, shift: Array) -> Faces:
 
 def _direction(skin: Skin) -> Array | None:
     """Return the direction along which most round area lies; None where nothing is round."""
-    bent = (skin.folds > _BENT_RAD[0]) & (skin.folds < _BENT_RAD[1])
+    bent = (skin.folds > BENT_RAD[0]) & (skin.folds < BENT_RAD[1])
     one, other = skin.pairs[bent].T
     folds = np.cross(skin.normals[one], skin.normals[other])
     weights = (skin.areas[one] + skin.areas[other]) * (skin.folds[bent] > 0)
     if not len(weights) or weights.sum() == 0:
         return None
-    return _median_direction(folds / np.linalg.norm(folds, axis=1)[:, None], weights, _SPREAD)
-
-
-def _median_direction(folds: Array, weights: Array, spread: float) -> Array | None:
-    """Return the median of the unit folds (n, 3) within a sine of the direction that most of them have.
-
-    A mean would be turned by drillings and roundings beside it. None without folds.
-    """
-    if not len(folds):
-        return None
-    near_cosine = 1 - spread**2 / 2
-    tried = np.random.default_rng(0).choice(len(folds), _DIRECTIONS, p=weights / weights.sum())
-    axis = max(
-        (folds[index] for index in tried),
-        key=lambda d: float(weights[np.abs(folds @ d) > near_cosine].sum()),
-    )
-    for _ in range(_ROUNDS):
-        near = np.abs(folds @ axis) > near_cosine
-        aside = np.linalg.norm(np.cross(folds[near], axis), axis=1)
-        own = weights[near] / np.maximum(aside, _EXACT)
-        axis = np.linalg.eigh((folds[near].T * own) @ folds[near])[1][:, -1]
-    return np.asarray(axis)
+    return median_direction(folds / np.linalg.norm(folds, axis=1)[:, None], weights, _SPREAD)
 
 
 def _straightened(skin: Skin) -> Array:
@@ -128,7 +91,7 @@ def _straightened(skin: Skin) -> Array:
     for _ in range(3):
         turned = skin.turned(matrix)
         leaning, total = np.zeros(2), 0.0
-        for region in turned.regions(np.abs(turned.normals[:, 2]) < _UPRIGHT, _BENT_RAD[1]):
+        for region in turned.regions(np.abs(turned.normals[:, 2]) < _UPRIGHT, BENT_RAD[1]):
             slopes, weight = _lean(turned, region)
             leaning, total = leaning + weight * slopes, total + weight
         if total == 0:
@@ -161,11 +124,11 @@ def _lean(skin: Skin, region: Int64) -> tuple[Array, float]:
 def _faces(skin: Skin) -> tuple[Faces, float]:
     """Return the faces of a body with its crank axis along z, and the scatter about whole cylinders."""
     left = np.ones(len(skin.areas), bool)
-    bores = list(_drillings(skin, left))
+    bores = list(drillings(skin, left))
     along = skin.normals[:, 2]
     flat, upright = left & (np.abs(along) > _ACROSS), left & (np.abs(along) < _UPRIGHT)
     planes = [_plane(skin, region) for region in skin.regions(flat, _COPLANAR_RAD)]
-    found = [wall for region in skin.regions(upright, _BENT_RAD[1]) for wall in walls(skin, region)]
+    found = [wall for region in skin.regions(upright, BENT_RAD[1]) for wall in walls(skin, region)]
     found = on_axes(found, skin.near_mm)
     left &= ~flat & ~upright
     rounds = [wall for wall in found if wall.full and wall.outward]
@@ -173,7 +136,7 @@ def _faces(skin: Skin) -> tuple[Faces, float]:
     others: list[str] = []
     for region in skin.regions(left, _FILLET_RAD):
         torus = _torus(skin, region, rounds)
-        bore = _cylinder(skin, region) if torus is None else None
+        bore = bore_of(skin, region) if torus is None else None
         if torus is not None:
             tori.append(torus)
         elif bore is not None:
@@ -183,7 +146,7 @@ def _faces(skin: Skin) -> tuple[Faces, float]:
             planes += flats
             small = skin.areas[region].sum() < _SLANTED * skin.areas.sum()
             others += [] if flats or small else [_kind(skin, region, rounds)]
-    cylinders = [*(wall.cylinder() for wall in found if wall.radius), *_of_one_bore(bores, skin.near_mm)]
+    cylinders = [*(wall.cylinder() for wall in found if wall.radius), *of_one_bore(bores, skin.near_mm)]
     planes += [wall.plane() for wall in found if not wall.radius]
     off = max((wall.off_mm for wall in found if wall.full), default=0.0)
     return Faces(tuple(cylinders), tuple(planes), tuple(tori), tuple(others)), off
@@ -207,79 +170,6 @@ def on_axes(found: Sequence[Wall], near_mm: float) -> list[Wall]:
                 axes.append(wall.centre)
         moved.append(own)
     return moved
-
-
-def _drillings(skin: Skin, left: Mask) -> Iterator[CylinderFace]:
-    """Yield oblique bores, and take their triangles out of `left`.
-
-    Sharp edges bound them; those that rounded outlets join to journals are found by the folds along them.
-    """
-    inner = np.abs(skin.normals[:, 2]) < _ACROSS
-    yield from _bores(skin, skin.regions(inner, _BENT_RAD[1]), left)
-    for _ in range(_MOST_BORES):
-        axis = _oblique(skin, left & inner)
-        if axis is None:
-            return
-        beside = left & inner & (np.abs(skin.normals @ axis) < _BESIDE)
-        found = list(_bores(skin, skin.regions(beside, _BENT_RAD[1]), left))
-        if not found:
-            return
-        yield from found
-
-
-def _bores(skin: Skin, regions: Iterable[Int64], left: Mask) -> Iterator[CylinderFace]:
-    for region in list(regions):
-        if len(region) >= _FEWEST and skin.areas[region].sum() < _SMALL * skin.areas.sum():
-            bore = _cylinder(skin, region)
-            if bore is not None and abs(bore.axis[2]) < _BORED:
-                left[region] = False
-                yield bore
-
-
-def _oblique(skin: Skin, chosen: Mask) -> Array | None:
-    """Return the direction off the crank's along which most of the folds of chosen triangles lie."""
-    one, other = skin.pairs.T
-    bent = chosen[one] & chosen[other] & (skin.folds > _BENT_RAD[0]) & (skin.folds < _BENT_RAD[1])
-    folds = np.cross(skin.normals[one[bent]], skin.normals[other[bent]])
-    folds /= np.linalg.norm(folds, axis=1)[:, None]
-    aside = np.abs(folds[:, 2]) < _BORED
-    weights = (skin.areas[one[bent]] + skin.areas[other[bent]])[aside]
-    return _median_direction(folds[aside], weights, _BESIDE)
-
-
-def _cylinder(skin: Skin, region: Int64) -> CylinderFace | None:
-    """Return the cylinder that all of a region lies on; None where it lies on none."""
-    normals, areas = skin.normals[region], skin.areas[region]
-    values, vectors = np.linalg.eigh((normals.T * areas) @ normals / areas.sum())
-    points = skin.corners(region)
-    if values[0] > _BARREL or values[1] < _BARREL or len(points) < _FEWEST:
-        return None
-    axis = _along(points, vectors[:, 0])
-    frame = across(axis)
-    found = circle(points @ frame.T)
-    if np.abs(found.off_mm).max() > 2 * skin.near_mm:
-        return None
-    turn, middle = covered_rad(points @ frame.T, found.centre)
-    heights = points @ axis
-    centre = found.centre @ frame
-    on = found.radius * np.array([np.cos(middle), np.sin(middle)]) @ frame
-    out = (((skin.mesh.corners_mm[region].mean(axis=1) - centre) * normals).sum(axis=1) * areas).sum() > 0
-    span = (float(heights.min()), float(heights.max()))
-    return CylinderFace(centre, axis, found.radius, span, turn, bool(out), centre + on + axis * sum(span) / 2)
-
-
-def _along(points: Array, axis: Array) -> Array:
-    """Return the axis of a cylinder through points (n, 3), from one that is nearly it."""
-    for _ in range(3):
-        frame = across(axis)
-        found, heights = circle(points @ frame.T), points @ axis
-        unit = (points @ frame.T - found.centre) / found.radius
-        slopes = tilt(unit, heights - heights.mean(), found.off_mm)
-        if np.linalg.norm(slopes) > 0.2:
-            break
-        axis = axis + slopes @ frame
-        axis = axis / np.linalg.norm(axis)
-    return axis
 
 
 def _plane(skin: Skin, region: Int64) -> PlaneFace:
@@ -314,7 +204,7 @@ def _torus(skin: Skin, region: Int64, rounds: Sequence[Wall]) -> TorusFace | Non
     points = skin.corners(region)
     for wall in rounds:
         out = np.linalg.norm(points[:, :2] - wall.centre, axis=1)
-        if abs(float(out.min()) - wall.radius) > wall.radius * _SHARED or len(points) < _FEWEST:
+        if abs(float(out.min()) - wall.radius) > wall.radius * _SHARED or len(points) < FEWEST:
             continue
         tube, height = tangent_fillet(out, points[:, 2], wall.radius)
         off = np.abs(np.hypot(out - wall.radius - tube, points[:, 2] - height) - abs(tube))
@@ -333,33 +223,3 @@ def _kind(skin: Skin, region: Int64, rounds: Sequence[Wall]) -> str:
         if np.abs(np.polyval(line, points[:, 2]) - out).max() < 2 * skin.near_mm:
             return "Cone"
     return "Free-form surface"
-
-
-def _of_one_bore(bores: Sequence[CylinderFace], near_mm: float) -> Iterator[CylinderFace]:
-    """Yield bores and bevels, those on one line that were found in parts on the line of the longest."""
-    longest: list[CylinderFace] = []
-    for bore in sorted(bores, key=lambda bore: -bore.area_mm2):
-        same = next(
-            (
-                other
-                for other in longest
-                if abs(other.radius_mm - bore.radius_mm) < 5 * near_mm
-                and abs(other.axis @ bore.axis) > _COLLINEAR
-                and from_line_mm(bore.middle_mm, other.point_mm, other.axis) < other.radius_mm + 5 * near_mm
-            ),
-            None,
-        )
-        if same is None:
-            longest.append(bore)
-            yield bore
-        else:
-            start = float((bore.point_mm - same.point_mm) @ same.axis)
-            sign = float(np.sign(bore.axis @ same.axis))
-            ends = sorted(start + sign * end for end in bore.span_mm)
-            yield replace(
-                bore,
-                point_mm=same.point_mm,
-                axis=same.axis,
-                radius_mm=same.radius_mm,
-                span_mm=(ends[0], ends[1]),
-            )

@@ -14,7 +14,7 @@ from cranktopo.tasks.crank_import.design_files import DesignFiles, volume_words
 from cranktopo.tasks.crank_import.fillets import unread_patches
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf, FoundJournal
 from cranktopo.tasks.crank_import.half_body import FoundBody
-from cranktopo.tasks.crank_import.pockets import unread_holes
+from cranktopo.tasks.crank_import.pockets import corner_cones, unread_holes
 from cranktopo.tasks.crank_import.result import (
     CrankImport,
     ImportDeviation,
@@ -203,7 +203,7 @@ def _unread(web: ImportedWeb) -> Iterator[str]:
             )
     for hole in unread_holes(web.body, scene):
         yield f"{hole}: it is not in the design"
-    cones = sum(other == "Cone" for other in faces.others)
+    cones = sum(other == "Cone" for other in faces.others) - corner_cones(web.body, scene)
     if cones:
         yield f"{cones} conical faces: chamfers and countersinks are not in the design"
     kinds = sorted({other for other in faces.others if other != "Cone"})

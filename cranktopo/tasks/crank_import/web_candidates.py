@@ -10,6 +10,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.tasks.crank_import.counterweight import counterweights
 from cranktopo.tasks.crank_import.faces import DIGITS, FLAT, Faces, PlaneFace
+from cranktopo.tasks.crank_import.fits import centred_ellipse
 from cranktopo.tasks.crank_import.half_body import HalfBody
 from cranktopo.tasks.crank_import.silhouette import half_width_mm, outer_edge
 
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 _STATIONS = 17
 _SAMPLED = 6
 """Decimals of a dimension that is taken from triangles."""
+_SIDES = 4
+"""Plane sides that are tried, the largest first: floors of grooves are among them."""
 _ARM = 1.2
 """Half-width of a web without plane sides beside its counterweight, over the main journal's radius."""
 
@@ -45,9 +48,8 @@ def _words(outline: str, weight: dict[str, Any]) -> str:
 
 def _outlines(faces: Faces, radius: float, edge: Array) -> Iterator[dict[str, Any]]:
     """Yield outlines whose sides are planes, hulls of two circles and rectangles, and the ellipse."""
-    for side in faces.sides[:2]:
-        main = round(_from_axis_mm(side, 0.0), DIGITS)
-        pin = round(_from_axis_mm(side, radius), DIGITS)
+    sides = (tuple(round(_from_axis_mm(side, y), DIGITS) for y in (0.0, radius)) for side in faces.sides)
+    for main, pin in list(dict.fromkeys(sides))[:_SIDES]:
         if min(main, pin) <= 0:
             continue
         if abs(main - pin) < FLAT * radius:
@@ -55,6 +57,11 @@ def _outlines(faces: Faces, radius: float, edge: Array) -> Iterator[dict[str, An
             yield from _rectangles(faces, radius, main, edge)
         else:
             yield {"outline": "tapered", "main_radius_mm": main, "pin_radius_mm": pin}
+    for points in faces.patches_mm:
+        exact = centred_ellipse(points[:, :2] - np.array([0.0, radius / 2]))
+        if exact is not None:
+            lateral, along = (round(semi, DIGITS) for semi in exact)
+            yield {"outline": "ellipse", "semi_axis_throw_mm": along, "semi_axis_lateral_mm": lateral}
     across, top = (float(largest) for largest in edge.max(axis=0))
     along, across = round(top - radius / 2, _SAMPLED), round(across, _SAMPLED)
     yield {"outline": "ellipse", "semi_axis_throw_mm": along, "semi_axis_lateral_mm": across}

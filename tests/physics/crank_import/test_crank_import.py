@@ -392,18 +392,74 @@ def test_missing_fillets_are_told_and_brep_is_read(tmp_path: Path) -> None:
     assert len(told) == 2
 
 
+def cut_half(folder: Path, box: tuple[float, ...]) -> Path:
+    """The half throw of the plain Mikron as STEP, a box taken out of it."""
+    export_solid(load_scene("mikron-iiic-plain"), "half", folder / "whole.step")
+    with cad_session("cut") as gmsh, quiet_stdout():
+        body = step_solid(gmsh, folder / "whole.step", "body")
+        gmsh.model.occ.cut([body], [(3, gmsh.model.occ.addBox(*box))])
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(folder / "body.step"))
+    return folder / "body.step"
+
+
 @pytest.mark.slow
 def test_a_small_cut_is_told(tmp_path: Path) -> None:
-    """A box pocket of 32 mm3, 0.03 % of the volume, which is not read."""
-    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True, exclude={"published"})
-    box = {"size_x_mm": 4.0, "size_y_mm": 4.0, "depth_mm": 2.0, "y_mm": 18.0}
-    data["web"]["pocket"] = [{"shape": "box", "face": "pin", **box}]
-    export_solid(scene_from_dict(data, "box"), "half", tmp_path / "body.step")
-    result = import_crank(tmp_path / "body.step", "box", tmp_path / "out")
-    (line,) = [line for line in result.halves[0].unread if "the design adds" in line]
+    """A slot of 32 mm3, 0.03 % of the volume, in one side alone: a side pocket would be in both."""
+    file = cut_half(tmp_path, (23.0, 18.0, 30.0, 5.0, 4.0, 4.0))
+    (half,) = import_crank(file, "slot", tmp_path / "out").halves
+    assert not load_scene(half.design).web.pocket
+    (line,) = [line for line in half.unread if "the design adds" in line]
     told = re.fullmatch(r"the design adds 32 mm3, perhaps near \((.*), (.*), (.*)\) mm", line)
     assert told is not None, line
-    assert [float(place) for place in told.groups()] == pytest.approx([0.0, 18.0, 38.0], abs=0.2)
+    assert [float(place) for place in told.groups()] == pytest.approx([24.0, 20.0, 32.0], abs=0.2)
+
+
+BOX = {"shape": "box", "face": "pin", "size_x_mm": 12.0, "size_y_mm": 9.0, "depth_mm": 6.0, "y_mm": 20.0}
+SIDE = {"shape": "side", "y_mm": 24.0, "length_mm": 16.0, "height_mm": 8.0, "depth_mm": 5.0}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "pockets",
+    [
+        [{**BOX, "size_x_mm": 4.0, "size_y_mm": 4.0, "depth_mm": 2.0, "corner_radius_mm": 1.0}],
+        [{**BOX, "x_mm": -4.0, "corner_radius_mm": 3.0, "draft_deg": 5.0, "floor_radius_mm": 1.5}],
+        [{**SIDE, "corner_radius_mm": 2.0}],
+        [{**SIDE, "offset_mm": 1.0, "draft_deg": 5.0, "corner_radius_mm": 2.0}],
+        [
+            {**SIDE, "length_mm": 100.0, "height_mm": 4.0, "depth_mm": depth, "offset_mm": place}
+            for place, depth in ((-5.0, 4.0), (5.0, 3.0))
+        ],
+    ],
+    ids=["small box", "drafted box", "side", "drafted side", "two grooves"],
+)
+def test_box_and_side_pockets_come_back(tmp_path: Path, pockets: list[dict[str, Any]]) -> None:
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True, exclude={"published"})
+    data["web"]["pocket"] = pockets
+    scene = scene_from_dict(data, "pockets")
+    export_solid(scene, "half", tmp_path / "body.step")
+    result = import_crank(tmp_path / "body.step", "pockets", tmp_path / "out")
+    found = sorted(load_scene(result.halves[0].design).web.pocket, key=str)
+    for own, wanted in zip(found, sorted(scene.web.pocket, key=str), strict=True):
+        assert own.model_dump() == pytest.approx(wanted.model_dump(), abs=1e-6)
+    assert result.halves[0].design_volume_mm3 == pytest.approx(result.halves[0].volume_mm3, rel=1e-6)
+    assert not result.halves[0].unread
+
+
+@pytest.mark.slow
+def test_side_pockets_that_run_out_come_back(tmp_path: Path) -> None:
+    """Those of a variant, open at the ends of its elliptic web: their length beyond it is no dimension."""
+    scene = load_scene("opposed-piston-variant-2")
+    (half,) = imported(scene, tmp_path, "throw").halves
+    web = load_scene(half.design).web
+    inner = sorted((pocket.y_mm - np.sign(pocket.y_mm) * pocket.length_mm / 2) for pocket in web.pocket)
+    assert inner == pytest.approx([-19.5, 64.5], abs=1e-6)
+    for own, wanted in zip(web.pocket, scene.web.pocket, strict=True):
+        keys = {"height_mm", "depth_mm", "offset_mm", "draft_deg", "corner_radius_mm"}
+        assert own.model_dump(include=keys) == pytest.approx(wanted.model_dump(include=keys), abs=1e-6)
+    assert half.design_volume_mm3 == pytest.approx(half.volume_mm3, rel=1e-6)
+    assert not half.unread
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ import pytest
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.crank_throws import throw_scenes
-from cranktopo.design.loading import parse_scene
+from cranktopo.design.loading import parse_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.crank import crank_mass
 from cranktopo.engine.balance.throw import throw_balance
@@ -58,6 +58,17 @@ def test_throws_that_are_alike_are_not_asked_for() -> None:
     assert one_throw(scene) is scene
     with pytest.raises(CranktopoError, match="all throws of the crank are alike"):
         one_throw(scene, 1)
+
+
+def test_the_only_throw_is_taken_without_a_word(capsys: pytest.CaptureFixture[str]) -> None:
+    """Its main journals differ, as those of a crank from CAD do."""
+    data = parse_scene(MIKRON).model_dump(mode="json", exclude_none=True, exclude={"published"})
+    data["engine"] |= {"cylinders": 1, "firing_order": [1]}
+    data["crank"] = {"throws": ["throw"], "main_journal": [{"number": 1, "length_mm": 46.0}]}
+    scene = scene_from_dict(data, "single")
+    assert one_throw(scene).name == scene.name
+    assert one_throw(scene, 1).throw == one_throw(scene).throw
+    assert "is taken" not in capsys.readouterr().err
 
 
 def test_mass_of_different_throws(design: Path) -> None:
