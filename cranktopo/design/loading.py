@@ -12,12 +12,15 @@ from pydantic import ValidationError
 
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted, suggest
 from cranktopo.base.files import read_text_file
+from cranktopo.base.notes import detail, note
 from cranktopo.design.checks.bolts import check_bolt_dimensions
 from cranktopo.design.checks.crank import check_crank
 from cranktopo.design.checks.rod import check_rod
 from cranktopo.design.checks.scene import check_scene
 from cranktopo.design.halves import WebName, difference, halves, of_second, require_equal_halves, usual_scale
+from cranktopo.design.idle_keys import idle_keys
 from cranktopo.design.messages import explain, explain_unknown
+from cranktopo.design.origins import origins
 from cranktopo.design.rod_body import rod_mass
 from cranktopo.design.scene_files import with_resolved_files
 from cranktopo.design.schema import Original, Scene
@@ -283,7 +286,16 @@ def _with_rod_masses(scene: Scene) -> Scene:
 
 
 def load_scene(design: str | Path, *, whole: bool = False) -> Scene:
-    """Return a validated scene from a TOML path or a built-in name; `whole` as in `scene_from_dict`."""
+    """Return a validated scene from a TOML path or a built-in name; `whole` as in `scene_from_dict`.
+
+    A line names each key that changes nothing beside the others; more tell where values are from.
+    """
     design = str(design)
     path = resolve_design(design)
-    return parse_scene(design_text(design), str(path), path.resolve().parent, whole=whole)
+    data = with_resolved_files(parse_toml(design_text(design), str(path)), path.resolve().parent)
+    scene = scene_from_dict(data, str(path), whole=whole)
+    for line in idle_keys(scene, data):
+        note(f"{scene.name}: changes nothing as the design stands: {line}")
+    for line in origins(scene):
+        detail(f"{scene.name}: {line}")
+    return scene

@@ -65,6 +65,7 @@ def material_notes(material: Material, section: RulingSection) -> list[str]:
             f"{material.name}: strength to be agreed with the forge for {section.thickness_mm:.4g} mm;",
             f"Rm {material.ultimate_MPa:g} MPa of the design is that of sections to "
             f"{library_section_mm(material.name):g} mm.",
+            *([f"Heat treatment: {material.heat_treatment}."] if material.heat_treatment else []),
         ]
     return _demanded_strength(material)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from cranktopo.base.table import SOFTEST_BEARING_N_PER_MM
 from cranktopo.design.checks.engine import check_engine, check_shaft
 from cranktopo.design.checks.hardening import check_hardening
 from cranktopo.design.checks.plain_bearings import check_plain_bearings, check_room_of_free_dimensions
+from cranktopo.design.checks.roller_bearings import check_roller_bearings
 from cranktopo.design.clearance import check_clearance
 from cranktopo.design.free_dimensions import check_free_dimensions
 from cranktopo.design.goal.scene_goal import check_goal
@@ -52,24 +52,7 @@ def _check_supports(scene: Scene) -> None:
             "supports.bearing_clearance_mm",
             "needs an [engine]: the spring is half the largest pin force over 0.8 of the clearance",
         )
-    _check_roller_table(scene)
-
-
-def _check_roller_table(scene: Scene) -> None:
-    bearing = scene.supports.roller_bearing
-    if bearing is None:
-        return
-    key = "supports.roller_bearing"
-    if bearing.kind == "thrust":
-        raise scene.invalid(f"{key}.name", "a thrust bearing has no radial stiffness")
-    if len(bearing.reaction_N) != len(bearing.displacement_mm):
-        raise scene.invalid(
-            f"{key}.reaction_N", f"must have one value per displacement ({len(bearing.displacement_mm)})"
-        )
-    for name in ("displacement_mm", "reaction_N"):
-        values = getattr(bearing, name)
-        if any(b <= a for a, b in pairwise(values)):
-            raise scene.invalid(f"{key}.{name}", "must increase")
+    check_roller_bearings(scene)
 
 
 _LARGEST = 50.0

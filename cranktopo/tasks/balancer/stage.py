@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cranktopo.base.errors import CranktopoError
+from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.units import MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s, density_kg_per_mm3
 from cranktopo.design.balancer import BalancerBearing, BalancerPart, ShaftNotch
 from cranktopo.design.material import Material
@@ -111,7 +111,8 @@ def checked_part(scene: Scene) -> BalancerPart:
         raise scene.invalid("balancer.step", "needs at least one [[balancer.step]]")
     radial = [round(b.z_mm, _PLACES) for b in part.bearing if not is_thrust(b)]
     if len(set(radial)) < max(2, len(radial)):
-        raise scene.invalid("balancer.bearing", "needs at least two radial bearings, each at another place")
+        allowed = "needs at least two radial bearings, each at another place"
+        raise invalid("balancer.bearing, places of radial ones", radial, allowed)
     for one in part.placed:
         if not 0 <= one.z_mm <= part.length_mm:
             raise CranktopoError(
