@@ -31,13 +31,16 @@ AIM_CASES: dict[tuple[str, str], Table] = {
         "cells",
         {"file": "large.stl"},
     ),
-    ("envelope.clearance", ""): Table(lambda: builtin("car-diesel"), "envelope.clearance", "cells loads"),
+    ("envelope.clearance", ""): Table(
+        lambda: builtin("car-diesel"), "envelope.clearance", "cells loads", {"piston_skirt_mm": 27.0}
+    ),
     **{
         (f"envelope.{kind}", shape): Table(
             lambda kind=kind, zone=zone: zones(kind, **zone),
             f"envelope.{kind}[0]",
             "cells",
             {"file": "zone-large.stl"},
+            dear=shape == "body",
         )
         for kind in ("frozen", "removable")
         for shape, zone in {
@@ -67,17 +70,37 @@ AIM_CASES: dict[tuple[str, str], Table] = {
             shaft={"flywheel": {"inertia_kg_m2": 0.1}},
         ),
         "goal.limits",
-        "effects",
+        "goal",
         {
             "inertia": Other("<= 90 %", {"goal.minimise": "mass"}),
             "mass": "<= 95 %",
             **dict.fromkeys(("torsion", "bending", "fatigue_safety"), ">= 95 %"),
         },
     ),
-    ("effects", ""): Table(lambda: builtin("mikron-iiic-plain", effects={}), "effects", "effects"),
-    ("optimise", ""): Table(lambda: builtin("mikron-iiic-plain"), "optimise", "effects"),
+    ("effects", ""): Table(
+        lambda: builtin("mikron-iiic-plain", effects={}),
+        "effects",
+        "effects",
+        {
+            "torsional_vibration": Other("off", {"shaft": {"flywheel": {"inertia_kg_m2": 0.1}}}),
+            "bearing_compliance": Other("off", {"supports": {"bearing_spring_N_per_mm": 1e6}}),
+        },
+        dear=True,
+    ),
+    ("optimise", ""): Table(
+        lambda: builtin("mikron-iiic-plain"),
+        "optimise",
+        "effects problem",
+        {
+            "combine": "worst",
+            "method": "moving_asymptotes",
+            "limits_by_evaluation": Other(False, {"optimise": {}, "goal": {"minimise": "mass"}}),
+            "tool_radius_mm": Other(6.0, {"optimise": {"process": "milled"}}),
+        },
+        dear=True,
+    ),
     ("optimise.weights", ""): Table(
-        lambda: builtin("mikron-iiic-plain", effects={}), "optimise.weights", "effects"
+        lambda: builtin("mikron-iiic-plain", effects={}), "optimise.weights", "effects problem", dear=True
     ),
     ("shape", ""): Table(
         lambda: builtin("mikron-iiic-plain"),
@@ -106,8 +129,18 @@ AIM_CASES: dict[tuple[str, str], Table] = {
             "counterweight_angle_deg": [40.0, 75.0],
         },
     ),
-    ("fatigue", ""): Table(material, "fatigue", "strength"),
-    ("fatigue.hardening", ""): Table(layered, "fatigue.hardening", "strength"),
+    ("fatigue", ""): Table(
+        material,
+        "fatigue",
+        "strength",
+        {
+            "surface_treatment_source": Other("rolled", {"fatigue.surface_treatment_factor": 1.2}),
+            "m53_factors": Shown("unit/fatigue/test_governing_factors.py::test_the_scene_chooses"),
+        },
+    ),
+    ("fatigue.hardening", ""): Table(
+        layered, "fatigue.hardening", "strength", {"transition_hardness_HV": 300.0}
+    ),
     ("fatigue.journal_hardening", ""): Table(
         lambda: changed(
             layered(),
@@ -123,6 +156,7 @@ AIM_CASES: dict[tuple[str, str], Table] = {
         ),
         "fatigue.journal_hardening",
         "strength",
+        {"transition_hardness_HV": 300.0},
     ),
     ("fatigue.spectrum", ""): Table(
         lambda: builtin("mikron-iiic-plain", fatigue={"spectrum": {"step": [{"rpm": 2000.0, "share": 1.0}]}}),
@@ -145,7 +179,14 @@ AIM_CASES: dict[tuple[str, str], Table] = {
     ("drawing", ""): Table(
         lambda: builtin("mikron-iiic-rod-i"),
         "drawing",
-        "rod_sheet throw_sheet crank_sheet",
+        "rod_sheet crank_sheet",
+        {
+            "main_journal_fit": "k6",
+            "crankpin_fit": "k6",
+            "rod_bore_fit": "H7",
+            "hardening_depth_mm": Other(2.5, {"drawing.hardness_HRC": 54.0}),
+        },
+        dear=True,
     ),
     ("published", ""): Table(
         lambda: builtin("opposed-piston"),

@@ -46,7 +46,12 @@ EVEN: Data = {
     "engine.arrangement": {"throw_angles_deg": [0.0, 180.0, 180.0, 0.0]},
 }
 CURVE = [[40.0, 90.0], [100.0, 11.0]]
-FILM: Data = {"viscosity_curve_mPas": CURVE, "oil": "ISO VG 68", "permitted_pressure_MPa": 45.0}
+FILM: Data = {
+    "big_end_clearance_mm": 0.06,
+    "viscosity_curve_mPas": CURVE,
+    "oil": "ISO VG 68",
+    "permitted_pressure_MPa": 45.0,
+}
 TRACE = {"engine.gas": {"indicator_csv": "a.csv"}}
 SECOND = {"outline": "obround", "thickness_mm": 20.0, "width_mm": 56.0}
 OIL = {"oil": "ISO VG 46", "clearance_mm": 0.05}
@@ -86,7 +91,7 @@ def crank_base(*steps: Data, **more: Any) -> Data:
     return builtin("mikron-iiic-crank", crank={"end": [{"side": "free", "step": list(steps)}], **more})
 
 
-def round(kind: str, **more: Any) -> Data:
+def round_step(kind: str, **more: Any) -> Data:
     return {"kind": kind, "diameter_mm": 36.0, "length_mm": 20.0, "bore_diameter_mm": 8.0, **more}
 
 
@@ -152,9 +157,19 @@ BOLT: Data = {
     "preload_N": 20000.0,
 }
 MATERIAL: Data = {"name": "34CrNiMo6", "fkm_group": "Forg_Steel", "yield_MPa": 700.0}
+BOXER: Data = {
+    "engine.arrangement.bank_angle_deg": 180.0,
+    "engine.arrangement.throw_angles_deg": [0.0, 180.0],
+}
+RUBBER: Data = {
+    "shaft.damper.kind": "rubber",
+    "shaft.damper.damping_Nms_per_rad": None,
+    "shaft.damper.stiffness_Nm_per_rad": 5e4,
+    "shaft.damper.loss_factor": 0.15,
+}
 DISK: Data = {
     "mass_kg": 4.0,
     "diametral_inertia_kg_m2": 0.02,
-    "stiffness_Nm_per_rad": 2e5,
+    "stiffness_Nm_per_rad": 3e5,
     "overhang_mm": 30.0,
 }

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from tests.keys.bases import (
+    BOXER,
     DISK,
     DISPLACEMENTS,
     EVEN,
     MAPPED,
     REACTIONS,
+    RUBBER,
     SUPPORTS,
     TRACE,
     WHOLE_ROD,
@@ -87,7 +89,7 @@ ENGINE_CASES: dict[tuple[str, str], Table] = {
         "engine.arrangement",
         "balance",
         {
-            "layout": Other("boxer", also={"engine.arrangement.bank_angle_deg": 180.0}),
+            "layout": Other("boxer", also=BOXER),
             "throw_angles_deg": Other([0.0, 170.0, 170.0, 0.0], EVEN),
         },
     ),
@@ -125,7 +127,19 @@ ENGINE_CASES: dict[tuple[str, str], Table] = {
         "engine.arrangement.balancer_shaft[0].gear",
         "balance",
     ),
-    ("shaft", ""): Table(twin, "shaft", "vibration"),
+    ("shaft", ""): Table(
+        twin,
+        "shaft",
+        "vibration",
+        {
+            "speed_min_rpm": 3900.0,
+            "throw_stiffnesses_Nm_per_rad": Other(
+                [300e3],
+                {"shaft.throw_stiffness_Nm_per_rad": None, "shaft.throw_stiffnesses_Nm_per_rad": [297e3]},
+            ),
+        },
+        dear=True,
+    ),
     **{
         (f"shaft.{one}", ""): Table(
             lambda one=one: twin(
@@ -154,6 +168,6 @@ ENGINE_CASES: dict[tuple[str, str], Table] = {
         ),
         "shaft.damper",
         "carried vibration",
-        dict(DISK),
+        DISK | {"kind": Other("rubber", also=RUBBER), "loss_factor": Other(0.2, RUBBER)},
     ),
 }

@@ -18,7 +18,7 @@ from tests.keys.bases import (
     redesign_bearing,
     rod_base,
     rod_material,
-    round,
+    round_step,
 )
 from tests.keys.kinds import Other, Table, Told
 from tests.keys.scenes import builtin, changed, throw
@@ -33,7 +33,7 @@ PART_CASES: dict[tuple[str, str], Table] = {
         },
     ),
     ("crank.main_journal", ""): Table(
-        lambda: crank_base(round("cylinder"), main_journal=[{"number": 1, "length_mm": 44.0}]),
+        lambda: crank_base(round_step("cylinder"), main_journal=[{"number": 1, "length_mm": 44.0}]),
         "crank.main_journal[0]",
         "crank crank_sheet",
         {
@@ -42,14 +42,17 @@ PART_CASES: dict[tuple[str, str], Table] = {
             "fillet_mm": 2.0,
         },
     ),
-    ("crank.end", ""): Table(lambda: crank_base(round("cylinder")), "crank.end[0]", "crank"),
-    ("crank.end.step", ""): Table(lambda: crank_base(round("cylinder")), "crank.end[0].step[0]", "crank"),
+    ("crank.end", ""): Table(lambda: crank_base(round_step("cylinder")), "crank.end[0]", "crank"),
+    ("crank.end.step", ""): Table(
+        lambda: crank_base(round_step("cylinder")), "crank.end[0].step[0]", "crank"
+    ),
     **{
         ("crank.end.step", kind): Table(
-            lambda kind=kind, more=more: crank_base(round(kind, **more)),
+            lambda kind=kind, more=more: crank_base(round_step(kind, **more)),
             "crank.end[0].step[0]",
             "crank crank_sheet",
             {"first_bolt_deg": 20.0, "thread": "M36x2"},
+            dear=kind in ("flange", "thread"),
         )
         for kind, more in {
             "cylinder": {},
@@ -61,7 +64,7 @@ PART_CASES: dict[tuple[str, str], Table] = {
         }.items()
     },
     ("crank.end.step", "body"): Table(
-        lambda: crank_base(round("cylinder")),
+        lambda: crank_base(round_step("cylinder")),
         "crank.end[0].step[0]",
         "crank",
         {
@@ -76,7 +79,7 @@ PART_CASES: dict[tuple[str, str], Table] = {
         FILM,
         dear=True,
     ),
-    ("forging", ""): Table(lambda: throw(forging={"allowance_mm": 2.0}), "forging", "raw_sheet"),
+    ("forging", ""): Table(lambda: throw(forging={"allowance_mm": 2.0}), "forging", "raw_sheet", dear=True),
     ("rod", ""): Table(
         rod_base,
         "rod",
@@ -88,7 +91,11 @@ PART_CASES: dict[tuple[str, str], Table] = {
         },
     ),
     ("rod.material", ""): Table(
-        rod_material, "rod.material", "rod rod_sheet origins", MATERIAL | {"fatigue_torsion_MPa": IDLE}
+        rod_material,
+        "rod.material",
+        "rod rod_sheet origins",
+        MATERIAL | {"fatigue_torsion_MPa": IDLE},
+        dear=True,
     ),
     ("rod.bolt", ""): Table(
         rod_base,
@@ -112,7 +119,6 @@ PART_CASES: dict[tuple[str, str], Table] = {
         "balancer.step[0]",
         "balancer redesign",
         {"free_diameter_mm": [44.0, 46.0], "free_bore_mm": [0.0, 20.0]},
-        dear=True,
     ),
     ("balancer.weight", ""): Table(balancer_bolt, "balancer.weight[0]", "balancer bolts"),
     ("balancer.weight.bolt", ""): Table(
@@ -123,7 +129,6 @@ PART_CASES: dict[tuple[str, str], Table] = {
         "balancer.bearing[0]",
         "balancer redesign",
         {"free_z_mm": [28.0, 36.0]},
-        dear=True,
     ),
     ("balancer.bearing.roller_bearing", ""): Table(
         lambda: builtin("balancer-shaft"),
@@ -176,7 +181,7 @@ PART_CASES: dict[tuple[str, str], Table] = {
         "redesign origins",
         {
             "name": "HK6020",
-            "kind": "thrust",
+            "kind": Other("thrust", {"balancer.redesign.deflection_mm": 0.045}),
             "displacement_mm": Other([0.001, 0.004, 0.02], ADDED_ROLLERS),
             "reaction_N": Other([33.0, 172.0, 600.0], ADDED_ROLLERS),
         },

@@ -1,4 +1,4 @@
-"""What the program tells of a scene without a dear solve: texts to compare between two scenes."""
+"""Readings of a scene without a dear solve: texts to compare between two scenes."""
 
 from __future__ import annotations
 
@@ -24,10 +24,14 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import redirected
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.volume import half_throw_volume_mm3, outlet_roundings_mm3, web_moments
+from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.throw_compliance import throw_compliance
+from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.balance.result import balance_result
+from cranktopo.tasks.density.manufacturing import filter_radius_mm
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.loads.stage import loads_at_speeds
 from cranktopo.tasks.modes.carried import parts_on, without_mass
@@ -40,7 +44,7 @@ _CELL_MM = 6.0
 
 def told(value: Any) -> str:
     """A result as text: all its values, but neither what is assumed nor the scene that it is of."""
-    if isinstance(value, np.ndarray):
+    if hasattr(value, "__array__"):
         return hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
     if isinstance(value, Scene):
         return "scene"
@@ -62,6 +66,11 @@ def body(scene: Scene) -> Iterator[Any]:
         yield half_throw_volume_mm3(half), outlet_roundings_mm3(half), web_moments(half)
 
 
+def compliance(scene: Scene) -> Iterator[Any]:
+    """Closed form of what a throw gives."""
+    yield throw_compliance(scene)
+
+
 def cells(scene: Scene) -> Iterator[Any]:
     """The web on cells, and the design space where there is one."""
     for half in dict.fromkeys(halves(scene)):
@@ -71,7 +80,7 @@ def cells(scene: Scene) -> Iterator[Any]:
 
 
 def effects(scene: Scene) -> Iterator[Any]:
-    """What `plan` prints."""
+    """All that `plan` prints."""
     found = design_plan(scene)
     yield plan_text(found, scene), found, plan_warnings(scene)
 
@@ -172,12 +181,17 @@ def strength(scene: Scene) -> Iterator[Any]:
     from cranktopo.design.strength import strength_notes, strength_remarks
     from cranktopo.tasks.fatigue.criteria import LOCAL_METHODS, criterion
     from cranktopo.tasks.fatigue.hardened_layer import layers
+    from cranktopo.tasks.fatigue.m53 import concentration_factors, dimensions, nominal_stresses
+    from cranktopo.tasks.fatigue.rule_check import fillet_checks
 
     stress = LocalStress(np.array([200.0]), np.array([60.0]), np.array([0.7]))
     yield strength_notes(scene), strength_remarks(scene)
     for method in LOCAL_METHODS:
         with suppress(CranktopoError):
             yield criterion(method).point_safety(scene, stress)
+    size = dimensions(scene)
+    nominal = nominal_stresses(size, 1e5, 1e4, 1e5)
+    yield fillet_checks(scene, size, concentration_factors(size), nominal), scene.fatigue.treatment
     with suppress(CranktopoError):
         yield layers(scene)
 
@@ -208,13 +222,40 @@ def shape(scene: Scene) -> Iterator[Any]:
     yield [free_range_mm(scene, name) for name in DIMENSIONS]
 
 
-def process(scene: Scene) -> Iterator[Any]:
-    """What the density optimisation takes of its settings without a solve."""
-    from cranktopo.tasks.density.manufacturing import filter_radius_mm, projection_for, pull_axis
+def goal(scene: Scene) -> Iterator[Any]:
+    """Goal and limits as every optimiser takes them."""
+    yield wanted(scene)
 
+
+def problem(scene: Scene) -> Iterator[Any]:
+    """The problem of the density optimisation, on coarse cells and without its finite elements."""
+    from types import SimpleNamespace
+    from unittest.mock import patch
+
+    from cranktopo import load_cases, plan
+    from cranktopo.engine.plan.planning import planned_scene
+    from cranktopo.tasks.density import build
+
+    cases, scene = load_cases(scene, plan(scene).enabled), planned_scene(scene)
+    model = SimpleNamespace(case_names=[case.name for case in cases])
     domain = build_domain(scene, _CELL_MM)
-    radius = filter_radius_mm(scene, domain)
-    yield radius, projection_for(scene, radius), pull_axis(scene)
+    with (
+        double_precision(),
+        patch.object(build, "build_model", lambda *_, **__: model),
+        patch.object(build, "check_start", lambda *_: None),
+    ):
+        found = build.build_problem(scene, domain, cases)
+    chain = found.density_chain
+    yield (
+        found.weights,
+        found.target,
+        found.max_iterations,
+        found.schedule,
+        found.method.__name__,
+        found.start,
+    )
+    yield chain.penalty, chain.projection, chain.process, filter_radius_mm(scene, domain)
+    yield len(found.optimisation.goals)
 
 
 READINGS: dict[str, Callable[[Scene], Iterator[Any]]] = {
@@ -222,13 +263,13 @@ READINGS: dict[str, Callable[[Scene], Iterator[Any]]] = {
     for one in (
         body, cells, effects, loads, balance, film, bolts, rod, balancer, vibration, carried, crank,
         throw_sheet, raw_sheet, crank_sheet, rod_sheet, balancer_sheet, strength, origins, assumed, tilt,
-        shape, process, redesign,
+        shape, goal, problem, redesign, compliance,
     )
 }  # fmt: skip
 
 
 def of_scene(scene: Scene, name: str) -> tuple[str, ...]:
-    """What a reading tells, refusals and lines among it, but not what is assumed."""
+    """All that a reading tells, refusals and lines among it, but not what is assumed."""
     lines, found = list[str](), list[str]()
     with redirected(lines.append):
         try:

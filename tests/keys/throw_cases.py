@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.keys.bases import MATERIAL, SECOND, drilled, journals, material, pocketed, weighted
+from tests.keys.bases import MATERIAL, PLANES, SECOND, drilled, journals, material, pocketed, weighted
 from tests.keys.kinds import Other, Refused, Table
 from tests.keys.scenes import builtin, throw, web
 
@@ -22,7 +22,7 @@ THROW_CASES: dict[tuple[str, str], Table] = {
     },
     ("throw.drilling", ""): Table(drilled, "throw.drilling[0]", "body", {"web": "first"}),
     **{
-        (f"throw.drilling.{end}", ""): Table(drilled, f"throw.drilling[0].{end}", "body cells")
+        (f"throw.drilling.{end}", ""): Table(drilled, f"throw.drilling[0].{end}", "body cells", dear=True)
         for end in ("from", "to")
     },
     ("web", ""): Table(throw, "web", "body"),
@@ -34,6 +34,7 @@ THROW_CASES: dict[tuple[str, str], Table] = {
         lambda: throw(web=web("obround", bevel=[{"face": "journal", "y_mm": 54.0, "depth_mm": 12.0}])),
         "web.bevel[0]",
         "body",
+        {"face": Other("pin", also={"web.bevel[0].y_mm": -4.0})},
     ),
     ("web.pocket", "cylinder"): Table(
         lambda: pocketed(shape="cylinder", face="pin", x_mm=30.0, y_mm=24.0, diameter_mm=10.0, depth_mm=5.0),
@@ -90,5 +91,7 @@ THROW_CASES: dict[tuple[str, str], Table] = {
         )
         for one in ("obround", "rectangle", "ellipse", "tapered", "profile")
     },
-    ("material", ""): Table(material, "material", "strength body origins", MATERIAL),
+    ("material", ""): Table(
+        material, "material", "strength body compliance origins", MATERIAL | {"fatigue_torsion_MPa": PLANES}
+    ),
 }
