@@ -14,6 +14,12 @@ from tests.hostile.scenes import hostile_text
 
 DESIGN = "x.toml"
 PLAIN = ("plan", "loads", "plan", "loads", "optimise", "evaluate", "shaft", "fatigue", "iterate")
+MORE = (
+    "balance", "film", "rod", "bolts", "balancer", "vibration", "modes", "drawing", "export", "shape",
+    "bound", "designs copy",
+)  # fmt: skip
+"""Further commands of a design; those of `WITH_FILE` write one."""
+WITH_FILE = {"drawing": "y.svg", "export": "y.stl", "designs copy": "y.toml"}
 OPTIONS = {
     "--volume-fraction": ("optimise", "iterate"),
     "--resolution-mm": ("optimise", "iterate"),
@@ -82,10 +88,11 @@ def case(seed: int) -> Case:
 
 
 def _scene(r: random.Random) -> Case:
-    command = r.choice(PLAIN)
+    command = r.choice(PLAIN if r.random() < 0.4 else MORE)
     extra = ["--resolution-mm", "4.4"] if command == "optimise" else []
-    json_flag = ["--json"] if r.random() < 0.3 else []
-    return Case([command, DESIGN, *extra, *json_flag], {DESIGN: hostile_text(r)})
+    extra += [WITH_FILE[command]] if command in WITH_FILE else []
+    json_flag = ["--json"] if r.random() < 0.3 and command not in WITH_FILE else []
+    return Case([*command.split(), DESIGN, *extra, *json_flag], {DESIGN: hostile_text(r)})
 
 
 def _option(r: random.Random) -> Case:

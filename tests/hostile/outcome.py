@@ -23,6 +23,7 @@ LIMIT_S = 10.0
 WORK = (
     "gmsh.initialize",
     "cranktopo.tasks.optimise.stage.build_problem",
+    "cranktopo.tasks.bound.stage.bound_model",
     "cranktopo.runs.directories.new_manifest",
     "cranktopo.runs.directories.RunStore.resume",
 )

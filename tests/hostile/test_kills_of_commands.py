@@ -57,12 +57,15 @@ COMMANDS: dict[str, list[str]] = {
     "optimise": [*RUN, "--out", OUT],
     "iterate": ["iterate", DESIGN, "--steps", "1", "--resolution-mm", "4.5", *SMALL, "--out", OUT],
     "shape": ["shape", DESIGN, "--minimise", "mass", "--limit", "torsion >= 95 %", "--out", OUT],
+    "each web": ["shape", "mikron-iiic", "--each-web", "--minimise", "mass", "--out", OUT],
+    "accuracy": ["accuracy", DESIGN, "--budget", "20s", "--out", "studied"],
+    "bench": ["bench", DESIGN, "--no-browser"],
     "sweep": ["sweep", DESIGN, "--vary", "web.width_mm=50,52", *SMALL, "--workers", "1", "--out", OUT],
 }
 NEW = ("remodelled", "imported")
 """Folders that a command makes at its end, and never over another."""
-LONG = {"iterate": 60.0, "shape": 60.0}
-"""Commands that are killed in their first part alone, s."""
+LONG = {"iterate": 60.0, "shape": 60.0, "each web": 60.0, "bench": 15.0}
+"""Commands that are killed in their first part alone, s; a bench serves until it is asked to end."""
 KILLS = 200
 WAIT_S = 15.0
 """A command that is asked to end may save for so long."""
