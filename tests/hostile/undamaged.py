@@ -14,7 +14,7 @@ from cranktopo import shape_settings, sweep
 from cranktopo.app.main import main
 from cranktopo.base.machine import this_machine
 from cranktopo.bodies.solid.files import export_solid, kernel_surface_of
-from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import design_text, load_scene
 from cranktopo.numerics.surfaces.files import write_surface
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
@@ -67,11 +67,9 @@ def _obj(mesh: SurfaceMesh) -> str:
 
 
 def _as_brep(step: Path, path: Path) -> None:
-    import gmsh
+    from cranktopo.numerics.gmsh_session import cad_session
 
-    from cranktopo.numerics.gmsh_session import gmsh_session
-
-    with gmsh_session():
+    with cad_session("throw") as gmsh:
         gmsh.model.occ.importShapes(str(step))
         gmsh.model.occ.synchronize()
         gmsh.write(str(path))

@@ -24,7 +24,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import redirected
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.volume import half_throw_volume_mm3, outlet_roundings_mm3, web_moments
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
@@ -224,7 +224,7 @@ def shape(scene: Scene) -> Iterator[Any]:
 
 def goal(scene: Scene) -> Iterator[Any]:
     """Goal and limits as every optimiser takes them."""
-    yield wanted(scene)
+    yield goal_of(scene)
 
 
 def problem(scene: Scene) -> Iterator[Any]:
