@@ -91,7 +91,7 @@ WORK = (
     "cranktopo.tasks.shape.each_web.run.loaded_shaft",
     "cranktopo.tasks.shape.each_web.rounds.loaded_shaft",
     "cranktopo.tasks.shape.each_web.rounds.shape_design",
-    "cranktopo.tasks.bench.command._told",
+    "cranktopo.tasks.bench.command._announce",
 )
 
 
