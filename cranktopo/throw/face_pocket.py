@@ -10,6 +10,7 @@ from typing_extensions import override
 
 from cranktopo.base.table import Length, LengthOrZero, Place
 from cranktopo.throw.feature import Body, Feature, ThrowView
+from cranktopo.throw.floor_rounding import FloorRounding, check_floor_corners, check_floor_radius, slope_of
 from cranktopo.throw.hole import (
     FACES,
     RectangularHole,
@@ -21,11 +22,9 @@ from cranktopo.throw.hole import (
     depth_range_mm,
 )
 from cranktopo.throw.primitives import Circle, FeatureDrawing, Polyline, number_lines
-from cranktopo.throw.tapered_hole import TaperedHole, floor_rounding_mm, slope_of
+from cranktopo.throw.tapered_hole import TaperedHole
 
 _LARGEST_DRAFT_DEG = 45.0
-_FLATTEST = 0.99
-"""Most of half a box's floor that the rounding of its edge may take: the CAD kernel makes no line of it."""
 
 
 class FacePocket(Feature):
@@ -94,12 +93,9 @@ class BoxPocket(FacePocket):
         check_depth(scene, f"{key}.depth_mm", self.depth_mm)
         sizes = self.size_x_mm, self.size_y_mm
         check_corners(scene, f"{key}.corner_radius_mm", self.corner_radius_mm, *sizes)
-        foot = _check_floor_radius(scene, key, self.floor_radius_mm, self.draft_deg, self.depth_mm)
-        if self.corner_radius_mm < foot:
-            allowed = f"needs a corner_radius_mm of at least {foot:.4g} mm"
-            raise scene.invalid(f"{key}.floor_radius_mm", allowed)
-        if foot > _FLATTEST * min(sizes) / 2:
-            raise scene.invalid(f"{key}.floor_radius_mm", "leaves no flat floor", "Widen the pocket.")
+        rounding = FloorRounding(self.floor_radius_mm, slope_of(self.draft_deg))
+        check_floor_radius(scene, key, rounding, self.depth_mm, *sizes)
+        check_floor_corners(scene, key, rounding, self.corner_radius_mm)
 
     def _tapered(self, scene: ThrowView, key: str) -> TaperedHole:
         corner = (self.size_x_mm / 2, self.size_y_mm / 2, self.corner_radius_mm)
@@ -154,8 +150,9 @@ class CylinderPocket(FacePocket):
                 raise scene.invalid(f"{key}.{name}", allowed, "Remove it, or name another face.")
         if self.depth_mm is not None:
             check_depth(scene, f"{key}.depth_mm", self.depth_mm)
-            foot = _check_floor_radius(scene, key, self.floor_radius_mm, self.draft_deg, self.depth_mm)
-            if self.diameter_mm / 2 < foot:
+            rounding = FloorRounding(self.floor_radius_mm, slope_of(self.draft_deg))
+            check_floor_radius(scene, key, rounding, self.depth_mm)
+            if self.diameter_mm / 2 < rounding.foot_mm:
                 allowed = f"must be at most that of the floor, {self.diameter_mm / 2:g} mm"
                 raise scene.invalid(f"{key}.floor_radius_mm", allowed)
 
@@ -165,14 +162,3 @@ class CylinderPocket(FacePocket):
         floor = Circle(at, radius, hidden, f"⌀{self.diameter_mm:g}")
         wider = slope_of(self.draft_deg) * (self.depth_mm or 0.0)
         return (floor, Circle(at, radius + wider, hidden)) if wider else (floor,)
-
-
-def _check_floor_radius(
-    scene: ThrowView, key: str, radius_mm: float, draft_deg: float, depth_mm: float
-) -> float:
-    """Refuse a radius that the depth does not hold; return the radius that the corners need at least."""
-    foot, height = floor_rounding_mm(radius_mm, slope_of(draft_deg))
-    if height > depth_mm:
-        allowed = f"rises {height:.4g} mm over the floor, more than the depth of {depth_mm:g} mm"
-        raise scene.invalid(f"{key}.floor_radius_mm", allowed)
-    return foot

@@ -148,13 +148,18 @@ class FittedFeature(ABC):
     def faces_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
         """Signed distance of points from each of its faces, positive on the side of the material.
 
-        A point is in the material where the largest is positive. Each is smooth near its face. The ends are
-        the least and largest y of the outline, mm; the points have x > 0 and are broadcastable.
+        A point is in the material where the largest is positive; a rounded edge, which is the last, is the
+        whole tube. Each is smooth near its face. The ends are the least and largest y of the outline, mm; the
+        points have x > 0 and are broadcastable.
         """
 
     def seams_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
         """Return distances from surfaces that cross its last face where that leaves others as a tangent."""
         return []
+
+    def outside_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> Array:
+        """Signed distance of points from all of it, positive on the side of the material."""
+        return functools.reduce(np.maximum, self.faces_mm(named, ends, at, web_z_mm))
 
     @abstractmethod
     def rules(self, named: Named, around: Surroundings) -> Iterator[Rule]:
@@ -185,7 +190,7 @@ class FittedFeature(ABC):
         """Signed distance of the cells for values in the order of `names`, positive in material."""
         named = dict(zip(self.names, values, strict=True))
         at = axes[0][:, None, None], axes[1][None, :, None], axes[2][None, None, :]
-        return functools.reduce(np.maximum, self.faces_mm(named, ends, at, web_z_mm))
+        return self.outside_mm(named, ends, at, web_z_mm)
 
     def vjp(
         self, values: Array, ends: Array, axes: Axes, web_z_mm: tuple[float, float], weight: Array

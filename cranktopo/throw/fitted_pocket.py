@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from abc import abstractmethod
 from collections.abc import Iterator
@@ -12,7 +11,7 @@ from typing import Any, ClassVar, Literal, Self
 import numpy as np
 from typing_extensions import override
 
-from cranktopo.base.arrays import Array, Mask
+from cranktopo.base.arrays import Array
 from cranktopo.throw.face_pocket import FacePocket
 from cranktopo.throw.feature import Feature, ThrowView, least_shoulder_mm
 from cranktopo.throw.fitted import (
@@ -31,9 +30,10 @@ from cranktopo.throw.fitted import (
     shoulder_rule,
     wall_rule,
 )
+from cranktopo.throw.floor_rounding import FloorRounding, slope_of
 from cranktopo.throw.hole import FACES
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
-from cranktopo.throw.tapered_hole import floor_rounding_mm, rounded_gap_mm, slope_of
+from cranktopo.throw.tapered_hole import rounded_gap_mm
 
 _TINY = 1e-12
 
@@ -79,8 +79,8 @@ class FittedPocket(FittedFeature):
         return slope_of(self.draft_deg) * named.get("depth", 0.0)
 
     @property
-    def _rounding_mm(self) -> tuple[float, float]:
-        return floor_rounding_mm(self.floor_radius_mm, slope_of(self.draft_deg))
+    def _rounding(self) -> FloorRounding:
+        return FloorRounding(self.floor_radius_mm, slope_of(self.draft_deg))
 
     @property
     @override
@@ -103,10 +103,10 @@ class FittedPocket(FittedFeature):
     def bounds(self, scene: ThrowView, limits: ManufacturingLimits) -> list[tuple[float, float]]:
         far = 4 * scene.throw.radius_mm
         deepest = limits.deepest_mm(scene.web.thickness_mm)
-        foot, top = self._rounding_mm
-        shallowest = max(_LEAST_DEPTH_MM, top + CLEAR_MM)
+        rounding = self._rounding
+        shallowest = max(_LEAST_DEPTH_MM, rounding.top_mm + CLEAR_MM)
         ranges = {"x": (LEAST_MM / 2, far), "y": (-far, far), "depth": (shallowest, deepest)}
-        smallest = max(LEAST_MM, SIZE_OVER_CORNER * max(self.corner_radius_mm, foot))
+        smallest = max(LEAST_MM, SIZE_OVER_CORNER * max(self.corner_radius_mm, rounding.foot_mm))
         return [ranges.get(name, (smallest, far)) for name in self.names]
 
     @override
@@ -119,6 +119,13 @@ class FittedPocket(FittedFeature):
 
     @override
     def faces_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
+        plain = self._sharp_mm(named, at, web_z_mm)
+        if not self.floor_radius_mm:
+            return plain
+        return [*plain, self._rounding.tube_mm(self._gap_mm(named, at), plain[-1])]
+
+    def _sharp_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
+        """Return its walls and, last, its floor."""
         x, y, z = at
         across, along = x - named.get("x", 0.0), y - named["y"]
         if self.face == "through":
@@ -127,38 +134,22 @@ class FittedPocket(FittedFeature):
         if self.draft_deg:
             walls = self.walls_mm(named, across, along, -slope_of(self.draft_deg) * floor)
             steep = math.cos(math.radians(self.draft_deg))
-            plain = [*(steep * wall for wall in walls), floor]
-        else:
-            plain = [*self.walls_mm(named, across, along, 0.0), floor]
-        return [*plain, self._arc_mm(named, at, floor)[0]] if self.floor_radius_mm else plain
+            return [*(steep * wall for wall in walls), floor]
+        return [*self.walls_mm(named, across, along, 0.0), floor]
 
     @override
     def seams_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
         if not self.floor_radius_mm:
             return []
-        floor, (foot, top) = depth_mm(self.face, at[2], web_z_mm) - named["depth"], self._rounding_mm
-        return [self._gap_mm(named, at) + foot, floor + top]
+        floor = depth_mm(self.face, at[2], web_z_mm) - named["depth"]
+        return self._rounding.seams_mm(self._gap_mm(named, at), floor)
 
     @override
-    def field_mm(self, values: Array, ends: Array, axes: Axes, web_z_mm: tuple[float, float]) -> Array:
+    def outside_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> Array:
         if not self.floor_radius_mm:
-            return super().field_mm(values, ends, axes, web_z_mm)
-        named = dict(zip(self.names, values, strict=True))
-        at = axes[0][:, None, None], axes[1][None, :, None], axes[2][None, None, :]
-        *plain, arc = self.faces_mm(named, ends, at, web_z_mm)
-        _, holds = self._arc_mm(named, at, plain[-1])
-        sharp = functools.reduce(np.maximum, plain)
-        return np.where(holds, np.maximum(sharp, arc), sharp)
-
-    def _arc_mm(self, named: Named, at: Axes, floor: Array) -> tuple[Array, Mask]:
-        """Signed distance from the round edge of the floor, of which the whole tube, and where it holds.
-
-        It holds between its tangents on the floor and on the wall.
-        """
-        slope, (foot, _) = slope_of(self.draft_deg), self._rounding_mm
-        out, down = self._gap_mm(named, at) + foot, floor + self.floor_radius_mm
-        tube = np.sqrt(out**2 + down**2 + _TINY) - self.floor_radius_mm
-        return tube, (out > 0) & (down > slope * out)
+            return super().outside_mm(named, ends, at, web_z_mm)
+        plain = self._sharp_mm(named, at, web_z_mm)
+        return self._rounding.outside_mm(plain, self._gap_mm(named, at), plain[-1])
 
     def _gap_mm(self, named: Named, at: Axes) -> Array:
         """Distance in their section from where the walls would meet the floor, negative in the pocket."""

@@ -1,10 +1,9 @@
-"""Holes along the crank axis, slots from both sides, and their rules."""
+"""Holes along the crank axis, and the rules of all pockets."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -14,102 +13,7 @@ from cranktopo.base.arrays import Array, Mask
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.spans import Span
 from cranktopo.throw.feature import Body, ThrowView, least_shoulder_mm
-from cranktopo.throw.primitives import Box, Cylinder, Frustum, Solid
-from cranktopo.throw.tapered_hole import rounded_gap_mm
-
-BEYOND_MM = 1.0
-"""Reach of the tool of a sloped slot beyond the outline, and of a groove beyond both of its ends."""
-_CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))
-
-
-@dataclass(frozen=True)
-class SideSlots(Body):
-    """Both slots of a side pocket: the floor at |x| = `floor_mm`, where y, z, half sizes and corners count.
-
-    The tool ends at |x| = `outer_mm`, beyond the outline; each wall opens by `slope` mm per mm of |x|.
-    """
-
-    floor_mm: float
-    outer_mm: float
-    y_mm: float
-    half_length_mm: float
-    z_centre_mm: float
-    half_height_mm: float
-    slope: float
-    corner_mm: float = 0.0
-
-    @override
-    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
-        inner = np.minimum(self.open_from_mm(y_mm, z_mm), self.outer_mm)
-        return [(inner, np.full_like(inner, self.outer_mm)), (np.full_like(inner, -self.outer_mm), -inner)]
-
-    def open_from_mm(self, y_mm: Array, z_mm: Array | float) -> Array:
-        """|x| from which the slots are open; infinite where they are not."""
-        along = np.abs(y_mm - self.y_mm) - self.half_length_mm
-        height = np.abs(z_mm - self.z_centre_mm) - self.half_height_mm
-        rounded = self.corner_mm > 0
-        beyond = rounded_gap_mm(along, height, self.corner_mm) if rounded else np.maximum(along, height)
-        if self.slope == 0:
-            return np.where(beyond <= 0, self.floor_mm, np.inf)
-        return np.asarray(self.floor_mm + np.maximum(beyond, 0.0) / self.slope)
-
-    @property
-    @override
-    def y_range_mm(self) -> tuple[float, float]:
-        half = self.half_length_mm + self.slope * (self.outer_mm - self.floor_mm)
-        return self.y_mm - half, self.y_mm + half
-
-    @property
-    @override
-    def y_breaks_mm(self) -> tuple[float, ...]:
-        halves = {self.half_length_mm, self.half_length_mm - self.corner_mm}
-        return (*self.y_range_mm, *(self.y_mm + side * half for half in sorted(halves) for side in (-1, 1)))
-
-    def z_breaks_mm(self, y_mm: Array, half_width_mm: Array) -> list[Array]:
-        """Edges of the floor, or of the end wall beyond it, and of the opening in the outline."""
-        away, opening = np.abs(y_mm - self.y_mm), self.slope * (half_width_mm - self.floor_mm)
-        if self.corner_mm:
-            straight = self.half_height_mm - self.corner_mm
-            bend = np.maximum(away - self.half_length_mm + self.corner_mm, 0.0)
-            radii = (self.corner_mm, self.corner_mm + np.maximum(opening, 0.0))
-            arcs = (straight + np.sqrt(np.maximum(radius**2 - bend**2, 0.0)) for radius in radii)
-            halves = [np.full(y_mm.shape, straight), *arcs]
-        else:
-            halves = [np.maximum(self.half_height_mm, self.half_height_mm + away - self.half_length_mm)]
-            halves.append(self.half_height_mm + opening)
-        return [self.z_centre_mm + side * half for half in halves for side in (-1, 1)]
-
-    @property
-    @override
-    def changing_z_mm(self) -> tuple[tuple[float, float], ...]:
-        floor, opening = self.half_height_mm, self.slope * (self.outer_mm - self.floor_mm - BEYOND_MM)
-        heights = [floor - self.corner_mm, floor, floor + opening]
-        z, parts = self.z_centre_mm, [(low, high) for low, high in pairwise(heights) if high > low]
-        return (*((z - high, z - low) for low, high in parts), *((z + low, z + high) for low, high in parts))
-
-    @override
-    def solids(self) -> tuple[Solid, ...]:
-        return self._side(1.0), self._side(-1.0)
-
-    def _side(self, side: float) -> Solid:
-        if self.slope == 0 and not self.corner_mm:
-            (y0, y1), (z0, z1) = self.y_range_mm, self.z_mm
-            low = self.floor_mm if side > 0 else -self.outer_mm
-            return Box((low, y0, z0), (self.outer_mm - self.floor_mm, y1 - y0, z1 - z0))
-        more = self.slope * (self.outer_mm - self.floor_mm)
-        floor, mouth = (
-            tuple(
-                (
-                    side * x,
-                    self.y_mm + j * (self.half_length_mm + out),
-                    self.z_centre_mm + k * (self.half_height_mm + out),
-                )
-                for j, k in _CORNERS
-            )
-            for x, out in ((self.floor_mm, 0.0), (self.outer_mm, more))
-        )
-        radius = self.corner_mm
-        return Frustum(floor, mouth, (radius, radius + more) if radius else (0.0, 0.0))
+from cranktopo.throw.primitives import Box, Cylinder, Solid
 
 
 @dataclass(frozen=True)

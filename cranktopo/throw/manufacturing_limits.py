@@ -17,6 +17,8 @@ class Workshop:
         draft_deg: draft of what opens at a web face.
         radius_mm: least radius of the corners of a pocket.
         floor_radius_mm: radius of the edge of a floor of what opens at a web face.
+        side_floor_radius_mm: radius of the edge of the floor of a side pocket.
+        groove_radius_mm: radius of the edges of the floor of a groove.
         depth_share: most depth of what is cut from a face, over the web's thickness.
         bevel_draft_deg: draft of bevels to both sides, where a die opens that way.
     """
@@ -25,6 +27,8 @@ class Workshop:
     draft_deg: float = 0.0
     radius_mm: float = 0.0
     floor_radius_mm: float = 0.0
+    side_floor_radius_mm: float = 0.0
+    groove_radius_mm: float = 0.0
     depth_share: float = 1.0
     bevel_draft_deg: float = 0.0
 
@@ -79,6 +83,8 @@ class ProcessLimits(ManufacturingLimits):
         pocket_draft_deg: draft of what opens at a web face.
         pocket_radius_mm: least radius of the corners of a pocket.
         floor_radius_mm: radius of the edge of a floor of what opens at a web face.
+        side_floor_radius_mm: radius of the edge of the floor of a side pocket.
+        groove_radius_mm: radius of the edges of the floor of a groove.
         depth_share: most depth of what is cut from a face, over the web's thickness.
         bevel_draft_deg: draft of bevels to both sides, where a die opens that way.
     """
@@ -87,11 +93,21 @@ class ProcessLimits(ManufacturingLimits):
     pocket_draft_deg: float = 0.0
     pocket_radius_mm: float = 0.0
     floor_radius_mm: float = 0.0
+    side_floor_radius_mm: float = 0.0
+    groove_radius_mm: float = 0.0
     depth_share: float = 1.0
     bevel_draft_deg: float = 0.0
 
     @property
     @override
     def workshop(self) -> Workshop:
-        radii = self.pocket_radius_mm, self.floor_radius_mm
-        return Workshop(self.opens, self.pocket_draft_deg, *radii, self.depth_share, self.bevel_draft_deg)
+        return Workshop(
+            self.opens,
+            self.pocket_draft_deg,
+            self.pocket_radius_mm,
+            self.floor_radius_mm,
+            self.side_floor_radius_mm,
+            self.groove_radius_mm,
+            self.depth_share,
+            self.bevel_draft_deg,
+        )

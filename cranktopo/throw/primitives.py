@@ -75,7 +75,7 @@ class Box:
 class Frustum:
     """A body between two quadrilaterals with corners in the same order; rectangles may have round corners.
 
-    With round corners the edge of the floor may be rounded.
+    The edge of the floor may be rounded; without round corners along its first and its third side alone.
     """
 
     floor: tuple[Point, ...]

@@ -13,21 +13,11 @@ from typing_extensions import override
 from cranktopo.base.arrays import Array
 from cranktopo.base.spans import Span
 from cranktopo.throw.feature import Body
+from cranktopo.throw.floor_rounding import FloorRounding
 from cranktopo.throw.primitives import Extrusion, Frustum, Point, Rectangle, Solid
 
 _ARC = 9
 """Points of a corner in the drawing."""
-
-
-def slope_of(draft_deg: float) -> float:
-    """Return by how much a wall opens per mm of height."""
-    return math.tan(math.radians(draft_deg))
-
-
-def floor_rounding_mm(radius_mm: float, slope: float) -> tuple[float, float]:
-    """Return how far a rounded floor ends inside the foot of its walls, and how high the rounding is."""
-    steep = math.hypot(1.0, slope)
-    return radius_mm * (steep - slope), radius_mm * (1.0 - slope / steep)
 
 
 def rounded_gap_mm(over_x: Any, over_y: Any, radius_mm: Any) -> Any:
@@ -71,31 +61,12 @@ class TaperedHole(Body):
         return self.slope * (self.z_mm[1] - self.z_mm[0])
 
     @property
-    def _rounding_mm(self) -> tuple[float, float]:
-        return floor_rounding_mm(self.floor_radius_mm, self.slope)
-
-    def _growth_mm(self, z_mm: Array) -> Array:
-        """Growth of the section from that of the floor to heights; negative where the edge is round."""
-        height = np.abs(z_mm - self.floor_z_mm)
-        growth = self.slope * height
-        if not self.floor_radius_mm:
-            return np.asarray(growth)
-        (foot, top), radius = self._rounding_mm, self.floor_radius_mm
-        arc = np.sqrt(np.maximum(radius**2 - (radius - height) ** 2, 0.0)) - foot
-        return np.where(height < top, arc, growth)
-
-    def _height_mm(self, growth: Array) -> Array:
-        """Height over the floor at which the section has grown by so much; beyond the face where never."""
-        wall = np.maximum(growth, 0.0) / self.slope if self.slope else np.full_like(growth, np.inf)
-        if not self.floor_radius_mm:
-            return np.asarray(wall)
-        (foot, top), radius = self._rounding_mm, self.floor_radius_mm
-        along = np.clip(growth + foot, 0.0, radius)
-        return np.where(growth < self.slope * top, radius - np.sqrt(radius**2 - along**2), wall)
+    def _rounding(self) -> FloorRounding:
+        return FloorRounding(self.floor_radius_mm, self.slope)
 
     @override
     def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
-        growth = self._growth_mm(z_mm)
+        growth = self._rounding.growth_mm(np.abs(z_mm - self.floor_z_mm))
         corner = self.corner_mm + growth if self.corner_mm else 0.0
         along = np.abs(y_mm - self.y_mm) - self.half_y_mm - growth
         bend = np.sqrt(np.maximum(corner**2 - np.maximum(along + corner, 0.0) ** 2, 0.0))
@@ -115,8 +86,7 @@ class TaperedHole(Body):
     def y_breaks_mm(self) -> tuple[float, ...]:
         halves = [self.half_y_mm - self.corner_mm, self.half_y_mm, self.half_y_mm + self._mouth_mm]
         if self.floor_radius_mm:
-            foot, top = self._rounding_mm
-            halves += [self.half_y_mm - foot, self.half_y_mm + self.slope * top]
+            halves += [self.half_y_mm + growth for growth in self._rounding.kinks_mm]
         return tuple(self.y_mm + side * half for half in halves for side in (-1, 1))
 
     def z_breaks_mm(self, y_mm: Array, half_width_mm: Array) -> list[Array]:
@@ -131,9 +101,9 @@ class TaperedHole(Body):
             across = half_width_mm + side * self.x_mm - self.half_x_mm + self.corner_mm
             growths.append(np.hypot(np.maximum(across, 0.0), round_end) - self.corner_mm)
         way = 1.0 if self._face_z_mm > self.floor_z_mm else -1.0
-        heights = [self._height_mm(growth) for growth in growths]
+        heights = [self._rounding.height_mm(growth) for growth in growths]
         if self.floor_radius_mm:
-            heights.append(np.full(y_mm.shape, self._rounding_mm[1]))
+            heights.append(np.full(y_mm.shape, self._rounding.top_mm))
         return [*ends, *(self.floor_z_mm + way * height for height in heights)]
 
     @property

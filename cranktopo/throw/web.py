@@ -24,10 +24,11 @@ from cranktopo.throw.face_pocket import BoxPocket, CylinderPocket
 from cranktopo.throw.feature import Body, Feature, ThrowView
 from cranktopo.throw.fitted import FittedFeature, FittedToSections
 from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder, FittedPocket
+from cranktopo.throw.fitted_slot import FittedSlot
 from cranktopo.throw.hole import bore_holes
 from cranktopo.throw.primitives import Curve, Extrusion, Solid
 from cranktopo.throw.recess import recesses
-from cranktopo.throw.side_pocket import FittedSlot, SidePocket
+from cranktopo.throw.side_pocket import SidePocket
 
 Pocket = Annotated[CylinderPocket | SidePocket | BoxPocket, Field(discriminator="shape")]
 FITTED_TO_SECTIONS: tuple[tuple[FittedToSections, ...], ...] = (

@@ -31,8 +31,8 @@ from cranktopo.tasks.refit.parametric_web import reaches_mm
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.envelope import StlEnvelope
 from cranktopo.throw.fitted_pocket import FittedCylinder
+from cranktopo.throw.fitted_slot import FittedSlot
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
-from cranktopo.throw.side_pocket import FittedSlot
 
 ENGINES = ("mikron-iiic-plain", "opposed-piston")
 COARSEST_MM = {"mikron-iiic-plain": 4.5, "opposed-piston": 5.0}

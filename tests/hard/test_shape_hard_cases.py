@@ -28,8 +28,8 @@ from cranktopo.tasks.shape.start import outline_start
 from cranktopo.tasks.shape.web_model import WebModel, web_model
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder
+from cranktopo.throw.fitted_slot import FittedSlot
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
-from cranktopo.throw.side_pocket import FittedSlot
 
 Array = NDArray[np.float64]
 CELL_MM = 8.0

@@ -49,7 +49,8 @@ def add_solid(occ: Any, solid: Solid) -> DimTags:
         case Box(low, size):
             return [(3, occ.addBox(*low, *size))]
         case Frustum(floor, mouth, corner_radii):
-            return [(3, _frustum(occ, floor, mouth) if not any(corner_radii) else _rounded(occ, solid))]
+            tag = _rounded(occ, solid) if any(corner_radii) else _frustum(occ, floor, mouth)
+            return [(3, _with_round_floor(occ, tag, solid) if solid.floor_radius else tag)]
         case Extrusion(contour, path):
             solid_tags = occ.extrude([(2, _Contour(occ).face(contour))], *path)
             return [(dim, tag) for dim, tag in solid_tags if dim == 3]
@@ -117,14 +118,30 @@ def _frustum(occ: Any, floor: tuple[Point, ...], mouth: tuple[Point, ...]) -> in
 
 
 def _rounded(occ: Any, frustum: Frustum) -> int:
-    """Add planes and quarters of cones between two rectangles with round corners; round the floor's edge."""
+    """Add planes and quarters of cones between two rectangles with round corners."""
     rings = zip((frustum.floor, frustum.mouth), frustum.corner_radii, strict=True)
     loops = [_rounded_loop(occ, np.array(ring), radius) for ring, radius in rings]
     ((_, tag),) = (pair for pair in occ.addThruSections(loops, -1, True, True) if pair[0] == 3)
-    if not frustum.floor_radius:
-        return int(tag)
-    ((_, rounded),) = occ.fillet([tag], _floor_edges(occ, int(tag), frustum.floor), [frustum.floor_radius])
+    return int(tag)
+
+
+def _with_round_floor(occ: Any, tag: int, frustum: Frustum) -> int:
+    """Round the edge of the floor; without round corners that along its first and its third side alone."""
+    edges = _floor_edges(occ, tag, frustum.floor)
+    if not any(frustum.corner_radii):
+        edges = [edge for edge in edges if _along(edge, frustum.floor)]
+    ((_, rounded),) = occ.fillet([tag], edges, [frustum.floor_radius])
     return int(rounded)
+
+
+def _along(curve: int, floor: tuple[Point, ...]) -> bool:
+    """Tell whether a straight edge runs along the first side of a floor."""
+    import gmsh
+
+    (low,), (high,) = gmsh.model.getParametrizationBounds(1, curve)
+    start, end = gmsh.model.getValue(1, curve, np.array([low, high])).reshape(-1, 3)
+    side = np.array(floor[1]) - np.array(floor[0])
+    return bool(np.linalg.norm(np.cross(end - start, side)) < _ON_EDGE_MM * np.linalg.norm(side))
 
 
 def _floor_edges(occ: Any, tag: int, floor: tuple[Point, ...]) -> list[int]:

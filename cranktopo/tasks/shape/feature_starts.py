@@ -17,8 +17,8 @@ from cranktopo.tasks.shape.web_model import WebModel
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted import FittedFeature
 from cranktopo.throw.fitted_pocket import FittedBox, FittedPocket
+from cranktopo.throw.fitted_slot import FittedSlot
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
-from cranktopo.throw.side_pocket import FittedSlot
 
 _GROOVE_FLOOR, _GROOVE_DRAFT_DEG = 0.85, 7.0
 """Of a first groove: its floor over the half-width, and its draft."""
@@ -40,12 +40,13 @@ _KINDS = tuple(FittedBox(face, pair) for face in ("pin", "journal") for pair in 
 
 def end_starts(scene: Scene, limits: ManufacturingLimits) -> Iterator[tuple[FittedFeature, Array]]:
     """Yield the bevels and the groove that scene and workshop have room for, with their first values."""
-    groove = FittedSlot(through=True), _groove_start(scene, limits)
     bevels = (FittedBevel(face, hollow=True).manufactured(limits) for face in ("journal", "pin"))
-    for part, values in (*((bevel, bevel_start(scene, bevel)) for bevel in bevels), groove):
-        manufactured = part.manufactured(limits)
-        if manufactured is not None and part.possible(scene):
-            yield manufactured, values
+    for bevel in bevels:
+        if bevel.possible(scene):
+            yield bevel, bevel_start(scene, bevel)
+    groove = FittedSlot(through=True).manufactured(limits)
+    if groove is not None and groove.possible(scene):
+        yield groove, _groove_start(scene, limits, groove)
 
 
 def bevel_start(scene: Scene, bevel: FittedBevel) -> Array:
@@ -62,11 +63,15 @@ def bevel_start(scene: Scene, bevel: FittedBevel) -> Array:
     return values
 
 
-def _groove_start(scene: Scene, limits: ManufacturingLimits) -> Array:
-    """Return a shallow groove through both ends, a quarter of the thickness high, amid the flanks."""
-    floor = _GROOVE_FLOOR * scene.web.largest_half_width_mm
-    draft = max(_GROOVE_DRAFT_DEG, limits.min_draft_deg)
-    return np.array([scene.web.thickness_mm / 4, floor, 0.0, draft])
+def _groove_start(scene: Scene, limits: ManufacturingLimits, groove: FittedSlot) -> Array:
+    """Return a shallow groove through both ends, a quarter of the thickness high, amid the flanks.
+
+    It is deeper and higher where the round edges of its floor need it.
+    """
+    widest, draft = scene.web.largest_half_width_mm, max(_GROOVE_DRAFT_DEG, limits.min_draft_deg)
+    (least, _), *_ = groove.bounds(scene, limits)
+    floor = min(_GROOVE_FLOOR * widest, widest - groove.shallowest_mm(draft))
+    return np.array([max(scene.web.thickness_mm / 4, least), floor, 0.0, draft])
 
 
 def pocket_starts(

@@ -23,9 +23,9 @@ from cranktopo.tasks.refit.select import Candidate, fit_from, model_fill, residu
 from cranktopo.tasks.refit.shape_error import shape_error, surface_distance_mm
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder
+from cranktopo.throw.fitted_slot import FittedSlot
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.profile import ProfileWeb
-from cranktopo.throw.side_pocket import FittedSlot
 from tests.unit.refit.remodel_cases import PARTS, PLAIN, WHOLE, body_of, known_scene, recovered, values_of
 
 COARSE = ManufacturingLimits(cell_mm=2.0)

@@ -12,7 +12,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import Layout, free_dimensions, with_free, with_part
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder
-from cranktopo.throw.side_pocket import FittedSlot
+from cranktopo.throw.fitted_slot import FittedSlot
 
 Array = NDArray[np.float64]
 COARSE_MM, COARSE_FILLET = 14.0, 2.0
@@ -53,11 +53,25 @@ def milled_web() -> tuple[Scene, Layout, Array]:
     return scene, replace(layout, parts=(bevel, box, cones)), values
 
 
+def round_groove_web() -> tuple[Scene, Layout, Array]:
+    """Bevels with draft over a groove whose floor has round edges."""
+    scene, layout, values = die_web()
+    *bevels, groove = layout.parts
+    return scene, replace(layout, parts=(*bevels, replace(groove, floor_radius_mm=2.0))), values
+
+
 def rounded_web() -> tuple[Scene, Layout, Array]:
     """The same with side pockets whose corners are round."""
     scene, layout, values = drafted_web()
     side = [27.0, 18.0, 7.5, 28.0, 1.0, 12.0]
     return scene, *with_part(layout, values, FittedSlot(corner_radius_mm=3.0), np.array(side))
+
+
+def round_side_web() -> tuple[Scene, Layout, Array]:
+    """The same, the edges of the floors of the side pockets round."""
+    scene, layout, values = rounded_web()
+    parts = (replace(p, floor_radius_mm=2.0) if isinstance(p, FittedSlot) else p for p in layout.parts)
+    return scene, replace(layout, parts=tuple(parts)), values
 
 
 def solid_web() -> tuple[Scene, Layout, Array]:

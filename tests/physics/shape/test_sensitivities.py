@@ -27,7 +27,7 @@ from cranktopo.tasks.shape.sensitivities import (
     worst_case_percent,
 )
 from cranktopo.throw.bevel import FittedBevel
-from cranktopo.throw.side_pocket import FittedSlot
+from cranktopo.throw.fitted_slot import FittedSlot
 from tests.physics.shape.shape_cases import Array, full_web
 
 SIZE_MM = 10.0

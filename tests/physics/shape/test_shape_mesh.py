@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -35,6 +36,8 @@ from tests.physics.shape.shape_cases import (
     drafted_web,
     full_web,
     milled_web,
+    round_groove_web,
+    round_side_web,
     rounded_web,
     solid_web,
 )
@@ -44,9 +47,10 @@ WEBS = {
     "drafted-pockets": drafted_web,
     "drafted-bevels": die_web,
     "round-floors": milled_web,
+    "round-groove": round_groove_web,
     "solid-journals": solid_web,
 }
-SLOW = ("drafted-pockets", "drafted-bevels", "round-floors", "solid-journals")
+SLOW = ("drafted-pockets", "drafted-bevels", "round-floors", "round-groove", "solid-journals")
 
 ELASTIC = 2e5, 0.3
 STRESSED = "fatigue_safety", "stress"
@@ -121,8 +125,9 @@ def test_gradients_are_those_of_the_moved_mesh(case: Case) -> None:
 
 
 @pytest.mark.slow
-def test_gradients_beside_round_corners_in_the_sides() -> None:
-    scene, layout, values = rounded_web()
+@pytest.mark.parametrize("web", [rounded_web, round_side_web])
+def test_gradients_beside_round_corners_in_the_sides(web: Callable[[], tuple[Scene, Layout, Array]]) -> None:
+    scene, layout, values = web()
     model, step = MeshModel(scene, layout, values, COARSE_MM), 1e-3
     found, direction = model.responses(values), np.random.default_rng(7).standard_normal(len(values))
     above, below = (model.responses(values + s * step * direction) for s in (1, -1))

@@ -23,8 +23,8 @@ from cranktopo.tasks.shape.start import outline_start
 from cranktopo.tasks.shape.web_model import WebModel, web_model
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted_pocket import FittedBox
-from cranktopo.throw.side_pocket import FittedSlot
-from tests.physics.shape.shape_cases import die_web, rounded_web
+from cranktopo.throw.fitted_slot import FittedSlot
+from tests.physics.shape.shape_cases import die_web, round_groove_web, round_side_web, rounded_web
 
 QUANTITIES = ("mass", "inertia", "unbalance", "torsion", "bending", "torsion_per_mass", "bending_per_mass")
 PARTS = (
@@ -59,8 +59,14 @@ def values_of(scene: Scene) -> np.ndarray:
 
 @pytest.mark.parametrize(
     "case",
-    [*(pytest.param(case, marks=pytest.mark.slow) for case in (None, rounded_web)), die_web],
-    ids=["every feature", "drafted pockets", "drafted bevels"],
+    [
+        *(
+            pytest.param(case, marks=pytest.mark.slow)
+            for case in (None, rounded_web, round_side_web, round_groove_web)
+        ),
+        die_web,
+    ],
+    ids=["every feature", "drafted pockets", "round side pocket", "round groove", "drafted bevels"],
 )
 def test_gradients_of_every_quantity_are_those_of_differences(
     model: WebModel, mikron: Scene, case: Callable[[], tuple[Scene, Layout, np.ndarray]] | None

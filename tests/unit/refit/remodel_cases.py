@@ -16,8 +16,8 @@ from cranktopo.tasks.refit.fit import fit_problem, scene_with_web
 from cranktopo.tasks.refit.select import fit_from
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted_pocket import FittedCylinder
+from cranktopo.throw.fitted_slot import FittedSlot
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
-from cranktopo.throw.side_pocket import FittedSlot
 
 FINE_FACET_MM = 0.3
 OUTLINE = {

@@ -16,8 +16,8 @@ from cranktopo.tasks.refit.fit import fit_problem
 from cranktopo.tasks.refit.search import Fit, FitProblem, voxel_fill
 from cranktopo.tasks.refit.select import select
 from cranktopo.throw.bevel import FittedBevel
+from cranktopo.throw.fitted_slot import FittedSlot
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
-from cranktopo.throw.side_pocket import FittedSlot
 from tests.unit.refit.remodel_cases import PARTS, body_of, known_scene
 
 SCORES = 1e-9

@@ -17,7 +17,7 @@ from cranktopo.tasks.shape.start import outline_start, scene_start
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted import FittedFeature
 from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder
-from cranktopo.throw.side_pocket import FittedSlot
+from cranktopo.throw.fitted_slot import FittedSlot
 from tests.physics.shape.shape_cases import die_web, full_web, solid_web
 
 PARTS: tuple[FittedFeature, ...] = (
@@ -25,6 +25,8 @@ PARTS: tuple[FittedFeature, ...] = (
     FittedBevel("pin", hollow=True),
     FittedSlot(),
     FittedSlot(through=True),
+    FittedSlot(False, 2.0, 1.0),
+    FittedSlot(True, 0.0, 1.0),
     *(FittedBox(face, pair) for face in ("journal", "pin") for pair in (True, False)),
     *(FittedCylinder(face, pair) for face in ("journal", "pin", "through") for pair in (True, False)),
     FittedBox("pin", pair=True),

@@ -16,8 +16,9 @@ from cranktopo.tasks.shape.feature_starts import end_starts
 from cranktopo.tasks.shape.start import outline_start, scene_start
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder
+from cranktopo.throw.fitted_slot import FittedSlot
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
-from cranktopo.throw.side_pocket import FittedSlot, SidePocket
+from cranktopo.throw.side_pocket import SidePocket
 from tests.unit.refit.remodel_cases import table
 
 DRAFT_DEG = 5.0
@@ -91,14 +92,51 @@ def test_a_pocket_has_draft_and_radii_of_the_process(
     assert min(low for low, _ in box.bounds(scene, limits)[1:3]) > 2 * corner
 
 
-def test_a_side_pocket_of_a_die_has_round_corners_and_a_groove_has_none(mikron: Scene) -> None:
-    _, limits = made_by(mikron, process="forged")
+@pytest.mark.parametrize(
+    ("process", "radius"),
+    [
+        ({"process": "forged"}, 6.0),
+        ({"process": "cast"}, 6.0),
+        ({"process": "milled", "tool_radius_mm": 7.0}, 7.0),
+    ],
+)
+def test_a_side_pocket_has_corners_and_floor_of_the_process_and_a_groove_its_floor(
+    mikron: Scene, process: dict[str, Any], radius: float
+) -> None:
+    """The edges of a groove take no more than half of the 13 mm that are between flanges of 3 mm."""
+    scene, limits = made_by(mikron, **process)
     side, groove = (KINDS[name].manufactured(limits) for name in ("side", "groove"))
-    assert (side, groove) == (FittedSlot(False, 6.0), FittedSlot(through=True))
+    assert (side, groove) == (FittedSlot(False, radius, radius), FittedSlot(True, 0.0, 3.25))
     named = dict(zip(side.names, [24.0, 20.0, 14.0, 20.0, 0.0, 5.0], strict=True))
     (written,) = side.tables(named, (-25.0, 73.0, 25.0))
-    assert written["corner_radius_mm"] == 6.0
+    assert written["corner_radius_mm"] == written["floor_radius_mm"] == radius
     assert FittedSlot.read(SidePocket(**written), False, (-25.0, 73.0, 25.0))[0] == side
+    (starts,) = [own for part, own in end_starts(scene, limits) if part == groove]
+    web = ParametricWeb(Layout(7, (groove,)), scene, limits, (np.zeros(0),) * 3)
+    values = np.array([*outline_start(scene, limits), *starts])
+    rules = dict(zip(web.rule_names(values), web.constraints(values), strict=True))
+    assert max(value for name, value in rules.items() if "groove" in name) < 0
+    least, most = np.array(groove.bounds(scene, limits)).T
+    assert (least <= starts).all()
+    assert (starts <= most).all()
+
+
+def test_a_free_process_asks_for_no_radius_in_the_sides(mikron: Scene) -> None:
+    _, limits = made_by(mikron, process="free")
+    assert KINDS["groove"].manufactured(limits) == FittedSlot(through=True)
+    assert KINDS["side"].manufactured(limits) == FittedSlot(False, 6.0)
+
+
+def test_a_groove_is_as_deep_as_its_floor_needs(mikron: Scene) -> None:
+    """An edge of 3 mm at 5 degrees rises 3 (1 - sin 5) = 2.74 mm; a shallower groove breaks the rule."""
+    scene, limits = made_by(mikron, process="forged")
+    groove = FittedSlot(True, 0.0, 3.0)
+    web = ParametricWeb(Layout(7, (groove,)), scene, limits, (np.zeros(0),) * 3)
+    outline = outline_start(scene, limits)
+    for depth, kept in ((2.7, False), (2.8, True)):
+        values = np.array([*outline, 8.0, web.points(outline)[0][:, 0].max() - depth, 0.0, 5.0])
+        rules = dict(zip(web.rule_names(values), web.constraints(values), strict=True))
+        assert (rules["least depth of the groove, 2.76 mm"] < 0) == kept
 
 
 def test_a_flat_parting_in_mid_web_is_no_deeper_than_that(mikron: Scene) -> None:

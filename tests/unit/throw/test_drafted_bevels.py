@@ -27,8 +27,8 @@ from cranktopo.tasks.shape.start import outline_start, scene_start
 from cranktopo.throw.bevel import EndBevel, FittedBevel
 from cranktopo.throw.bevel_arc import BevelArc
 from cranktopo.throw.bevel_tool import DraftedBevelTool
+from cranktopo.throw.fitted_slot import FittedSlot
 from cranktopo.throw.primitives import Polyline
-from cranktopo.throw.side_pocket import FittedSlot
 from tests.unit.refit.remodel_cases import table
 from tests.unit.throw.test_web_features import ARC, GROOVE, PLANE, RECTANGLE, removed_mm3, sharp
 
