@@ -176,8 +176,8 @@ def _inside_outline(scene: Scene, outline_mm: Array, fillet: MovedFillet | None,
 
 
 def _outside_part(part: FittedFeature, values: Named, outline_mm: Array, scene: Scene, at: Array) -> Array:
-    faces = part.faces_mm(values, outline_mm[[0, -1], 1], (at[0], at[1], at[2]), scene.web_z_mm)
-    return functools.reduce(np.maximum, (np.broadcast_to(face, at.shape[1:]) for face in faces))
+    away = part.outside_mm(values, outline_mm[[0, -1], 1], (at[0], at[1], at[2]), scene.web_z_mm)
+    return np.broadcast_to(away, at.shape[1:])
 
 
 def _outside_bores(scene: Scene, at: Array) -> Array:

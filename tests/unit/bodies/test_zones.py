@@ -212,8 +212,10 @@ _HELD = dict(
             "side with draft",
             "side with much draft",
             "box",
+            "box with a round floor",
             "cylinder",
             "groove",
+            "groove with a round floor",
             "top",
             "foot",
             "outline",
@@ -229,20 +231,28 @@ _HELD = dict(
         ]
         + [
             (
-                held("mikron-iiic-plain", AROUND, **SQUARE, **CORNERS),
+                held("mikron-iiic-plain", AROUND, **SQUARE, **CORNERS, **rounding),
                 {f"box-pin.{name}": 0.2 for name in ("y", "size_x", "size_y", "depth")},
                 "box pocket",
-            ),
+            )
+            for rounding in ({}, {"floor_radius_mm": 1.0})
+        ]
+        + [
             (
                 held("mikron-iiic-plain", AROUND, **POCKET),
                 {f"cylinder-pin.{name}": 0.2 for name in ("y", "diameter", "depth")},
                 "cylinder pocket",
             ),
+        ]
+        + [
             (
-                held("mikron-iiic-plain", ACROSS, **{**SIDE, "length_mm": 200.0}, draft_deg=10.0),
+                held("mikron-iiic-plain", ACROSS, **{**SIDE, "length_mm": 200.0}, draft_deg=10.0, **rounding),
                 {"groove.height": 0.2, "groove.floor": 0.2, "groove.offset": 0.2},
                 "groove",
-            ),
+            )
+            for rounding in ({}, {"floor_radius_mm": 1.5})
+        ]
+        + [
             (held("mikron-iiic", TOP), {"bevel-journal.y": 0.2, "bevel-journal.depth": 0.2}, "journal bevel"),
             (held("mikron-iiic", BOTTOM), {"bevel-pin.y": 0.2, "bevel-pin.depth": 0.2}, "pin bevel"),
             (held("mikron-iiic-plain", RIM), {"half_width_3": 0.3}, "outline"),
@@ -250,7 +260,15 @@ _HELD = dict(
         strict=True,
     )
 )
-_LONG = {"side", "side with draft", "side with much draft", "groove", "top", "foot"}
+_LONG = {
+    "side",
+    "side with draft",
+    "side with much draft",
+    "groove",
+    "groove with a round floor",
+    "top",
+    "foot",
+}
 
 
 @pytest.mark.parametrize(
