@@ -26,6 +26,8 @@ from cranktopo.numerics.tetrahedra.mesh import TetMesh, reasons_of, straighten_f
 from cranktopo.throw.drilling.bore import size_mm, size_terms
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.journal import FilletSection
+from cranktopo.throw.side_slots import SideSlots
+from cranktopo.throw.web import web_bodies
 
 _R = TypeVar("_R")
 _TET10 = 11
@@ -44,6 +46,8 @@ _GROWTH = 0.5
 """Growth of the element size per mm of distance from a refined ring."""
 _FINEST = 1 / 12
 """Element size at a sharp re-entrant ring over the general one."""
+_FLOOR_FRACTION = 1 / 3
+"""Least element size on the round edge of a floor over its radius: five on its arc of about 90 degrees."""
 _ROUND_MM = 8.0
 """Fillet of a throw of usual size, others in proportion, that the general element size suits."""
 
@@ -239,6 +243,9 @@ def _set_sizes(
     for z, half in zip(heights, halves(scene), strict=False):
         for bore in drill_bores(half):
             terms += size_terms(bore, size, fillet_fraction, z)
+        for body in web_bodies(half) if graded else ():
+            if isinstance(body, SideSlots) and body.floor_radius_mm:
+                terms.append(body.size_term(_at_floor(scene, size, body.floor_radius_mm, fillet_fraction), z))
     text = terms[0]
     for term in terms[1:]:
         text = f"Min({text}, {term})"
@@ -286,6 +293,13 @@ def _finest(scene: Scene, size: float, fillet: FilletSection, fraction: float | 
     if fraction is not None and fillet.radial_mm:
         return min(size, fraction * fillet.least_radius_mm)
     return size * min(1.0, max(usual_scale(scene) * fillet.shorter_mm / _ROUND_MM, _FINEST))
+
+
+def _at_floor(scene: Scene, size: float, radius_mm: float, fraction: float | None) -> float:
+    """Return the element size at the round edge of a floor, less steeply stressed than a fillet."""
+    if fraction is not None:
+        return min(size, max(fraction, _FLOOR_FRACTION) * radius_mm)
+    return size * min(1.0, max(usual_scale(scene) * radius_mm / _ROUND_MM, _FINEST))
 
 
 def extract_mesh(gmsh: Any, *, mirrored: bool) -> TetMesh:

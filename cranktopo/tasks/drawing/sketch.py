@@ -157,6 +157,7 @@ def _side_across_names(axes: Any) -> None:
     mark_size(axes, (20, middle - 2), (20, middle + 6), (-10, 0), "height_mm")
     mark_size(axes, (20, middle), (20, middle + 2), (32, 0), "offset_mm")
     mark_leader(axes, (27, middle - 3.2), (24, _START - 12), "draft_deg")
+    mark_leader(axes, (20.6, middle + 5.7), (18, _STOP + 12), "floor_radius_mm")
 
 
 def _counterweight_names(axes: Any) -> None:
@@ -287,7 +288,16 @@ PARTS: Mapping[str, Sequence[Panel]] = {
             floor_radius_mm=3.0,
         ),
         _pocket('shape = "side"', _front, _side_front_names, **_SIDE),
-        _pocket("its height, section", _across, _side_across_names, **_SIDE, offset_mm=2.0, draft_deg=10.0),
+        _pocket(
+            "its height, section",
+            _across,
+            _side_across_names,
+            **_SIDE,
+            offset_mm=2.0,
+            draft_deg=10.0,
+            corner_radius_mm=3.0,
+            floor_radius_mm=2.0,
+        ),
     ),
     "counterweight": (
         Panel("[web.counterweight]", {"web": {"counterweight": _HEAVY}}, _front, _counterweight_names),
