@@ -260,6 +260,13 @@ POCKETED: dict[str, dict[str, Any]] = {
     },
     "runs out": {"pocket": [{**POCKET, "y_mm": 50.0, "length_mm": 70.0}], "counterweight": WIDE},
     "groove": {"pocket": [{**POCKET, "y_mm": 24.0, "length_mm": 130.0}]},
+    "round edges": {
+        "pocket": [{**POCKET, "corner_radius_mm": 2.5, "floor_radius_mm": 2.0}],
+        "counterweight": WIDE,
+    },
+    "groove with round edges": {
+        "pocket": [{**POCKET, "y_mm": 24.0, "length_mm": 130.0, "floor_radius_mm": 2.0}]
+    },
     "beside a half disc": {
         "pocket": [{**POCKET, "y_mm": 20.0, "length_mm": 33.0}],
         "counterweight": HALF_DISC,
