@@ -157,7 +157,7 @@ def _side_across_names(axes: Any) -> None:
     mark_size(axes, (20, middle - 2), (20, middle + 6), (-10, 0), "height_mm")
     mark_size(axes, (20, middle), (20, middle + 2), (32, 0), "offset_mm")
     mark_leader(axes, (27, middle - 3.2), (24, _START - 12), "draft_deg")
-    mark_leader(axes, (20.6, middle + 5.7), (18, _STOP + 12), "floor_radius_mm")
+    mark_leader(axes, (20.6, middle - 1.7), (-4, _START - 12), "floor_radius_mm")
 
 
 def _counterweight_names(axes: Any) -> None:
