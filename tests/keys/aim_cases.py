@@ -30,6 +30,7 @@ AIM_CASES: dict[tuple[str, str], Table] = {
         "envelope",
         "cells",
         {"file": "large.stl"},
+        dear=True,
     ),
     ("envelope.clearance", ""): Table(
         lambda: builtin("car-diesel"), "envelope.clearance", "cells loads", {"piston_skirt_mm": 27.0}

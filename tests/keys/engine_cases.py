@@ -39,6 +39,7 @@ ENGINE_CASES: dict[tuple[str, str], Table] = {
             "displacement_mm": DISPLACEMENTS,
             "reaction_N": REACTIONS,
         },
+        dear=True,
     ),
     ("engine", ""): Table(
         lambda: builtin("mikron-iiic-plain"),
@@ -148,6 +149,7 @@ ENGINE_CASES: dict[tuple[str, str], Table] = {
             f"shaft.{one}",
             "carried vibration",
             dict(DISK),
+            dear=one != "flywheel",
         )
         for one in ("pulley", "flywheel", "driven", "propeller")
     },
@@ -169,5 +171,6 @@ ENGINE_CASES: dict[tuple[str, str], Table] = {
         "shaft.damper",
         "carried vibration",
         DISK | {"kind": Other("rubber", also=RUBBER), "loss_factor": Other(0.2, RUBBER)},
+        dear=True,
     ),
 }

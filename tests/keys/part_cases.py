@@ -89,6 +89,7 @@ PART_CASES: dict[tuple[str, str], Table] = {
             "bolt_distance_mm": 58.5,
             "split_friction": Other(0.2, {"rod.split_angle_deg": 20.0}),
         },
+        dear=True,
     ),
     ("rod.material", ""): Table(
         rod_material,

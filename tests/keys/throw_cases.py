@@ -20,7 +20,7 @@ THROW_CASES: dict[tuple[str, str], Table] = {
         (f"throw.{name}", ""): Table(journals, f"throw.{name}", "body")
         for name in ("main_journal", "crankpin", "second_main_journal")
     },
-    ("throw.drilling", ""): Table(drilled, "throw.drilling[0]", "body", {"web": "first"}),
+    ("throw.drilling", ""): Table(drilled, "throw.drilling[0]", "body", {"web": "first"}, dear=True),
     **{
         (f"throw.drilling.{end}", ""): Table(drilled, f"throw.drilling[0].{end}", "body cells", dear=True)
         for end in ("from", "to")
@@ -46,6 +46,7 @@ THROW_CASES: dict[tuple[str, str], Table] = {
         lambda: pocketed(shape="side", y_mm=24.0, length_mm=20.0, height_mm=8.0, depth_mm=5.0),
         "web.pocket[0]",
         "body",
+        {"floor_radius_mm": Other(1.0, {"web.pocket[0].corner_radius_mm": 2.0})},
     ),
     ("web.pocket", "box"): Table(
         lambda: pocketed(
@@ -92,6 +93,10 @@ THROW_CASES: dict[tuple[str, str], Table] = {
         for one in ("obround", "rectangle", "ellipse", "tapered", "profile")
     },
     ("material", ""): Table(
-        material, "material", "strength body compliance origins", MATERIAL | {"fatigue_torsion_MPa": PLANES}
+        material,
+        "material",
+        "strength body compliance origins",
+        MATERIAL | {"fatigue_torsion_MPa": PLANES},
+        dear=True,
     ),
 }

@@ -10,7 +10,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.tasks.crank_import.faces import FLAT, Faces, PlaneFace
-from cranktopo.throw.tapered_hole import floor_rounding_mm
+from cranktopo.throw.floor_rounding import FloorRounding
 
 _STEEPEST = 0.5
 """Least part across its floor of the normal of a wall: a draft of 60 deg."""
@@ -118,7 +118,7 @@ def _floor_radii_mm(faces: Faces, cut: BoxCut, near_mm: float) -> Iterator[float
     for face in faces.cylinders:
         if face.outward or abs(face.axis @ cut.across[0]) < 1 - FLAT:
             continue
-        foot, _ = floor_rounding_mm(face.radius_mm, cut.slope)
+        foot = FloorRounding(face.radius_mm, cut.slope).foot_mm
         above, place = face.point_mm @ cut.out - cut.floor_mm, float(face.point_mm @ cut.across[1])
         beside = min(abs(place - foot - low), abs(place + foot - high))
         if abs(above - face.radius_mm) < near_mm and beside < near_mm:

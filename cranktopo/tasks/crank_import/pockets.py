@@ -14,8 +14,8 @@ from cranktopo.tasks.crank_import.counterweight import ALONG, ORIGIN
 from cranktopo.tasks.crank_import.faces import DIGITS, FLAT, ConeFace, CylinderFace, span_along
 from cranktopo.tasks.crank_import.half_body import HalfBody
 from cranktopo.throw.face_pocket import BoxPocket
-from cranktopo.throw.hole import BEYOND_MM
 from cranktopo.throw.side_pocket import SidePocket
+from cranktopo.throw.side_slots import BEYOND_MM
 from cranktopo.throw.web import Pocket
 
 _ACROSS, _UP = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
