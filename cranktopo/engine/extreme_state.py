@@ -35,11 +35,13 @@ class ThrowLoads:
 
     Attributes:
         analyses: its loads at the engine's speed, and after it at others where its torque is extreme.
+        top: its loads at the highest speed: the engine's, or its overspeed.
         enabled: names of the effects that are on.
     """
 
     scene: Scene
     analyses: tuple[LoadAnalysis, ...]
+    top: LoadAnalysis
     enabled: frozenset[str]
 
     @property

@@ -21,6 +21,7 @@ from cranktopo.engine.histories import (
     HistoryKind,
     LoadHistory,
     Loads,
+    LoadsName,
     WebLoads,
     cycle_histories,
     extremes_at,
@@ -29,6 +30,17 @@ from cranktopo.engine.histories import (
     throw_histories,
 )
 from cranktopo.engine.states import extreme_states
+
+_WORDS: dict[LoadsName, str] = {
+    "extremes": "the extremes of the loads joined",
+    "cycle": "every angle of the cycle",
+    "shaft": "every angle of the cycle in the shaft on all its bearings",
+}
+
+
+def states_words(loads: LoadsName) -> str:
+    """Return load states in words, to stand behind a safety as in `0.642 over every angle of the cycle`."""
+    return f"over {_WORDS[loads]}"
 
 
 def histories_of(scene: Scene, loads: Loads, enabled: frozenset[str]) -> Sequence[LoadHistory]:

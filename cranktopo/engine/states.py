@@ -7,13 +7,14 @@ another's needs no case of its own.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from cranktopo.design.load_kinds import LOAD_KINDS, MAIN_KINDS
 from cranktopo.design.misfire import all_firing
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import analyse, at_extreme_speeds
+from cranktopo.engine.analysis import LoadAnalysis, analyse, at_extreme_speeds, at_speed
 from cranktopo.engine.extreme_state import ExtremeState, ThrowLoads
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.load_case import LoadCase, LoadKind
@@ -36,8 +37,19 @@ def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState,
         return tuple(kind.unit_state(why) for kind in kinds if kind.unit_load)
     scene = all_firing(scene)
     analyses = tuple(analyse(at, enabled) for at in at_extreme_speeds(scene, enabled))
-    throw = ThrowLoads(scene, analyses, enabled)
+    throw = ThrowLoads(scene, analyses, _at_top_speed(scene, analyses[0], enabled), enabled)
     return _mark_redundant(tuple(state for kind in kinds for state in kind.states(throw)), enabled)
+
+
+def _at_top_speed(scene: Scene, rated: LoadAnalysis, enabled: frozenset[str]) -> LoadAnalysis:
+    """Return the loads at the overspeed, those at the engine's speed where it has none above it.
+
+    No torque is taken of them: a vibrating shaft is not solved once more.
+    """
+    overspeed = rated.engine.overspeed_rpm
+    if overspeed is None or overspeed <= rated.engine.speed_rpm:
+        return rated
+    return analyse(at_speed(scene, overspeed), enabled - {"torsional_vibration"})
 
 
 def _mark_redundant(states: tuple[ExtremeState, ...], enabled: frozenset[str]) -> tuple[ExtremeState, ...]:
@@ -57,12 +69,18 @@ def _mark_redundant(states: tuple[ExtremeState, ...], enabled: frozenset[str]) -
     return tuple(sorted(marked, key=lambda s: (bool(s.redundant), order.index(s.case.kind))))
 
 
+def governing(states: Sequence[ExtremeState], kind: str) -> ExtremeState:
+    """Return the state that is the load case of a kind."""
+    return next(state for state in states if state.case.kind == kind and not state.redundant)
+
+
 __all__ = [
     "DEFAULT_EFFECTS",
     "ExtremeState",
     "LoadCase",
     "LoadKind",
     "extreme_states",
+    "governing",
     "load_cases",
     "main_load_cases",
 ]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from cranktopo.base.near_ties import clearly_more
+from cranktopo.engine.analysis import Extreme, LoadAnalysis
 from cranktopo.engine.extreme_state import ExtremeState, ThrowLoads, place_of
 from cranktopo.engine.forces import near_share
 from cranktopo.engine.load_case import LoadCase
@@ -19,10 +21,20 @@ def _states(throw: ThrowLoads) -> tuple[ExtremeState]:
     if cycle is None:
         why = "unit load: neither engine.gas nor engine.max_gas_force_N is given"
         return (LOAD_TYPE.unit_state(why),)
-    worst = cycle.largest("web_force_N")
-    source = f"largest radial force on the web, at {place_of(analysis, worst)}"
+    worst, at = _largest(throw, cycle.largest("web_force_N"))
+    source = f"largest radial force on the web, at {place_of(at, worst)}"
     case = LoadCase(name="bending", kind="bending", radial_N=worst.value, source=source)
     return (ExtremeState("max_radial", case, worst.deg),)
+
+
+def _largest(throw: ThrowLoads, rated: Extreme) -> tuple[Extreme, LoadAnalysis]:
+    """Return the largest radial force with its analysis: at the engine's speed, or a push at the overspeed.
+
+    The pull at the overspeed belongs to the state of the centrifugal load, which may have a case of its own.
+    """
+    top = throw.top.cycle
+    push = rated if top is None else top.extreme("web_force_N")[0]
+    return (push, throw.top) if clearly_more(push.value, abs(rated.value)) else (rated, throw.analysis)
 
 
 def _energy_Nmm(facts: LoadFacts) -> float:

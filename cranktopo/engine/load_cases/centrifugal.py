@@ -1,6 +1,7 @@
 """The throw's own body force at the highest speed, and the pull of rods and pistons then.
 
-Where the body force is off, that pull is an extreme of the radial force.
+Where the body force is off, that pull is an extreme of the radial force. It is taken with gas and without:
+gas adds to the pull at bottom dead centre, and in a V to that of the other cylinder.
 """
 
 from __future__ import annotations
@@ -9,11 +10,13 @@ import math
 
 import numpy as np
 
+from cranktopo.base.near_ties import clearly_more
 from cranktopo.design.engine import Engine
 from cranktopo.design.load_kinds import MAIN_KINDS
 from cranktopo.design.schema import Scene
-from cranktopo.engine.extreme_state import ExtremeState, ThrowLoads
-from cranktopo.engine.forces import rods_on_pins, rotating_forces
+from cranktopo.engine.analysis import Extreme
+from cranktopo.engine.extreme_state import ExtremeState, ThrowLoads, place_of
+from cranktopo.engine.forces import rods_on_pins
 from cranktopo.engine.gas import STEP_DEG
 from cranktopo.engine.kinematics import exact_motion, force_ratios
 from cranktopo.engine.load_case import LoadCase
@@ -24,24 +27,47 @@ from cranktopo.engine.plan.load_rules import PlannedLoadType, by_size_or_goal
 
 
 def _states(throw: ThrowLoads) -> tuple[ExtremeState, ...]:
-    """Inertia alone at the highest speed: the rods pull the pin outward, one alone at top dead centre."""
-    scene, analysis, engine = throw.scene, throw.analysis, throw.analysis.engine
-    speed = max(engine.overspeed_rpm or 0.0, engine.speed_rpm)
-    rotating = rotating_forces(engine, analysis.balance, analysis.radius_mm, speed)
-    kg, deg = _pulling_kg(scene, engine, throw.enabled)
-    source = f"inertia of piston and rod at top dead centre without gas force, {speed:g} rpm"
-    if engine.rods_per_pin > 1:
-        source = f"inertia of both pistons and rods of a pin without gas force, {speed:g} rpm"
-    pull = -kg * rotating.r_w2_m_s2 + 0.0
-    case = LoadCase(name="bending", kind="bending", radial_N=pull, source=source)
+    """The largest outward force on the pin at the highest speed, as its rods pull it."""
+    pull, source = _largest_pull(throw)
+    case = LoadCase(name="bending", kind="bending", radial_N=pull.value, source=source)
     if "centrifugal" in throw.enabled:
-        way = "inward" if rotating.throw_N < 0 else "outward"
-        source += f", with {abs(rotating.throw_N):.0f} N of the throw itself {way}"
-        case = LoadCase(name="centrifugal", kind="centrifugal", radial_N=pull, speed_rpm=speed, source=source)
+        speed, own_N = throw.top.engine.speed_rpm, throw.top.rotating.throw_N
+        way = "inward" if own_N < 0 else "outward"
+        source += f", with {abs(own_N):.0f} N of the throw itself {way}"
+        case = LoadCase(
+            name="centrifugal", kind="centrifugal", radial_N=pull.value, speed_rpm=speed, source=source
+        )
     if not (case.size or case.has_body_force):
         return ()
+    return (ExtremeState("overspeed_inertia", case, pull.deg),)
+
+
+def _largest_pull(throw: ThrowLoads) -> tuple[Extreme, str]:
+    """Return the largest outward force at the highest speed and where it is from, with gas or without.
+
+    At the engine's own speed the pull with gas is an extreme of the radial force already; the centrifugal
+    load has no other.
+    """
+    without, source = _pull_without_gas(throw)
+    top, given = throw.top, throw.top.engine.max_gas_force_N
+    counts = top is not throw.analysis or "centrifugal" in throw.enabled
+    if not counts or given is not None or top.cycle is None:
+        return without, source
+    gas = top.cycle.extreme("web_force_N")[1]
+    if not clearly_more(-gas.value, -without.value):
+        return without, source
+    return gas, f"largest pull on the web, with gas, at {place_of(top, gas)}"
+
+
+def _pull_without_gas(throw: ThrowLoads) -> tuple[Extreme, str]:
+    """Inertia alone: the rods pull the pin outward, one alone at top dead centre."""
+    engine = throw.top.engine
+    kg, deg = _pulling_kg(throw.scene, engine, throw.enabled)
+    two = engine.rods_per_pin > 1
+    pulling = "both pistons and rods of a pin" if two else "piston and rod at top dead centre"
+    source = f"inertia of {pulling} without gas force, {engine.speed_rpm:g} rpm"
     deg = deg % 360.0 + (360.0 if engine.strokes == 4 else 0.0)
-    return (ExtremeState("overspeed_inertia", case, deg),)
+    return Extreme(-kg * throw.top.rotating.r_w2_m_s2 + 0.0, deg), source
 
 
 def _pulling_kg(scene: Scene, engine: Engine, enabled: frozenset[str]) -> tuple[float, float]:
@@ -74,7 +100,7 @@ def _estimate(context: PlanningContext) -> Estimate:
         return _own_stress(context, left_out)
     speed, (pin, webs) = context.top_speed_rpm, context.centrifugal_N
     forces = (
-        f"outward {pin:,.0f} N on the pin, rods and pistons at dead centre among them, and {webs:,.0f} N in "
+        f"outward {pin:,.0f} N on the pin, rods and pistons at their worst among them, and {webs:,.0f} N in "
         f"the mid-planes of the webs at {speed:g} rpm{left_out}"
     )
     return by_size_or_goal(context, LOAD_TYPE, forces)

@@ -20,7 +20,7 @@ from cranktopo.engine.histories import joined_extremes
 from cranktopo.engine.load_type import load_types
 from cranktopo.engine.plan.cost import Costing
 from cranktopo.engine.plan.simulated import strip_features
-from cranktopo.engine.states import extreme_states
+from cranktopo.engine.states import extreme_states, governing
 from cranktopo.engine.throw_compliance import (
     ThrowCompliance,
     radial_energy_Nmm,
@@ -37,6 +37,7 @@ class PlanningContext:
         asymmetry: what is not its own mirror image in x; empty when all is.
         goal: None for the weighted compliance.
         vibrating: whether the torques are those of the vibrating shaft.
+        centrifugal: whether the pull at the highest speed is in a load case of its own.
         for_stress: whether loads count by the stress that they add, not by their energy in an objective.
     """
 
@@ -45,13 +46,19 @@ class PlanningContext:
     asymmetry: str
     goal: Goal | None = None
     vibrating: bool = False
+    centrifugal: bool = False
     for_stress: bool = False
 
     @cached_property
     def states(self) -> tuple[ExtremeState, ...]:
         """Extreme load states with every inertia effect."""
-        vibration = {"torsional_vibration"} if self.vibrating else set()
-        return extreme_states(self.scene, INERTIA_EFFECTS | vibration)
+        return self.states_without()
+
+    def states_without(self, *inertia: str) -> tuple[ExtremeState, ...]:
+        """Return the extreme load states without some of the inertia effects."""
+        decided = {"torsional_vibration": self.vibrating, "centrifugal": self.centrifugal}
+        on = {name for name, is_on in decided.items() if is_on}
+        return extreme_states(self.scene, INERTIA_EFFECTS - set(inertia) | on)
 
     @property
     def tells_stress(self) -> bool:
@@ -78,7 +85,7 @@ class PlanningContext:
 
     def state(self, kind: str) -> ExtremeState:
         """Return the state that would be the load case of a kind."""
-        return next(state for state in self.states if state.case.kind == kind and not state.redundant)
+        return governing(self.states, kind)
 
     @property
     def unit_loads(self) -> bool:

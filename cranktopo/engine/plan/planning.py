@@ -66,6 +66,8 @@ _RULES: dict[str, _Rule] = {
 }
 _VIBRATION = "torsional_vibration"
 """It comes first: the loads that the other rules look at depend on it."""
+_CENTRIFUGAL = "centrifugal"
+"""Next: where it is on, the pull at the highest speed is its case, and the others are compared without it."""
 _LOADS = {*LOAD_KINDS, *INERTIA_EFFECTS, _VIBRATION, "continuous_shaft"}
 
 
@@ -141,6 +143,8 @@ def _plan(
     context = replace(_context(scene, rates, goal), for_stress=for_stress)
     vibration = _decide(scene.effects, _VIBRATION, _RULES[_VIBRATION](context))
     context = replace(context, vibrating=vibration.state == "on")
+    pull = _decide(scene.effects, _CENTRIFUGAL, _RULES[_CENTRIFUGAL](context))
+    context = replace(context, centrifugal=pull.state == "on")
     decided = tuple(
         vibration if name == _VIBRATION else _decide(scene.effects, name, rule(context))
         for name, rule in _RULES.items()

@@ -18,13 +18,12 @@ from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.halves import difference, halves, of_halves
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
-from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.plan.context import PlanningContext
 from cranktopo.engine.plan.cost import Cost
 from cranktopo.engine.plan.effect import Effect, Estimate
 from cranktopo.engine.plan.load_rules import wants_safety
 from cranktopo.engine.plan.simulated import strip_features
-from cranktopo.engine.states import extreme_states
+from cranktopo.engine.states import governing
 from cranktopo.engine.throw_compliance import (
     journal_torsion_modulus_mm3,
     throw_compliance,
@@ -239,8 +238,7 @@ def _inertia(context: PlanningContext, name: str, what: str) -> Estimate:
         absent = "engine.max_gas_force_N is taken as it is"
         return Estimate(None, "", "the pull at overspeed", absent=absent)
     full = context.state("bending").case.radial_N
-    states_without = extreme_states(context.scene, INERTIA_EFFECTS - {name})
-    other = next(s for s in states_without if s.name == "max_radial").case.radial_N
+    other = governing(context.states_without(name), "bending").case.radial_N
     percent = 100 * abs(other - full) / abs(full)
     because = f"{what}: peak radial force {full:,.0f} N with it, {other:,.0f} N without"
     changes = f"radial force {other:,.0f} N in place of {full:,.0f} N"

@@ -11,11 +11,12 @@ import pytest
 
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
-from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.plan.planning import plan, plan_for_stress
+from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.engine.states import load_cases
 from cranktopo.engine.throw_compliance import radial_energy_Nmm, throw_compliance
 from cranktopo.throw.journal import Journal
-from tests.fast_twin import fast_twin
+from tests.fast_twin import ENGINE, fast_twin
 
 NO_SHAFT: dict[str, Any] = {"effects": {"torsional_vibration": "off"}}
 
@@ -45,6 +46,49 @@ def test_a_radial_force_that_turns_round_is_told_as_that() -> None:
     found = re.fullmatch(r"radial force ([\d,]+) N in place of (-[\d,]+) N", change)
     assert found is not None
     assert float(found[2].replace(",", "")) == pytest.approx(full, abs=1)
+
+
+OVERSPEED: dict[str, Any] = {"engine": {**ENGINE, "overspeed_rpm": 13_000.0}}
+
+
+def size_N(text: str) -> list[float]:
+    """Return the forces that a reason tells."""
+    return [float(number.replace(",", "")) for number in re.findall(r"(-?[\d,]+) N", text)]
+
+
+@pytest.mark.parametrize("inertia", ["reciprocating_inertia", "rotating_rod_mass"])
+def test_inertia_is_compared_by_the_load_case_with_and_without_it(inertia: str) -> None:
+    """The case without it was the push of the gas at the engine's speed: 47,973 N, a change of 153 %."""
+    twin = fast_twin(**NO_SHAFT, **OVERSPEED)
+    effect, effects = (
+        plan(twin)[inertia],
+        {"bending", "torsion", "reciprocating_inertia", "rotating_rod_mass"},
+    )
+    cases = (load_cases(twin, frozenset(on))[0].radial_N for on in (effects, effects - {inertia}))
+    assert size_N(effect.reason)[:2] == pytest.approx(list(cases), abs=0.5)
+
+
+def test_rods_without_big_ends_pull_less_by_their_centrifugal_force() -> None:
+    """2 x 0.3 kg x 33.75 mm x w^2 less, by hand: 40 %, and it stays a pull."""
+    effect = plan(fast_twin(**NO_SHAFT, **OVERSPEED))["rotating_rod_mass"]
+    with_it, without = size_N(effect.reason)[:2]
+    big_ends = 0.6 * 0.03375 * (13_000 * math.pi / 30) ** 2
+    assert without - with_it == pytest.approx(big_ends, rel=1e-3)
+    assert effect.estimate_percent == pytest.approx(100 * big_ends / -with_it, rel=1e-3)
+
+
+def test_bending_is_estimated_by_the_case_that_is_solved() -> None:
+    """With a centrifugal case the pull at the overspeed is in that; the plan told it as bending, too."""
+    twin = fast_twin(effects={**NO_SHAFT["effects"], "centrifugal": "on"}, **OVERSPEED)
+    for found in (plan(twin), plan_for_stress(twin)):
+        bending = load_cases(twin, found.enabled)[0]
+        assert bending.radial_N == pytest.approx(-73_512, abs=10)
+        assert size_N(found["bending"].reason)[0] == pytest.approx(bending.radial_N, abs=0.5)
+        compliance = throw_compliance(strip_features(twin, "fillets"))
+        energy = bending.radial_N**2 * compliance.bending_mm_per_N / 2000
+        assert f"({energy:.3g} J)" in found["bending"].reason
+    alone = fast_twin(**NO_SHAFT, **OVERSPEED)
+    assert size_N(plan(alone)["bending"].reason)[0] == pytest.approx(load_cases(alone)[0].radial_N, abs=0.5)
 
 
 def straight(scene: Scene) -> Scene:
