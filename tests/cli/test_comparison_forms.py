@@ -115,7 +115,7 @@ def test_two_methods_are_named(form: str) -> None:
     text = comparison_text(compare(entries, BASE, fatigues[0], fatigues[1:]), form)
     for method in ("lsa", "fkm"):
         before = text[: text.index(f"verdict of {method}")]
-        assert before.rstrip().endswith(f"Safety by {method}:")
+        assert before.rstrip().endswith(f"Safety by {method}, over the extremes of the loads joined:")
     words = text.replace("|", " ").replace("&", " ").split()
     assert "lsa" in words[: words.index("Safeties")], "in a head"
     assert "fkm" in words[: words.index("Safeties")]
@@ -123,4 +123,4 @@ def test_two_methods_are_named(form: str) -> None:
     assert "FKM asks for 1.2 to 1.5" in text
     alone = comparison_text(compare(entries, BASE, fatigues[0]), form)
     assert "do not compare" not in alone
-    assert "Safety by lsa:" in alone
+    assert "Safety by lsa, over the extremes of the loads joined:" in alone

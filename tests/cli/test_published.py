@@ -114,4 +114,6 @@ def test_every_method_is_assessed(
     assert main([*COMMAND, "--fatigue", "lsa", "--fatigue", "fkm", "--fatigue", "lsa"]) == 0
     out = capsys.readouterr().out
     assert asked == ["lsa", "fkm"]
-    assert out.rstrip().endswith("Safety by lsa:\nverdict lsa\n\nSafety by fkm:\nverdict fkm")
+    heads = (f"Safety by {name}, over the extremes of the loads joined:" for name in ("lsa", "fkm"))
+    blocks = (f"{head}\nverdict {name}" for head, name in zip(heads, ("lsa", "fkm"), strict=True))
+    assert out.rstrip().endswith("\n\n".join(blocks))

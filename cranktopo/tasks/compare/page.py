@@ -8,7 +8,6 @@ from pathlib import Path
 
 from cranktopo.base.files import replacing
 from cranktopo.base.formats import PLOTS
-from cranktopo.base.units import change_text
 from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
@@ -29,6 +28,7 @@ from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture,
 from cranktopo.runs.destination import check_file
 from cranktopo.tasks.bound.result import AnyBound
 from cranktopo.tasks.bound.text import bound_sections
+from cranktopo.tasks.compare.cards import best_facts, change_words, method_words
 from cranktopo.tasks.compare.result import Comparison
 from cranktopo.tasks.compare.text import (
     comparison_tables,
@@ -43,14 +43,11 @@ from cranktopo.tasks.extraction.text import DesignUndercuts, undercut_table
 from cranktopo.tasks.fatigue.text import FatigueComparison
 from cranktopo.tasks.fea.quantities import (
     BENDING,
-    BENDING_PER_MASS,
     MASS,
-    SAFETY,
     TORSION,
     TORSION_PER_MASS,
     Quantity,
     comparison_sentence,
-    quantity_text,
 )
 from cranktopo.tasks.fea.scatter import (
     LABELS,
@@ -61,16 +58,7 @@ from cranktopo.tasks.fea.scatter import (
 )
 from cranktopo.tasks.fea.section import stress_section
 from cranktopo.tasks.loads.section import loads_section
-from cranktopo.tasks.optimise.text import fatigue_fact
 from cranktopo.tasks.plan.section import effects_section
-
-_LABELS = {
-    MASS: "Lightest",
-    TORSION_PER_MASS: "Stiffest in torsion per mass",
-    BENDING_PER_MASS: "Stiffest in bending per mass",
-    SAFETY: "Safest against fatigue",
-}
-"""Quantities that make the verdict, and how they read there."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +109,7 @@ def comparison_page(record: ComparisonRecord) -> Page:
                 *comparison.pitches,
             )
         ),
-        facts=(*_facts(comparison), undercut_fact(record.undercuts, len(bodies))),
+        facts=(*best_facts(comparison), undercut_fact(record.undercuts, len(bodies))),
         sections=(
             _variants(comparison, record.undercuts, record.bound),
             *bound_sections(record.bound, f"{base} and {leader} in the body-fitted evaluation"),
@@ -154,14 +142,6 @@ def undercut_fact(undercuts: Sequence[DesignUndercuts], designs: int) -> Fact:
     return Fact("Released by a die", f"{len(undercuts) - len(caught)} of {designs}", note, status)
 
 
-def _change(comparison: Comparison, row: int, quantity: Quantity) -> str:
-    percent = comparison.percent(row, quantity)
-    if quantity.error is None or row == comparison.baseline:
-        return change_text(percent - 100)
-    error = percent / 100 * comparison.change_error_percent(row, comparison.baseline, quantity)
-    return change_text(percent - 100, error)
-
-
 def _headline(comparison: Comparison) -> str:
     """Return the verdict; what fails by fatigue comes first, whatever is the stiffest."""
     failing = [f"{name} {what}" for one in comparison.fatigues for name, what in one.failing.items()]
@@ -171,21 +151,25 @@ def _headline(comparison: Comparison) -> str:
 
 def _stiffest(comparison: Comparison) -> str:
     row, baseline = comparison.leading(TORSION_PER_MASS), comparison.base.name
+    level, best = comparison.level(TORSION_PER_MASS), comparison.entries[row].name
     if row == comparison.baseline:
-        others = [other for other in range(len(comparison.entries)) if other != row][:_TOLD]
-        sentences = " ".join(
-            comparison_sentence(comparison.entries[other].name, _changes(comparison, other), baseline)
-            for other in others
-        )
-        return f"None is stiffer in torsion per kilogram than {baseline}. {sentences}".rstrip()
-    level = comparison.level(TORSION_PER_MASS)
-    names = " and ".join(comparison.entries[other].name for other in level)
-    doubt = f" ({names} within the error estimate)" if level else ""
-    best = comparison.entries[row].name
+        return f"None is stiffer in torsion per kilogram than {baseline}. {_others(comparison)}".rstrip()
+    if level:
+        names = " and ".join(comparison.entries[one].name for one in sorted((row, *level)))
+        return f"{names} are level in torsion per kilogram, within the error estimate. {_others(comparison)}"
     return (
-        f"{best} is the stiffest in torsion per kilogram{doubt}: "
-        f"{_change(comparison, row, TORSION_PER_MASS)} against {baseline}. "
+        f"{best} is the stiffest in torsion per kilogram: "
+        f"{change_words(comparison, row, TORSION_PER_MASS)} against {baseline}. "
         + comparison_sentence("It", _changes(comparison, row), baseline)
+    )
+
+
+def _others(comparison: Comparison) -> str:
+    """Return a sentence on the changes of each of the first entries but the baseline."""
+    rows = [row for row in range(len(comparison.entries)) if row != comparison.baseline][:_TOLD]
+    return " ".join(
+        comparison_sentence(comparison.entries[row].name, _changes(comparison, row), comparison.base.name)
+        for row in rows
     )
 
 
@@ -198,35 +182,6 @@ def _changes(comparison: Comparison, row: int) -> dict[Quantity, float]:
     quantities = (MASS, TORSION, BENDING)
     known = [quantity for quantity in quantities if comparison.differ(row, comparison.baseline, quantity)]
     return {quantity: comparison.percent(row, quantity) - 100 for quantity in known}
-
-
-def _facts(comparison: Comparison) -> tuple[Fact, ...]:
-    facts = tuple(_best(comparison, q, label) for q, label in _LABELS.items() if q in comparison.quantities)
-    if comparison.fatigue is not None:
-        return facts
-    return (*facts, fatigue_fact(None, "only stiffness was compared; --fatigue adds the safety"))
-
-
-def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
-    """Return which entry has the best value of a quantity, and which others are within the error estimate."""
-    row, level = comparison.leading(quantity), comparison.level(quantity)
-    own = quantity_text(quantity, comparison.entries[row].values[quantity.key])
-    change = f"{own}, {_against_baseline(comparison, row, quantity)}"
-    rivals = [comparison.entries[other].name for other in level if other != comparison.baseline]
-    note = f"{own}, the baseline itself" if row == comparison.baseline else change
-    note += ", less than the error estimate" if comparison.baseline in level else ""
-    note += f"; {' and '.join(rivals)} within the error estimate" if rivals else ""
-    status: FactStatus = "neutral" if comparison.baseline in (row, *level) else "good"
-    name = comparison.entries[row].name
-    failing = comparison.fatigue.failing.get(name) if comparison.fatigue and quantity is SAFETY else None
-    return Fact(label, name, f"{note}; {failing}" if failing else note, "bad" if failing else status)
-
-
-def _against_baseline(comparison: Comparison, row: int, quantity: Quantity) -> str:
-    if not comparison.has_percent(row, quantity):
-        return "the baseline was not judged"
-    base = quantity_text(quantity, comparison.base.values[quantity.key])
-    return f"{_change(comparison, row, quantity)} against the baseline's {base}"
 
 
 def _variants(
@@ -264,8 +219,8 @@ def _safety(comparison: Comparison) -> list[str]:
 
 
 def _safety_by(fatigue: FatigueComparison) -> list[str]:
-    verdicts, places = " ".join(fatigue.verdicts), " ".join(safety_places(fatigue))
-    return [f"By {fatigue.result.method}: {verdicts}", places]
+    head, verdicts = f"B{method_words(fatigue)[1:]}", " ".join(fatigue.verdicts)
+    return [f"{head}: {verdicts}", " ".join(safety_places(fatigue))]
 
 
 def _accuracy(comparison: Comparison) -> Section:

@@ -21,6 +21,7 @@ from cranktopo.tasks.compare.text import (
     safety_places,
     star_lines,
 )
+from cranktopo.tasks.fatigue.text import load_words
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,8 @@ def comparison_text(comparison: Comparison, form: str) -> str:
 def _verdicts(comparison: Comparison, by: _Form) -> list[str]:
     """Return a block for each method, under its name."""
     blocks = (
-        (f"Safety by {one.result.method}:", *one.verdicts, *safety_places(one)) for one in comparison.fatigues
+        (f"Safety by {one.result.method}, {load_words(one.result)}:", *one.verdicts, *safety_places(one))
+        for one in comparison.fatigues
     )
     return [by.between.join(map(by.line, lines)) for lines in blocks]
 

@@ -11,7 +11,7 @@ from cranktopo.report.result_table import Cell, ResultTable, Row, records
 from cranktopo.tasks.compare.result import ChangeErrors, Comparison, ComparisonResult, safety_by
 from cranktopo.tasks.fatigue import criteria
 from cranktopo.tasks.fatigue.result import FieldFatigue
-from cranktopo.tasks.fatigue.text import FatigueComparison
+from cranktopo.tasks.fatigue.text import FatigueComparison, loads_by_target
 from cranktopo.tasks.fea.quantities import (
     BENDING,
     COMPARED,
@@ -177,13 +177,24 @@ def left_off_lines(comparison: Comparison) -> list[str]:
 
 
 def safety_places(fatigue: FatigueComparison) -> list[str]:
-    """Return the line that names the place of the least safety of each target; none by the rule."""
+    """Return lines on the place of the least safety of each target, and on either web; none by the rule."""
     places = [
         f"{entry.target} {entry.safety:.{SAFETY.digits}f} at {entry.critical.place}"
         for entry in fatigue.result.fatigue
         if isinstance(entry, FieldFatigue)
     ]
-    return [f"Least safety: {'; '.join(places)}."] if places else []
+    return [*([f"Least safety: {'; '.join(places)}."] if places else []), *_safety_of_webs(fatigue)]
+
+
+def _safety_of_webs(fatigue: FatigueComparison) -> list[str]:
+    """Return the line with the least safety of either web of each target whose webs differ."""
+    told = [
+        f"{entry.target} "
+        + ", ".join(f"{web} web {safety:.{SAFETY.digits}f}" for web, safety in entry.web_safety.items())
+        for entry in fatigue.result.fatigue
+        if isinstance(entry, FieldFatigue) and entry.web_safety
+    ]
+    return [f"Least safety by web: {'; '.join(told)}."] if told else []
 
 
 def star_lines(comparison: Comparison) -> list[str]:
@@ -234,10 +245,19 @@ def flat_table(comparison: Comparison) -> ResultTable:
     parts = [_value_table(comparison), _percent_table(comparison)]
     published = _published_rows(comparison)[: len(comparison.entries)]
     parts += [ResultTable(dict.fromkeys(published[0], 1), tuple(published))] if published else []
+    parts += [_loads_table(comparison)] if comparison.fatigue else []
     parts += [ResultTable({"fillets": 0}, tuple({"fillets": entry.fillets} for entry in comparison.entries))]
     columns = {name: digits for part in parts for name, digits in part.columns.items()}
     rows = zip(*(part.rows for part in parts), strict=True)
     return ResultTable(columns, tuple({k: v for part in row for k, v in part.items()} for row in rows))
+
+
+def _loads_table(comparison: Comparison) -> ResultTable:
+    """Return the load states that the safeties are over, one column."""
+    loads = {target: one for by in comparison.fatigues for target, one in loads_by_target(by.result).items()}
+    return ResultTable(
+        {"safety_loads": 0}, tuple({"safety_loads": loads.get(one.name)} for one in comparison.entries)
+    )
 
 
 def comparison_result(comparison: Comparison) -> ComparisonResult:

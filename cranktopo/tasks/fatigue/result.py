@@ -7,6 +7,7 @@ from typing import Literal
 
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
+from cranktopo.engine.histories import HistoryKind
 from cranktopo.tasks.fatigue.m53 import ConcentrationFactors, Nominal, RuleHardening
 
 JudgedAs = Literal["throw_alone", "continuous_shaft"]
@@ -396,7 +397,7 @@ class FatigueResult(Result):
     """Version of these keys."""
     method: str
     """Method as in `--method`."""
-    loads: str
+    loads: HistoryKind
     """Loads of a throw alone: their extremes joined ("extremes"), or every angle of the cycle ("cycle")."""
     baseline: str | None
     """Target that counts as 100 %."""

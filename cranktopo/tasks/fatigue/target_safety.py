@@ -11,7 +11,7 @@ import numpy as np
 from cranktopo.base.arrays import Array, Index
 from cranktopo.base.notes import note
 from cranktopo.engine.histories import HistoryKind, LoadHistory, WebLoads
-from cranktopo.engine.judged_histories import histories_of
+from cranktopo.engine.judged_histories import histories_of, states_words
 from cranktopo.tasks.fatigue.criteria import safety_method
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.needs import check_method, load_kinds
@@ -73,7 +73,7 @@ def _fields(
     judged = histories_of(target.scene, kind, enabled)
     speeds = speed_histories(target.scene, enabled) if lived else []
     states = sum(len(one.labels) for one in judged)
-    note(f"{target.name}: unit loads {', '.join(kinds)} for {states} load states")
+    note(f"{target.name}: unit loads {', '.join(kinds)} for {states} load states, {states_words(kind)}")
     model = solve_stresses(target, kinds, fillet_fraction)
     fields = tuple(least_field(safety_field(model, method, one) for one in judged) for method in methods)
     return tuple(with_lives(one, speeds) for one in fields) if lived else fields

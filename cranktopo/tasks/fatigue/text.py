@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from cranktopo.engine.histories import speed_words
+from cranktopo.engine.histories import LoadsName, speed_words
+from cranktopo.engine.judged_histories import states_words
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR
-from cranktopo.tasks.fatigue.result import FatigueResult, HardenedFillet, PartLife, RuleFatigue
+from cranktopo.tasks.fatigue.result import FatigueResult, FieldFatigue, HardenedFillet, PartLife, RuleFatigue
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.verdicts import FatigueOutcome, summary, verdicts, with_percent
@@ -77,6 +78,26 @@ class FatigueComparison:
             elif one.safety < 1:
                 reasons[one.target] = f"fails by {self.result.method}, safety {one.safety:.3f}, below 1"
         return reasons
+
+
+def loads_by_target(found: FatigueResult) -> dict[str, LoadsName]:
+    """Return the load states that the safety of each target is over."""
+    return {
+        one.target: "shaft"
+        if isinstance(one, FieldFatigue) and one.judged_as == "continuous_shaft"
+        else found.loads
+        for one in found.fatigue
+    }
+
+
+def load_words(found: FatigueResult) -> str:
+    """Return the load states of the safeties in words, by target where these have several."""
+    by: dict[LoadsName, list[str]] = {}
+    for target, loads in loads_by_target(found).items():
+        by.setdefault(loads, []).append(target)
+    if len(by) < 2:
+        return states_words(next(iter(by), found.loads))
+    return "; ".join(f"{' and '.join(targets)} {states_words(one)}" for one, targets in by.items())
 
 
 def compare_fatigue(

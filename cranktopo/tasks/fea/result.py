@@ -5,6 +5,7 @@ from __future__ import annotations
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
+from cranktopo.engine.histories import LoadsName
 
 
 class EvaluatedMass(Result):
@@ -85,8 +86,10 @@ class EvaluationResult(Result):
     """Minimum by local stress analysis, where it was asked for."""
     fatigue_place: str | None = UNLESS_NONE
     """Place of that minimum in words; None in results of an earlier version too."""
+    fatigue_loads: LoadsName | None = UNLESS_NONE
+    """Load states of that minimum: "extremes", "cycle" or "shaft"; None in earlier versions too."""
     stress_MPa: float | None = UNLESS_NONE
-    """Largest von Mises stress over the extreme load states, where it was asked for."""
+    """Largest von Mises stress over the same load states, where it was asked for."""
 
     @property
     def torsion_Nm_per_rad(self) -> float:

@@ -15,6 +15,7 @@ from cranktopo.base.result import UNLESS_NONE, FileName, Result
 from cranktopo.design.goal.outcome import GoalOutcome, GoalWords
 from cranktopo.design.goal.quantities import QuantityName
 from cranktopo.design.named import DesignLike, as_scene
+from cranktopo.engine.histories import LoadsName
 from cranktopo.runs.kind import SHAPE
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.designs.run_webs import LoopWeb, best_web
@@ -222,6 +223,7 @@ class ShapeOutcome(Result):
         best_step_percent: the goal's quantity of the best step, % of the original; None where there is none.
         not_judged_of_steps: limits of the goal that the loop does not know of its steps.
         left_off: loads that safety and stress do not count although they are above the threshold, in words.
+        loads: load states of safety and stress, as shape.json has them.
     """
 
     folder: FileName = SHAPE
@@ -232,6 +234,7 @@ class ShapeOutcome(Result):
     best_step_percent: float | None = None
     not_judged_of_steps: list[QuantityName] = Field(default_factory=list)
     left_off: str | None = UNLESS_NONE
+    loads: LoadsName | None = UNLESS_NONE
 
 
 class LoopResult(Result):

@@ -122,7 +122,12 @@ def _none(reason: str, goal: GoalOutcome | GoalWords) -> ShapeStep:
 
 def _outcome(data: ShapeResult, **compared: Any) -> ShapeOutcome:
     return ShapeOutcome(
-        found=True, reason=data.stop_reason, goal=data.goal, left_off=data.left_off, **compared
+        found=True,
+        reason=data.stop_reason,
+        goal=data.goal,
+        left_off=data.left_off,
+        loads=data.loads,
+        **compared,
     )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from cranktopo.base.units import change_text
 from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.design.goal.quantities import QUANTITIES
+from cranktopo.engine.judged_histories import states_words
 from cranktopo.report.goal_table import goal_words
 from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
 from cranktopo.tasks.bound.text import bound_lines
@@ -107,6 +108,7 @@ def shape_line(loop: LoopResult) -> str:
     goal = shape.goal
     assert isinstance(goal, GoalOutcome)
     reached = f"shape: {goal_words(goal)} {goal.reached_percent:.1f} % of the original web, every limit holds"
+    reached += f", safety and stress {states_words(shape.loads)}" if shape.loads else ""
     reached += _thin_words(loop)
     if loop.best_step is None:
         return f"{reached}; no step beats the original web"

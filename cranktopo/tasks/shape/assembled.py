@@ -19,6 +19,7 @@ from cranktopo.tasks.shape.result import (
     ShapeParameter,
     ShapeResult,
     ShapeValues,
+    too_loose,
 )
 from cranktopo.tasks.shape.rules import rule_unit, rules_at
 from cranktopo.tasks.shape.search_goal import quantity_on_cells
@@ -93,8 +94,10 @@ def _limit_prices(optimum: ShapeOptimum, outcome: GoalOutcome) -> tuple[LimitPri
 
 
 def _rule_prices(scene: Scene, optimum: ShapeOptimum) -> tuple[RulePrice, ...]:
-    """Return what a unit of each rule and bound would give in the goal, % of the original's."""
+    """Return what a unit of each rule and bound would give in the goal, % of the original's, where known."""
     web, paid, found = optimum.web, optimum.multipliers, dict[tuple[str, str], float]()
+    if too_loose(100 * paid.remainder):
+        return ()
     names = [(name, rule_unit(name)) for name in rules_at(scene, web, optimum.result.values).names]
     bounds = [
         (f"{'least' if price > 0 else 'greatest'} {name}", parameter_unit(name))

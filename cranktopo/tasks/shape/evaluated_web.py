@@ -13,7 +13,7 @@ from cranktopo.base.progress import Json, StageMemory
 from cranktopo.base.side_by_side import LazyFuture, side_by_side
 from cranktopo.design.goal.scene_goal import asks_for
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import Loads, WebLoads
+from cranktopo.engine.histories import Loads, WebLoads, loads_name
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
 from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa, largest_stress_MPa
@@ -189,14 +189,15 @@ def _stressed(target: Target, stressed: Collection[str], judging: Judging) -> Js
     """Return the quantities of the stresses as an evaluation has them; of both one mesh is solved."""
     loads, fraction = judging.loads, judging.fillet_fraction
     if isinstance(loads, WebLoads):
-        return _least(web_field(target, "lsa", loads, fraction))
+        return _least(web_field(target, "lsa", loads, fraction), loads)
     target = with_throw_stiffness(target)
     if "fatigue_safety" not in stressed:
         return {"stress_MPa": largest_stress_MPa(target, loads, fraction)}
     field = fatigue_field(target, "lsa", loads, fraction)
     more = {"stress_MPa": largest_of_field_MPa(field)} if "stress" in stressed else {}
-    return {**_least(field), **more}
+    return {**_least(field, loads), **more}
 
 
-def _least(field: FatigueField) -> Json:
-    return {"fatigue_safety": float(field.critical.safety), "fatigue_place": field.critical.place}
+def _least(field: FatigueField, loads: Loads) -> Json:
+    safety, place = float(field.critical.safety), field.critical.place
+    return {"fatigue_safety": safety, "fatigue_place": place, "fatigue_loads": loads_name(loads)}

@@ -9,6 +9,7 @@ from cranktopo.base.units import change_text
 from cranktopo.design.goal.balance_moved import balance_words
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.schema import Scene
+from cranktopo.engine.judged_histories import states_words
 from cranktopo.report.goal_table import limits_table
 from cranktopo.report.page import (
     Fact,
@@ -26,7 +27,7 @@ from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
 from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.extraction.text import release_text, release_verdict
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
-from cranktopo.tasks.fea.quantities import SAFETY
+from cranktopo.tasks.fea.quantities import SAFETY, STRESS
 from cranktopo.tasks.fea.section import clearance_sections
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.text import (
@@ -85,6 +86,8 @@ def quantity_fact(shape: ShapeResult, key: str) -> Fact:
     note = f"{value} against the original's {f'{original} {unit}'.rstrip()}"
     if quantity is SAFETY and shape.result.fatigue_place:
         note = f"{note}; least at {shape.result.fatigue_place}"
+    if quantity in (SAFETY, STRESS) and shape.loads:
+        note = f"{note}; {states_words(shape.loads)}"
     change_words = change_text(change, error)
     if quantity is SAFETY and shape.values.result[key] < 1:
         return Fact(label, change_words, f"{note}; below 1: it fails", "bad")

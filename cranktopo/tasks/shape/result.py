@@ -76,11 +76,16 @@ class FeatureTrial(Result):
 MINIMUM_PERCENT = 5e-3
 """A price below it counts as zero."""
 LOOSE_PERCENT = 30.0
-"""Part of the goal's gradient that the prices leave unexplained, above which a price of zero is not known.
+"""Part of the goal's gradient that the prices leave unexplained, above which no price is known.
 
 A price may be wrong by that part of the goal's gradient over the limit's own. In percent both gradients are
-alike for stiffness and mass, and usual prices are 0.1 to 1 % per percent: beyond 0.3 a zero tells nothing.
+alike for stiffness and mass, and usual prices are 0.1 to 1 % per percent: beyond 0.3 they tell nothing.
 """
+
+
+def too_loose(remainder_percent: float) -> bool:
+    """Tell whether the prices leave too much of the goal's gradient unexplained to be known."""
+    return remainder_percent > LOOSE_PERCENT
 
 
 class LimitPrice(Result):
@@ -89,7 +94,8 @@ class LimitPrice(Result):
     quantity: QuantityName
     sense: LimitSense
     goal_percent_per_percent: float | None
-    """None where it is not known: zero by a fit that explains too little, or of a limit that is missed."""
+    """None where it is not known: the limit is missed, or binds where the prices explain too little. 0 of a
+    limit that does not bind."""
 
     def outcomes(self, limits: Sequence[LimitOutcome]) -> tuple[LimitOutcome, ...]:
         """Return the goal's limits that it is of; one of a displacement is that of its stiffness."""
@@ -99,8 +105,9 @@ class LimitPrice(Result):
         """Return the price, None where it is not known."""
         cost, own = self.goal_percent_per_percent, self.outcomes(limits)
         missed = any(limit.holds is False for limit in own)
-        loose = remainder_percent > LOOSE_PERCENT and any(limit.active for limit in own)
-        return None if cost is None or (cost < MINIMUM_PERCENT and (missed or loose)) else cost
+        if own and not missed and not any(limit.active for limit in own):
+            return 0.0
+        return None if missed or too_loose(remainder_percent) else cost
 
     @property
     def side(self) -> str:

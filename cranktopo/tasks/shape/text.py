@@ -8,6 +8,7 @@ from pathlib import Path
 
 from cranktopo.base.units import change_text, plain_number
 from cranktopo.design.goal.constraint import TOLERANCE, Constraint
+from cranktopo.engine.judged_histories import states_words
 from cranktopo.report.goal_table import limits_table, short_percent, violated_limits
 from cranktopo.report.result_table import Column, ResultTable, Row, tabulate, terminal
 from cranktopo.tasks.bound.text import bound_lines
@@ -21,7 +22,6 @@ from cranktopo.tasks.fea.quantities import (
     STRESS,
 )
 from cranktopo.tasks.shape.result import (
-    LOOSE_PERCENT,
     MINIMUM_PERCENT,
     DimensionSensitivity,
     FeatureTrial,
@@ -29,6 +29,7 @@ from cranktopo.tasks.shape.result import (
     SensitivityTable,
     ShapeParameter,
     ShapeResult,
+    too_loose,
 )
 
 _Parameters = Sequence[DimensionSensitivity]
@@ -257,18 +258,15 @@ def shape_summary(shape: ShapeResult, folder: Path) -> str:
 
 
 def stress_loads(shape: ShapeResult) -> str:
-    """Return the load states of what stresses tell in words; empty for joined extremes, the default."""
+    """Return the load states of what stresses tell in words; empty where nothing of theirs is told."""
     labels = [
         QUANTITIES_TOLD[key].label for key in ("fatigue_safety", "stress") if key in shape.values.result
     ]
-    where = {"cycle": "", "shaft": ", as the shaft on all its bearings loads these webs"}.get(
-        shape.loads or ""
-    )
-    if where is None:
+    if shape.loads is None or not labels:
         return ""
     shaft = shape.in_shaft
     judged = "" if shaft is None else f"; solved again the shaft has {shaft.result:.3f} (web {shaft.web})"
-    return f"{' and '.join(labels)} over every angle of the cycle{where}{judged}"
+    return f"{' and '.join(labels)} {states_words(shape.loads)}{judged}"
 
 
 def _going_on(shape: ShapeResult, folder: Path) -> list[str]:
@@ -292,14 +290,15 @@ def multiplier_doubt(shape: ShapeResult) -> str:
     """Return the error where the prices do not explain the optimum; empty else."""
     rest = shape.prices_remainder_percent
     doubt = f"prices explain {100 - rest:.0f} % of what the goal still wants: it is not quite the best web"
-    return doubt if rest > LOOSE_PERCENT else ""
+    return doubt if too_loose(rest) else ""
 
 
 def _multipliers(shape: ShapeResult) -> Iterator[tuple[str, str]]:
     name = shape.goal.quantity.name.replace("_", " ")
     for price in shape.prices:
         yield _moved(shape, price), _price_effect(shape, price, name)
-    rules = [rule for rule in shape.rule_prices if rule.goal_percent_per_unit >= MINIMUM_PERCENT]
+    known = () if too_loose(shape.prices_remainder_percent) else shape.rule_prices
+    rules = [rule for rule in known if rule.goal_percent_per_unit >= MINIMUM_PERCENT]
     better = "less" if shape.goal.minimise else "more"
     for rule in sorted(rules, key=lambda rule: (-round(rule.goal_percent_per_unit, 6), rule.name)):
         effect = f"would give {rule.goal_percent_per_unit:.2f} % {better} {name}"

@@ -77,7 +77,7 @@ def run_stage(stage: Stage, scene: Scene, folder: Path, fineness: Fineness) -> J
     return _STAGES[stage](scene, folder, fineness)
 
 
-_WHERE_ASKED = ("natural_frequency_Hz", "stress_MPa", "fatigue_safety", "fatigue_place")
+_WHERE_ASKED = ("natural_frequency_Hz", "stress_MPa", "fatigue_safety", "fatigue_place", "fatigue_loads")
 """Quantities that an evaluation has where a goal asks for them."""
 
 
@@ -109,9 +109,11 @@ def _fatigue(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     from cranktopo.tasks.fatigue.stage import assess_fatigue
 
     web = Target(scene.name, simulated(scene, fillets=True))
-    least = assess_fatigue([web]).fields[0].critical
+    found = assess_fatigue([web])
+    least = found.fields[0].critical
     judged = _judged(Target(scene.name, simulated(scene)), fineness)
     safety = {"fatigue_safety": least.safety, "fatigue_place": least.place}
+    safety |= {"fatigue_loads": "shaft" if found.fields[0].on_bearings else found.loads}
     return {**judged, **safety, "target": DESIGN, VIEW: web_view(web)}
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from cranktopo.base.files import replacing, write_text
 from cranktopo.base.units import plain_number
+from cranktopo.engine.judged_histories import states_words
 from cranktopo.report.result_table import ResultTable, Row, no_formula, terminal
 from cranktopo.tasks.fea.quantities import SAFETY
 from cranktopo.tasks.sweep.result import COARSE, DONE, PointResult, SweepResult
@@ -151,9 +152,11 @@ def point_words(points: Sequence[PointResult], row: PointResult) -> str:
 
 
 def safety_words(row: PointResult) -> str:
-    """Return the least safety of a point and its place, behind what tells it; empty where none is known."""
+    """Return the least safety of a point, its load states and place; empty where none is known."""
     safety, place = row.number("fatigue_safety"), row.number("fatigue_place")
-    return f", least {SAFETY.label} {safety:.{SAFETY.digits}f} at {place}" if place else ""
+    loads = row.number("fatigue_loads")
+    over = f" {states_words(loads)}" if loads else ""
+    return f", least {SAFETY.label} {safety:.{SAFETY.digits}f}{over} at {place}" if place else ""
 
 
 def _reasons(data: SweepResult) -> list[str]:

@@ -81,4 +81,4 @@ def test_a_file_and_a_line_add_a_criterion(monkeypatch: pytest.MonkeyPatch, tmp_
     text = comparison_text(compared.comparison, "table")
     assert "lsa: size and survival by factors" in text
     assert "gerber: mean stress as parabola." in text
-    assert "Safety by gerber:" in text
+    assert "Safety by gerber, over " in text

@@ -170,3 +170,5 @@ def test_a_web_thinner_than_a_step_may_be_is_said_to_be_so() -> None:
         "where a step keeps 7.6 mm; better than step 2 with 95.0 %"
     )
     assert "beside a journal" not in shape_line(thick)
+    judged = thin.model_copy(update={"shape": thin.shape.model_copy(update={"loads": "cycle"})})
+    assert "every limit holds, safety and stress over every angle of the cycle, 5.3 mm" in shape_line(judged)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import re
 from pathlib import Path
@@ -12,11 +14,13 @@ import pytest
 
 from cranktopo.base.progress import StageMemory
 from cranktopo.design.loading import load_scene
+from cranktopo.tasks.compare.cards import best_facts
 from cranktopo.tasks.compare.printed import comparison_text
 from cranktopo.tasks.compare.result import Entry, compare
 from cranktopo.tasks.fatigue.result import CriticalPoint, FieldFatigue
 from cranktopo.tasks.fatigue.target_safety import fatigue_field
 from cranktopo.tasks.fatigue.text import FatigueComparison
+from cranktopo.tasks.fea.quantities import SAFETY
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shape import evaluated_web as module
 from cranktopo.tasks.shape.evaluated_web import Judging, evaluated_web
@@ -36,7 +40,7 @@ from tests.unit.sweep.test_sweep_shown import sweep
 
 OUTLET = "oil outlet on the crankpin, x 0.1, y 55.7, z 30.0 mm"
 FILLET = "pin fillet, +12 deg around, 45 deg along"
-FIELD = SimpleNamespace(critical=SimpleNamespace(safety=0.97, place=OUTLET))
+FIELD = SimpleNamespace(critical=SimpleNamespace(safety=0.97, place=OUTLET), on_bearings=None)
 
 
 def shaped() -> ShapeResult:
@@ -59,6 +63,7 @@ def test_an_evaluated_web_has_the_place_beside_its_safety(monkeypatch: pytest.Mo
     found = evaluated_web(scene, {"fatigue_safety"}, None, "web", StageMemory()).evaluation
     assert (found.fatigue_safety, found.fatigue_place) == (0.97, OUTLET)
     assert found.as_json()["fatigue_place"] == OUTLET
+    assert found.fatigue_loads == "extremes"
 
 
 @pytest.mark.slow
@@ -90,12 +95,13 @@ def test_a_result_of_an_earlier_version_names_none() -> None:
 
 
 def test_a_point_of_a_sweep_has_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assessed = SimpleNamespace(fields=(FIELD,))
+    assessed = SimpleNamespace(fields=(FIELD,), loads="extremes")
     monkeypatch.setattr("cranktopo.tasks.fatigue.stage.assess_fatigue", lambda *_: assessed)
     monkeypatch.setattr("cranktopo.tasks.sweep.stages._judged", lambda *_: {"mass_kg": 2.0})
     monkeypatch.setattr("cranktopo.tasks.sweep.stages.web_view", lambda *_: "")
     told = run_stage("fatigue", load_scene("mikron-iiic-plain"), tmp_path, Fineness())
     assert (told["fatigue_safety"], told["fatigue_place"]) == (0.97, OUTLET)
+    assert told["fatigue_loads"] == "extremes"
 
 
 def test_sweep_names_it_in_picks_table_and_page() -> None:
@@ -105,6 +111,11 @@ def test_sweep_names_it_in_picks_table_and_page() -> None:
     assert frame_of([safe], safe)["fatigue_place"][0] == OUTLET
     page = sweep_html(found, {})
     assert f"least fatigue safety 0.970 at {OUTLET}</strong>" in page
+    over = point_result(
+        "a", design="d", mass_kg=2.0, fatigue_safety=0.97, fatigue_place=OUTLET, fatigue_loads="cycle"
+    )
+    named = found.model_copy(update={"points": (over,)})
+    assert f"0.970 over every angle of the cycle at {OUTLET}" in sweep_summary(named, Path("run"))
     (data,) = re.findall(r"<script[^>]*application/json[^>]*>(.*?)</script>", page)[:1]
     assert OUTLET in json.loads(data)["rows"][0]
 
@@ -113,11 +124,63 @@ def test_compare_names_it_on_the_terminal() -> None:
     places = {"a": (1.01, FILLET), "b": (0.97, OUTLET)}
     entries = tuple(
         FieldFatigue.model_construct(
-            target=name, safety=safety, critical=CriticalPoint.model_construct(place=place)
+            target=name,
+            safety=safety,
+            judged_as="throw_alone",
+            critical=CriticalPoint.model_construct(place=place),
         )
         for name, (safety, place) in places.items()
     )
     told = FatigueComparison((1.01, 0.97), (), NO_FATIGUE.model_copy(update={"fatigue": entries}))
     targets = [Entry(evaluated(name, 90e3, 0.1), None, safety) for name, (safety, _) in places.items()]
-    text = comparison_text(compare(targets, "a", told), "table")
+    found = compare(targets, "a", told)
+    text = comparison_text(found, "table")
     assert f"Least safety: a 1.010 at {FILLET}; b 0.970 at {OUTLET}." in text
+
+
+def test_every_form_of_a_comparison_names_the_load_states_and_either_web() -> None:
+    """Extremes joined and the whole cycle both were `Safety by lsa`; stderr alone told both webs."""
+    webs = {"a": {"first": 0.642, "second": 0.715}, "b": {"first": 0.643, "second": 0.700}}
+    worlds = {"a": "throw_alone", "b": "continuous_shaft"}
+    entries = tuple(
+        FieldFatigue.model_construct(
+            target=name,
+            safety=min(safeties.values()),
+            judged_as=worlds[name],
+            web_safety=safeties,
+            critical=CriticalPoint.model_construct(place=OUTLET),
+        )
+        for name, safeties in webs.items()
+    )
+    result = NO_FATIGUE.model_copy(update={"fatigue": entries, "loads": "cycle"})
+    told = FatigueComparison((0.642, 0.643), (), result)
+    targets = [Entry(evaluated(one.target, 90e3, 0.1), None, one.safety) for one in entries]
+    found = compare(targets, "a", told)
+    states = (
+        "a over every angle of the cycle; b over every angle of the cycle in the shaft on all its bearings"
+    )
+    for form in ("table", "markdown", "latex"):
+        text = comparison_text(found, form)
+        assert f"Safety by lsa, {states}:" in text
+        assert "a first web 0.642, second web 0.715; b first web 0.643, second web 0.700" in text
+    rows = list(csv.DictReader(io.StringIO(comparison_text(found, "csv"))))
+    assert [row["safety_loads"] for row in rows] == ["cycle", "shaft"]
+    card = next(fact for fact in best_facts(found) if fact.label == "Safest against fatigue")
+    assert card.value == "no clear best"
+    assert card.status == "bad", "both fail"
+    assert card.note.endswith(f"by lsa, {states}")
+    assert "+0.2 +-2 %" in card.note
+
+
+def test_a_card_names_no_winner_within_the_error_whose_column_has_no_star() -> None:
+    """0.04 % safer was `Safest against fatigue: b`; a clear winner stays one."""
+    for safety, shown in ((1.3005, "no clear best"), (1.4, "b")):
+        told = FatigueComparison((1.3, safety), (), NO_FATIGUE)
+        targets = [Entry(evaluated(name, 90e3, 0.1), None, one) for name, one in (("a", 1.3), ("b", safety))]
+        found = compare(targets, "a", told)
+        card = next(fact for fact in best_facts(found) if fact.label == "Safest against fatigue")
+        assert card.value == shown
+        assert (found.best(SAFETY) is None) == (shown == "no clear best")
+        assert card.note.endswith("by lsa, over the extremes of the loads joined")
+        stiffest = next(fact for fact in best_facts(found) if fact.label == "Stiffest in torsion per mass")
+        assert stiffest.value == "no clear best"

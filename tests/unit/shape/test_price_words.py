@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from cranktopo.design.loading import load_scene
 from cranktopo.report.plot import picture
-from cranktopo.tasks.shape.page import curves, draw_goal, draw_worst_limit, page_headline, quantity_fact
+from cranktopo.report.report_file import html, markdown_text
+from cranktopo.tasks.shape.page import (
+    curves,
+    draw_goal,
+    draw_worst_limit,
+    page_headline,
+    quantity_fact,
+    shape_page,
+)
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.text import (
     multiplier_table,
@@ -18,6 +28,7 @@ from cranktopo.tasks.shape.text import (
     shape_summary,
     stress_loads,
 )
+from tests.page_text import typed
 from tests.unit.shape.shape_results import goal, invented_data
 
 TOLD: dict[str, Any] = {"worst_case_percent": {"tolerance": 0.5}, "seconds": {"total": 1.0}}
@@ -121,7 +132,63 @@ def test_the_load_states_of_a_cycle_are_named_with_what_they_tell(data: dict[str
         ),
     ):
         assert stress_loads(_found(data | {"values": values, "loads": "cycle"})) == told
-    assert stress_loads(_found(data | {"values": both, "loads": "extremes"})) == ""
+    joined = stress_loads(_found(data | {"values": both, "loads": "extremes"}))
+    assert joined == "fatigue safety and largest von Mises stress over the extremes of the loads joined"
+    none = {"original": {}, "result": {"mass": 1.0}}
+    assert stress_loads(_found(data | {"values": none, "loads": "extremes"})) == ""
+
+
+@pytest.mark.parametrize(
+    ("loads", "words"),
+    [
+        ("extremes", "over the extremes of the loads joined"),
+        ("cycle", "over every angle of the cycle"),
+        ("shaft", "over every angle of the cycle in the shaft on all its bearings"),
+    ],
+)
+def test_summary_and_page_name_the_load_states_of_a_safety(
+    data: dict[str, Any], loads: str, words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Joined extremes, the default, were named by shape.json alone: 0.642 beside 0.793 over the cycle."""
+    values = {"original": {"mass": 2.0, "fatigue_safety": 0.7}, "result": {"fatigue_safety": 0.642}}
+    changed = {"values": values, "change_percent": {"fatigue_safety": -8.0}, "loads": loads, "rounds": []}
+    found = _found(data | changed | {"goal_on_cells": {"minimise": "mass"}} | TOLD)
+    assert f"\nfatigue safety {words}\n" in shape_summary(found, Path("run"))
+    assert quantity_fact(found, "fatigue_safety").note.endswith(f"{words}; below 1: it fails")
+    monkeypatch.setattr("cranktopo.tasks.shape.page.gallery_picture", lambda *_: None)
+    manifest = {"run": "out", "started": "2026-11-27T00:00:00", "command": [], "versions": {}}
+    page = shape_page(found, {**manifest, "settings_sha256": ""}, load_scene("mikron-iiic-plain"), ())
+    page = replace(page, scene3d=None)
+    for written in (typed(html(page)), markdown_text(page, "pictures")):
+        assert f"fatigue safety {words}" in written
+
+
+def test_prices_of_a_poor_fit_are_not_told(data: dict[str, Any]) -> None:
+    """With 67 % explained, 3.10 % mass per percent of bending was told, and a gain per mm of a wall."""
+    bending, far = _limit("bending", ">=", 761.5, 760.9, True), _limit("unbalance", "<=", -37.4, -38.6, True)
+    data["goal"] = {**goal(minimise="mass"), "limits": [bending, far | {"active": False}]}
+    data["prices"] = [
+        {"quantity": "bending", "sense": ">=", "goal_percent_per_percent": 3.105},
+        {"quantity": "unbalance", "sense": "<=", "goal_percent_per_percent": 0.111},
+    ]
+    lines = multiplier_text(_found(data | {"prices_remainder_percent": 33.16}))
+    assert lines[:2] == [
+        "1 % more bending has no price known: the prices explain too little",
+        "unbalance lower by 1 % of its limit costs nothing: this limit does not decide",
+    ]
+    assert len(lines) == 3
+    assert "prices explain 67 %" in lines[-1]
+    found = _found(data | {"prices_remainder_percent": 29.9})
+    known = [price.known(found.goal.limits, 29.9) for price in found.prices]
+    assert known == [3.105, 0.0]
+
+
+def test_a_missed_limit_has_no_price(data: dict[str, Any]) -> None:
+    data["goal"] = {**goal(minimise="mass"), "limits": [_limit("bending", ">=", 761.5, 700.0, False)]}
+    data["prices"] = [{"quantity": "bending", "sense": ">=", "goal_percent_per_percent": 3.105}]
+    found = _found(data)
+    assert found.prices[0].known(found.goal.limits, 4.0) is None
+    assert multiplier_text(found)[0] == "1 % more bending has no price known: this limit is missed"
 
 
 def test_a_limit_that_is_missed_is_not_told_as_one_that_does_not_decide(data: dict[str, Any]) -> None:
@@ -227,23 +294,25 @@ def test_both_sides_of_a_limit_are_told_apart(data: dict[str, Any]) -> None:
     ]
     near = "costs nothing: the other limits and rules decide before it"
     assert _window(data, 0.0, 0.0, ">=") == [f"{more} {near}", f"{less} does not decide: the least is nearer"]
-    assert _window(data, 0.0, 0.2, "") == [
+    assert _window(data, 0.0, 0.2, "<=") == [
         f"{more} does not decide: the greatest does",
         f"{less} costs 0.20 % mass",
     ]
-    assert _window(data, 0.0, 0.0, "") == [
-        f"{more} costs nothing: this limit does not decide",
-        f"{less} costs nothing: this limit does not decide",
-    ]
+    for price in (0.0, 0.2):
+        assert _window(data, 0.0, price, "") == [
+            f"{more} costs nothing: this limit does not decide",
+            f"{less} costs nothing: this limit does not decide",
+        ]
 
 
 def test_a_goal_that_is_made_high_is_told_as_more_and_a_poor_balance_is_said(data: dict[str, Any]) -> None:
     told = multiplier_text(
-        _found(data | {"goal": goal(maximise="torsion_per_mass"), "prices_remainder_percent": 45.0})
+        _found(data | {"goal": goal(maximise="torsion_per_mass"), "prices_remainder_percent": 28.0})
     )
     assert told[0] == "1 % more torsion costs 0.31 % torsion per mass"
     assert told[3] == "1 degree of 'least slot.draft' would give 0.20 % more torsion per mass"
-    assert "prices explain 55 %" in told[-1]
+    poor = multiplier_text(_found(data | {"prices_remainder_percent": 45.0}))
+    assert "prices explain 55 %" in poor[-1]
 
 
 def test_the_convergence_shows_goal_and_worst_limit_of_every_web(data: dict[str, Any]) -> None:
