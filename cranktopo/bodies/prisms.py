@@ -93,10 +93,10 @@ def drillings(scene: Scene, around: int | None = None) -> Manifold:
 
     Their circles have so many chords; by default as many as an export needs.
     """
-    return sum((_drill_tool(bore, around) for bore in drill_bores(scene)), Manifold())
+    return sum((drill_tool(bore, around) for bore in drill_bores(scene)), Manifold())
 
 
-def _drill_tool(bore: DrillBore, sides: int | None) -> Manifold:
+def drill_tool(bore: DrillBore, sides: int | None = None) -> Manifold:
     """Return a drilling with its roundings as one body, rings of points from end to end.
 
     One body, because a bore and a rounding made apart would touch in a circle: their chords cross there and
