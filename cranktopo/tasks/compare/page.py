@@ -209,6 +209,9 @@ def _facts(comparison: Comparison) -> tuple[Fact, ...]:
 
 def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
     """Return which entry has the best value of a quantity, and which others are within the error estimate."""
+    if not comparison.rated(quantity):
+        unrated = " and ".join(entry.name for entry in comparison.entries)
+        return Fact(label, "none", f"the rule judges none of {unrated}", "bad")
     row, level = comparison.leading(quantity), comparison.level(quantity)
     own = quantity_text(quantity, comparison.entries[row].values[quantity.key])
     change = f"{own}, {_against_baseline(comparison, row, quantity)}"
