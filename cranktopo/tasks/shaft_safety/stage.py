@@ -221,7 +221,7 @@ class JudgedShaft:
             speeds=_by_speed(least, speeds),
             load_states=angle_deg.size * len(speeds),
             quality=JudgedQuality(**vars(quality), within_rule=quality.within_limits),
-            mesh_shortfall=self._mesh_shortfall or None,
+            mesh_shortfall=self.missed_checks or None,
             left_off=shaft_left_off(self.target.scene) or None,
             seconds=_seconds(self.throws, solved - begin, finished - solved),
             assumed=assumed_by(filter_by_table(self.target.assumed, USED), (self.method,)),
@@ -240,7 +240,7 @@ class JudgedShaft:
         return BearingPolar(speed_rpm, cycle.angle_deg, tuple(s + 1 for s in sections), on_bearings)
 
     @property
-    def _mesh_shortfall(self) -> str:
+    def missed_checks(self) -> str:
         """The checks that the mesh of any throw misses, each with the names of the throws."""
         models = {id(one.model): one.model for one in self.throws}.values()
         found = {model.name: missed for model in models if (missed := mesh_shortfall(model))}

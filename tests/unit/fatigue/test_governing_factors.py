@@ -119,7 +119,7 @@ def test_elements_of_a_web_have_the_drilling_that_it_alone_has(monkeypatch: pyte
 
     def model(target: Target, *_: object, **__: object) -> Any:
         solved.append(target.scene)
-        return SimpleNamespace(throw_kg=1.0, quality=MISSED)
+        return SimpleNamespace(throw_kg=1.0, quality=replace(MISSED, jump_percent=4.0))
 
     factors = concentration_factors(dimensions(scene))
     monkeypatch.setattr("cranktopo.tasks.fatigue.rule_check.solve_stresses", model)
@@ -298,7 +298,10 @@ def test_lower_numbers_of_elements_that_prove_nothing_leave_a_radial_outlet_open
     assert "a smaller --fillet-fraction helps" in line
     (line,) = rule_remarks([replace(found, outlets=(leaning((2.0, 3.0), jump_percent=7.0),))])
     assert "jump between elements 7.0 %" in line
-    assert "only with elements of a smaller --fillet-fraction; `--method lsa` counts it" in line
+    assert (
+        "only with elements of a smaller --fillet-fraction; `cranktopo fatigue --method lsa` counts it"
+        in line
+    )
     (line,) = rule_remarks([replace(found, outlets=(leaning((2.0, 3.0), sharp=True),))])
     assert "only with an analysis of its own" in line
     refused = replace(coarse, check=FilletCheck(290.0, 300.0))

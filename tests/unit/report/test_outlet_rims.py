@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
-from cranktopo.numerics.surfaces.mesh import mesh_of
+from cranktopo.base.arrays import Array
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.numerics.surfaces.visible_edges import visible_edges
-from cranktopo.tasks.crank_drawing.crank_shape import PlacedThrow
+from cranktopo.tasks.crank_drawing.crank_shape import CrankShape, PlacedThrow
+from cranktopo.tasks.crank_drawing.crank_views import draw_star
 from cranktopo.tasks.crank_drawing.outlet_lines import outlet_rims, outside_of
 from tests.physics.fea.test_two_webs import scene_with
 
@@ -48,9 +51,9 @@ def test_a_line_on_the_near_side_is_drawn_whole_and_one_behind_is_not() -> None:
     near = np.column_stack([x, np.sqrt(20.0**2 - x**2), z])
     view = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])  # from +y
 
-    def lengths(rim: np.ndarray) -> float:
+    def lengths(rim: Array) -> float:
         chains = visible_edges(
-            type(cylinder)(cylinder.vertices_mm @ view.T, cylinder.faces[:, ::-1]), 0.1, [rim @ view.T]
+            SurfaceMesh(cylinder.vertices_mm @ view.T, cylinder.faces[:, ::-1]), 0.1, [rim @ view.T]
         )
         inside = [c for c in chains if np.linalg.norm(c - [0.0, 20.0], axis=1).max() < 5.0]
         return float(sum(np.linalg.norm(np.diff(c, axis=0), axis=1).sum() for c in inside))
@@ -63,3 +66,22 @@ def test_what_lies_in_the_quarter_that_is_cut_away_is_left_out() -> None:
     line = np.column_stack([np.linspace(-2, 2, 9), np.ones(9), np.zeros(9)])
     (kept,) = outside_of([line], np.array([-9.0, 0.0, -9.0]), np.array([0.0, 9.0, 9.0]))
     assert kept[:, 0].tolist() == [0.0, 0.5, 1.0, 1.5, 2.0]
+
+
+@pytest.mark.parametrize(
+    ("rotation", "told"),
+    [
+        (None, "arrow: sense of rotation, assumed"),
+        ("clockwise", "arrow: sense of rotation"),
+        ("counter-clockwise", "its crank is the mirror image"),
+    ],
+)
+def test_the_arrow_of_the_star_says_what_is_known_of_the_rotation(rotation: str | None, told: str) -> None:
+    """Not one thing on the drawing and another in the dossier."""
+    throw = drilled(0.0)
+    assert throw.scene.engine is not None
+    engine = throw.scene.engine.model_copy(update={"rotation": rotation})
+    turned = PlacedThrow(throw.scene.model_copy(update={"engine": engine}), 0.0, 0.0)
+    axes = Figure().add_subplot()
+    draw_star(axes, CrankShape("c", (turned,), (), ()))
+    assert any(text.get_text().endswith(told) for text in axes.texts)
