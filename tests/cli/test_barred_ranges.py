@@ -114,7 +114,7 @@ def test_ranges_that_overlap_are_one_of_all_their_cylinders() -> None:
 
 
 def test_the_card_names_every_resonance_where_one_cylinder_misfires(tmp_path: Path) -> None:
-    """It told the first alone: 319 rpm of order 1.5, and 478 rpm of order 1 as far in the range was left out."""
+    """It told the first alone, 319 rpm of order 1.5, and left out 478 rpm of order 1."""
     study = shaft_vibration(design(tmp_path, GIVEN + WHEEL, MEAN_INERTIA))
     weak = tuple(CriticalSpeed(rpm, order, 1, 0.0, False) for rpm, order in ((478.0, 1.0), (319.0, 1.5)))
     (card,) = (

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import about_z_deg
@@ -51,7 +50,7 @@ def outside_of(lines: Sequence[Array], low_mm: Array, high_mm: Array) -> list[Ar
     """Return the parts of lines (n, 3) outside of a box, in the same order along them."""
     found = []
     for line in lines:
-        kept: NDArray[np.bool_] = ~((line > low_mm) & (line < high_mm)).all(axis=1)
+        kept = np.logical_not(((line > low_mm) & (line < high_mm)).all(axis=1))
         steps = np.flatnonzero(kept[1:] != kept[:-1]) + 1
         runs = zip(np.split(line, steps), np.split(kept, steps), strict=True)
         found += [run for run, keep in runs if keep[0] and len(run) > 1]

@@ -203,5 +203,7 @@ def test_a_throw_alone_tells_that_its_drilling_goes_on(
     assert "throw.drilling[0]: crosses the middle of the main journal" in " ".join(
         capsys.readouterr().err.split()
     )
-    inside = text.replace("[web]\n", f'{hole}from = {{ on = "main_journal", place_mm = 9.0 }}\n\n[web]\n', 1)
+    inside = text.replace(
+        "[web]\n", f'{hole}from = {{ on = "main_journal", angle_deg = 180.0, place_mm = 9.0 }}\n\n[web]\n', 1
+    )
     assert crossing_words(parse_scene(inside)) == ""
