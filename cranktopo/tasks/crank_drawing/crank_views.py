@@ -67,7 +67,7 @@ def lengthwise(shape: CrankShape) -> Lengthwise:
         (left - 1.0, 0.0, start - 1.0)
     )
     corners = np.array([[left - 1.0, 0.0, start - 1.0], [0.0, top + 1.0, end + 1.0]])
-    rims = [rim @ _FROM_SIDE.T for rim in outside_of(outlet_rims(shape.throws), *corners)]
+    rims = [rim @ _FROM_SIDE.T for rim in outside_of(outlet_rims(shape.throws, shape.z_mm), *corners)]
     chains = visible_edges(shape.seen(_FROM_SIDE, quarter), (end - start) * _PIXEL_SHARE, rims)
     upper = CrossSection.square((end - start + 2.0, top + 1.0)).translate((start - 1.0, 0.0))
     cut = CrossSection(shape.section_x(), FillRule.EvenOdd) ^ upper
@@ -255,7 +255,7 @@ def end_room(shape: CrankShape) -> Room:
 
 def end_edges(shape: CrankShape) -> list[Array]:
     """Return the edges that are seen from the free end."""
-    rims = [rim @ _FROM_FREE_END.T for rim in outlet_rims(shape.throws)]
+    rims = [rim @ _FROM_FREE_END.T for rim in outlet_rims(shape.throws, shape.z_mm)]
     pixel_mm = (shape.reach_mm[3] - shape.reach_mm[2]) * _PIXEL_SHARE * 2
     return visible_edges(shape.seen(_FROM_FREE_END), pixel_mm, rims)
 

@@ -19,11 +19,19 @@ from cranktopo.throw.drilling.outlet import ring_points
 from cranktopo.throw.drilling.table import drill_bores
 
 _AROUND = 72
+_SLACK_MM = 1e-6
 
 
-def outlet_rims(throws: Sequence[PlacedThrow]) -> list[Array]:
-    """Return closed lines (n, 3) where the roundings of the outlets of all throws meet the journals, mm."""
-    return [_turned(rim, throw) for throw in throws for rim in _rims(throw.scene)]
+def outlet_rims(throws: Sequence[PlacedThrow], z_mm: tuple[float, float]) -> list[Array]:
+    """Return lines (n, 3) where the roundings of the outlets of all throws meet the journals, mm.
+
+    They are closed, but for one that an end of the crank cuts.
+    """
+    rims = [_turned(rim, throw) for throw in throws for rim in _rims(throw.scene)]
+    (start, end), wide = z_mm, np.full(2, np.inf)
+    for low, high in ((-np.inf, start - _SLACK_MM), (end + _SLACK_MM, np.inf)):
+        rims = outside_of(rims, np.array([*-wide, low]), np.array([*wide, high]))
+    return rims
 
 
 def _rims(scene: Scene) -> Iterator[Array]:

@@ -31,7 +31,7 @@ def drilled(angle_deg: float) -> PlacedThrow:
 def test_every_rim_is_closed_and_lies_on_its_journal(angle_deg: float) -> None:
     """By the distance from the axis of the main journal and of the pin, which the crank turns."""
     throw = drilled(angle_deg)
-    main, pin = outlet_rims([throw])
+    main, pin = outlet_rims([throw], (0.0, 1000.0))
     turn, radius = np.radians(angle_deg), throw.scene.throw.radius_mm
     axis = radius * np.array([np.sin(turn), np.cos(turn)])
     journals = throw.scene.throw.main_journal, throw.scene.throw.crankpin
@@ -60,6 +60,15 @@ def test_a_line_on_the_near_side_is_drawn_whole_and_one_behind_is_not() -> None:
 
     assert lengths(near) == pytest.approx(2 * np.pi * 4, rel=0.01)
     assert lengths(near * (1.0, -1.0, 1.0)) == 0.0
+
+
+def test_a_rim_ends_where_the_crank_ends() -> None:
+    """A throw at the free end, its outlet across the middle of the outer journal, stuck out."""
+    throw = drilled(0.0)
+    whole = outlet_rims([throw], (0.0, 1000.0))
+    cut = outlet_rims([throw], (float(whole[0][:, 2].mean()), 1000.0))
+    assert min(rim[:, 2].min() for rim in cut) >= whole[0][:, 2].mean() - 1e-6
+    assert sum(map(len, cut)) < sum(map(len, whole))
 
 
 def test_what_lies_in_the_quarter_that_is_cut_away_is_left_out() -> None:
