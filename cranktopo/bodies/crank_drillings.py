@@ -55,7 +55,7 @@ class Crossing:
     @property
     def tool(self) -> Manifold:
         """The drilling in its place along the crank, in triangles."""
-        from cranktopo.bodies.prisms import drill_tool
+        from cranktopo.bodies.drill_tool import drill_tool
 
         turned = drill_tool(self.bore).rotate((0.0, 0.0, about_z_deg(self.angle_deg)))
         return turned.translate((0.0, 0.0, self.z_mm))
@@ -63,7 +63,7 @@ class Crossing:
 
 @dataclass(frozen=True)
 class Taken:
-    """What drillings take out of the neighbours of their throws, as `CrankMass` counts: volume, mm and mm3.
+    """Volume and integrals of all that drillings take out of the neighbours of their throws, mm.
 
     Attributes:
         first: integral of the place across the crank, real along throw 1, imaginary toward +x.
