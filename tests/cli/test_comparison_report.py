@@ -25,6 +25,7 @@ from cranktopo.tasks.fatigue import stage
 from cranktopo.tasks.fatigue.m53 import ConcentrationFactors, FilletCheck, Nominal, dimensions
 from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult, RuleQuality
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
 from cranktopo.tasks.fea.quantities import TORSION
 from cranktopo.tasks.fea.targets import Target
@@ -364,6 +365,21 @@ def test_the_safety_is_of_the_loads_that_are_asked_for(
     assert main([*BESIDE, "--format", "json", "--loads", loads, "--quiet"]) == 0
     assert asked == [loads]
     assert json.loads(capsys.readouterr().out)["fatigue"]["loads"] == loads
+
+
+@pytest.mark.usefixtures("safeties")
+def test_the_size_in_the_fillets_is_the_one_that_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its advice was a smaller --fillet-fraction, which `compare` did not have."""
+    asked, checked = list[object](), stage.check_rule
+
+    def check(target: Target, loads: Any, fraction: float) -> Any:
+        asked.append(fraction)
+        return checked(target, loads, fraction)
+
+    monkeypatch.setattr(stage, "check_rule", check)
+    assert main([*BESIDE, "--fillet-fraction", "0.12", "--json", "--quiet"]) == 0
+    assert main([*BESIDE, "--json", "--quiet"]) == 0
+    assert asked == [0.12, 0.12, RULE_FRACTION, RULE_FRACTION]
 
 
 @pytest.mark.slow
