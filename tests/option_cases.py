@@ -150,6 +150,9 @@ TABLE: dict[str, dict[str, Case]] = {
         "--stress": Refused(f"{_COMPARE} --stress", "--stress colours the 3D view of --report"),
         "--fatigue": Shown("cli/test_comparison_report.py::test_safety_beside_stiffness"),
         "--loads": Refused(f"{_COMPARE} --loads cycle", "--loads is of the fatigue safety"),
+        "--fillet-fraction": Refused(
+            f"{_COMPARE} --fillet-fraction 0.3", "--fillet-fraction is of the fatigue safety"
+        ),
         "--no-bound": Shown("cli/test_comparison_report.py::test_no_bound_without_a_page_changes_nothing"),
     },
     "accuracy": {

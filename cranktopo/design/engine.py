@@ -194,6 +194,15 @@ class Engine(SceneTable):
     """Distance of the rod's eye centres; longer than the throw radius."""
     speed_rpm: Speed = Field(examples=[2100.0])
     """Speed at which the gas and inertia forces are taken."""
+    rated_power_kW: float | None = Field(
+        default=None, ge=1e-3, le=2e5, allow_inf_nan=False, examples=[46.0], exclude_if=is_unset
+    )
+    """Rated power at the shaft at `speed_rpm`: `loads` tells how far that of the cylinder pressure is off."""
+    rotation: Literal["clockwise", "counter-clockwise"] | None = Field(
+        default=None, examples=["clockwise"], exclude_if=is_unset
+    )
+    """Sense of rotation as seen from outside on the output end. Files and drawings of the whole crank are of
+    a clockwise one, and drawings say so: one that turns the other way is the mirror image."""
     overspeed_rpm: Speed | None = Field(default=None, examples=[2800.0])
     """Highest speed, at least `speed_rpm`: of centrifugal loads, and safety counts there as well."""
     strokes: Literal[2, 4] = 4

@@ -74,7 +74,7 @@ def gas_line(scene: Scene) -> str:
     assert engine is not None
     assert engine.gas is not None
     gas = engine.gas
-    work = _work_J(scene)
+    work = work_J(scene)
     parts = (
         f"peak {gas.peak_pressure_MPa:g} MPa at {gas.peak_angle_deg:g} deg, intake {gas.intake_MPa:.3g} MPa"
     )
@@ -97,7 +97,7 @@ def _of_charge_words(scene: Scene) -> str:
     gas = engine.gas.model_copy(update=uncharged)
     plain = scene.model_copy(update={"engine": engine.model_copy(update={"gas": gas})})
     try:
-        kW = power_kW(_work_J(plain), engine)
+        kW = power_kW(work_J(plain), engine)
     except CranktopoError:
         return "; such an intake is that of a charged engine"
     return f"; such an intake is that of a charged engine: without a charge this peak gives {kW:.4g} kW"
@@ -122,7 +122,7 @@ def _by_peak(scene: Scene, mean: float) -> dict[str, float] | _Range:
     low, high = _PEAK_MPA
     if not at(low) <= mean <= at(high):
         return _Range(at(low), at(high))
-    return {**charge, "peak_pressure_MPa": _halved(at, _PEAK_MPA, mean)}
+    return {**charge, "peak_pressure_MPa": halved(at, _PEAK_MPA, mean)}
 
 
 def _at_peak(scene: Scene, mean: float, peak: float, ratios: Sequence[float]) -> dict[str, float] | _Range:
@@ -167,11 +167,11 @@ def _between(
             return _mean_MPa(scene, {**fixed, **_charged(intake, _ambient(scene))}) or 0.0
 
         ends = one.keys["intake_pressure_MPa"], other.keys["intake_pressure_MPa"]
-        intake = _halved(at, ends, mean, rising=one.mean_MPa < mean)
+        intake = halved(at, ends, mean, rising=one.mean_MPa < mean)
         yield _Proposal({**fixed, **_charged(intake, _ambient(scene)), "intake_pressure_MPa": intake}, mean)
 
 
-def _halved(
+def halved(
     at: Callable[[float], float], between: tuple[float, float], target: float, *, rising: bool = True
 ) -> float:
     """Return where a curve has a value between two places, to four digits."""
@@ -204,12 +204,12 @@ def _mean_MPa(scene: Scene, keys: dict[str, float]) -> float | None:
     gas = engine.gas.model_copy(update=keys)
     changed = scene.model_copy(update={"engine": engine.model_copy(update={"gas": gas})})
     try:
-        return mean_pressure_MPa(_work_J(changed), engine, scene.throw.radius_mm)
+        return mean_pressure_MPa(work_J(changed), engine, scene.throw.radius_mm)
     except CranktopoError:
         return None
 
 
-def _work_J(scene: Scene) -> float:
+def work_J(scene: Scene) -> float:
     """Return the work of the gas in one cylinder per cycle, J."""
     curve = pressure_curve(scene)
     assert curve is not None

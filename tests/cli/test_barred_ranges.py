@@ -12,6 +12,7 @@ from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder
 from cranktopo.design.schema import Scene
 from cranktopo.engine.vibration.barred import MisfireRange, misfire_ranges
+from cranktopo.engine.vibration.steady import CriticalSpeed
 from cranktopo.engine.vibration.study import VibrationStudy, misfire_warnings
 from cranktopo.tasks.vibration.page import vibration_page
 from cranktopo.tasks.vibration.stage import shaft_vibration
@@ -110,3 +111,15 @@ def test_ranges_that_overlap_are_one_of_all_their_cylinders() -> None:
     single = [(1200.0, 1210.0, 2), (1157.0, 1166.0, 4), (1159.0, 1170.0, 5), (1160.0, 1161.0, 4)]
     found = misfire_ranges(MisfireRange(low, high, (cylinder,)) for low, high, cylinder in single)
     assert found == (MisfireRange(1157.0, 1170.0, (4, 5)), MisfireRange(1200.0, 1210.0, (2,)))
+
+
+def test_the_card_names_every_resonance_where_one_cylinder_misfires(tmp_path: Path) -> None:
+    """It told the first alone, 319 rpm of order 1.5, and left out 478 rpm of order 1."""
+    study = shaft_vibration(design(tmp_path, GIVEN + WHEEL, MEAN_INERTIA))
+    weak = tuple(CriticalSpeed(rpm, order, 1, 0.0, False) for rpm, order in ((478.0, 1.0), (319.0, 1.5)))
+    (card,) = (
+        fact
+        for fact in vibration_page(replace(study, critical=weak), "").facts
+        if fact.label == "First natural frequency"
+    )
+    assert "but at 319 rpm by order 1.5 and 478 rpm by order 1 where one misfires" in card.note

@@ -23,8 +23,9 @@ from cranktopo.tasks.compare import stage as pages
 from cranktopo.tasks.compare.result import Entry, compare
 from cranktopo.tasks.fatigue import stage
 from cranktopo.tasks.fatigue.m53 import ConcentrationFactors, FilletCheck, Nominal, dimensions
-from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult, Quality
+from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult, RuleQuality
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
 from cranktopo.tasks.fea.quantities import TORSION
 from cranktopo.tasks.fea.targets import Target
@@ -310,7 +311,7 @@ def safeties(monkeypatch: pytest.MonkeyPatch) -> None:
         light = target.name.endswith("casting")
         fillet = {"pin": FilletCheck(200.0, 210.0 if light else 260.0), "journal": FilletCheck(200.0, 400.0)}
         factors, nominal = ConcentrationFactors(2.0, 1.5, 2.0, 3.0, 1.5), Nominal(50.0, 5.0, 20.0, 20.0)
-        quality = Quality(0.4, 0.24, 1000, 1.0, 4.0, 1.0, 2.0)
+        quality = RuleQuality(0.4, 0.24, 1000, 1.0, 4.0, 1.0, 2.0)
         mass = 1.5 if light else 2.0
         size, loads = dimensions(target.scene), AlternatingLoads(100.0, 1.0, 1.0)
         check = RuleCheck(
@@ -367,6 +368,21 @@ def test_the_safety_is_of_the_loads_that_are_asked_for(
     assert json.loads(capsys.readouterr().out)["fatigue"]["loads"] == loads
 
 
+@pytest.mark.usefixtures("safeties")
+def test_the_size_in_the_fillets_is_the_one_that_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its advice was a smaller --fillet-fraction, which `compare` did not have."""
+    asked, checked = list[object](), stage.check_rule
+
+    def check(target: Target, loads: Any, fraction: float) -> Any:
+        asked.append(fraction)
+        return checked(target, loads, fraction)
+
+    monkeypatch.setattr(stage, "check_rule", check)
+    assert main([*BESIDE, "--fillet-fraction", "0.12", "--json", "--quiet"]) == 0
+    assert main([*BESIDE, "--json", "--quiet"]) == 0
+    assert asked == [0.12, 0.12, RULE_FRACTION, RULE_FRACTION]
+
+
 @pytest.mark.slow
 @pytest.mark.usefixtures("safeties")
 def test_safety_on_the_page(tmp_path: Path) -> None:
@@ -389,6 +405,66 @@ def test_what_the_rule_does_not_accept_is_said_first(tmp_path: Path, monkeypatch
     monkeypatch.setattr("cranktopo.tasks.fatigue.rule_check.LEAST_FACTOR", 1.5)
     assert main([*BESIDE, "--report", str(tmp_path / "all.html"), "--quiet"]) == 0
     assert "the baseline itself; not accepted by UR M53" in typed_page(tmp_path / "all.html")
+
+
+@pytest.fixture
+def second_web_open(monkeypatch: pytest.MonkeyPatch, safeties: None) -> None:
+    """Invented: of the casting the first web is accepted, the second waits for a finer mesh, as safe."""
+    factors, nominal = ConcentrationFactors(2.0, 1.5, 2.0, 3.0, 1.5), Nominal(50.0, 5.0, 20.0, 20.0)
+    good = {"pin": FilletCheck(200.0, 280.0), "journal": FilletCheck(200.0, 270.0)}
+    less = good | {"pin": FilletCheck(200.0, 276.0)}
+
+    def checked(target: Target, *_: object) -> tuple[RuleCheck, ...]:
+        size, loads = dimensions(target.scene), AlternatingLoads(100.0, 1.0, 1.0)
+        kept, missed = (RuleQuality(0.4, 0.24, 1000, normal, 4.0, 1.0, 2.0) for normal in (2.0, 3.3))
+        first = RuleCheck(target.name, 2.0, size, loads, (), factors, factors, nominal, good, good, kept)
+        if not target.name.endswith("casting"):
+            weak = good | {"journal": FilletCheck(200.0, 240.0)}
+            return (replace(first, rule_checks=weak, fem_checks=weak),)
+        first = replace(first, name=f"{target.name}, first web", web="first web")
+        second = replace(first, name=f"{target.name}, second web", web="second web")
+        return first, replace(second, fem_checks=less, quality=missed)
+
+    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", checked)
+
+
+OPEN = "second web, pin fillet: the mesh misses the rule's checks: surface-normal stress 3.3 % (at most 3 %)"
+
+
+@pytest.mark.usefixtures("second_web_open")
+@pytest.mark.parametrize("form", ["table", "markdown", "latex", "csv", "json"])
+def test_a_throw_has_the_worst_verdict_of_its_webs(form: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """The terminal told that of the web with the least factor alone; a file told none."""
+    assert main([*BESIDE, "--format", form, "--quiet"]) == 0
+    text = " ".join(capsys.readouterr().out.split()).replace("\\%", "%")
+    if form == "json":
+        found = json.loads(text)
+        assert found["verdicts"][NAMES[0]] == {"verdict": "accepted", "reason": ""}
+        assert found["verdicts"][NAMES[1]]["verdict"] == "not judged"
+        assert found["verdicts"][NAMES[1]]["reason"].startswith(OPEN)
+        assert found["best"]["safety"] == NAMES[0], "what is not judged is not the safest"
+    elif form == "csv":
+        assert f'not judged,"{OPEN}' in text
+    else:
+        assert (
+            f"{NAMES[1]}: not judged by UR M53, least Q 1.350, 1.15 asked (second web, pin fillet: the mesh"
+            in text
+        )
+        assert f"{NAMES[1]}: accepted" not in text
+        assert text.endswith(
+            "not rated against opposed-piston: the rule does not judge opposed-piston-casting."
+        )
+        assert "safer than" not in text
+
+
+@pytest.mark.usefixtures("second_web_open")
+def test_the_page_has_the_worst_verdict_too(tmp_path: Path) -> None:
+    assert main([*BESIDE, "--report", str(tmp_path / "page.html"), "--quiet"]) == 0
+    text = typed_page(tmp_path / "page.html")
+    assert text.count(f"{NAMES[1]} not judged by UR M53, least Q 1.350") == 1, "in the headline"
+    assert text.count(f"{NAMES[1]}: not judged by UR M53, least Q 1.350") == 1, "under Variants"
+    assert "first web: accepted" not in text
+    assert re.search(r"Safest against fatigue\W+opposed-piston\b(?!-)", re.sub("<[^>]*>", " ", text))
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.base.errors import ExitCode
-from cranktopo.design.loading import designs_folder, load_scene
+from cranktopo.design.loading import design_text, designs_folder, load_scene, parse_scene
 from cranktopo.tasks.fatigue.dossier_sections import engine_section
 from cranktopo.tasks.vibration.stage import shaft_vibration
 from tests.cli.test_rule_dossier import checked, row
@@ -66,10 +66,34 @@ def test_engine_data_of_the_design_and_unknown_for_what_it_does_not_give(tmp_pat
     )
     assert float(power) == pytest.approx(float(mean) * 1e3 * swept_m3 * 2100 / 120, rel=1e-3)
     assert row(text, "cylinder pressure over crank angle")[1].startswith("Wiebe combustion model")
-    assert row(text, "compression ratio")[1] == "8"
-    assert row(text, "charge-air pressure (intake, absolute)")[1] == "0.08793 MPa"
-    for name in ("rated power", "sense of rotation"):
+    assert row(text, "compression ratio")[1] == "8 (given)"
+    assert row(text, "charge-air pressure (intake, absolute)")[1] == "0.08793 MPa (given)"
+    assert row(text, "pressure during exhaust (absolute)")[1].endswith("(assumed, ambient)")
+    assert row(text, "burn duration")[1] == "60 deg (assumed)"
+    for name in ("rated power", "sense of rotation, seen from the output end"):
         assert row(text, name)[1] == "unknown"
+
+
+def test_every_value_of_the_gas_is_told_with_its_source_and_the_rated_power() -> None:
+    """Burn duration, exhaust and intake were left out; rated power and rotation were unknown whatever."""
+    text = design_text("mikron-iiic-plain")
+    text = text.replace("[engine]\n", '[engine]\nrated_power_kW = 46.0\nrotation = "clockwise"\n')
+    scene = parse_scene(text.replace("[engine.gas]\n", "[engine.gas]\nburn_duration_deg = 55.0\n"))
+    rows = {str(one["what"]): str(one["value"]) for one in engine_section(scene, None).tables[0][1].rows}
+    assert rows["rated power"] == "46 kW"
+    assert rows["sense of rotation, seen from the output end"] == "clockwise"
+    assert rows["burn duration"] == "55 deg (given)"
+    assert rows["shape exponent of the Wiebe function"] == "2 (assumed)"
+    assert scene.engine is not None
+    assert scene.engine.gas is not None
+    counted = set(type(scene.engine.gas).model_fields) - {
+        "indicator_csv",
+        "firing_deg",
+        "map",
+        "peak_pressure_MPa",
+    }
+    told = sum(value.endswith(("(given)", "(assumed)", "(assumed, ambient)")) for value in rows.values())
+    assert told == len(counted), "every key of [engine.gas] that counts"
 
 
 def test_masses_of_both_webs_where_they_differ() -> None:

@@ -7,9 +7,10 @@ from collections.abc import Callable
 from typing import Any
 
 from cranktopo.base.frames import about_z_deg
+from cranktopo.bodies.crank_drillings import crank_crossings, taken_beyond
 from cranktopo.bodies.crank_ends import SIDES, EndPiece, crank_end, main_journal_places_mm
 from cranktopo.bodies.solid.checked import ClosedForm, check_body
-from cranktopo.bodies.solid.shapes import DimTags, cut, fused
+from cranktopo.bodies.solid.shapes import DimTags, add_all, cut, fused
 from cranktopo.bodies.solid.step import import_solid
 from cranktopo.bodies.solid.throw import add_full_throw, throw_form
 from cranktopo.design.crank import Side
@@ -22,11 +23,23 @@ def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
     """Return throws, turned by firing order, and ends of a crank as one checked body, journal 0 at z = 0."""
     pieces = [piece for side in SIDES for piece in crank_end(scene, side)]
     bodies = [*placed_throws(occ, scene, add_full_throw), *(_add_piece(occ, piece) for piece in pieces)]
-    body = fused(occ, bodies)
+    body = cut(occ, fused(occ, bodies), _crossing_tools(occ, scene))
     forms = [throw_form(throw) for throw in throw_scenes(scene)]
     volume = sum(form.volume_mm3 for form in forms) + sum(piece.moments.volume for piece in pieces)
+    volume -= taken_beyond(scene).volume
     check_body(occ, body, ClosedForm(volume, sum(form.roundings_mm3 for form in forms)), "crankshaft")
     return body
+
+
+def _crossing_tools(occ: Any, scene: Scene) -> DimTags:
+    """Return the drillings that go on in a neighbour of their throw, each in its place along the crank."""
+    tools: DimTags = []
+    for one in crank_crossings(scene):
+        bore = add_all(occ, [one.bore])
+        occ.rotate(bore, 0, 0, 0, 0, 0, 1, math.radians(about_z_deg(one.angle_deg)))
+        occ.translate(bore, 0, 0, one.z_mm)
+        tools += bore
+    return tools
 
 
 def placed_throws(occ: Any, scene: Scene, add: Callable[[Any, Scene], DimTags]) -> list[DimTags]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.base.units import density_kg_per_mm3
+from cranktopo.bodies.crank_drillings import taken_beyond
 from cranktopo.bodies.crank_ends import crank_end, main_journal_places_mm
 from cranktopo.design.crank import Side
 from cranktopo.design.crank_throws import throw_scenes
@@ -100,13 +101,18 @@ def drawn_crank_mass(scene: Scene) -> CrankMass:
     free, output = end_mass(scene, "free"), end_mass(scene, "output")
     product += free.couple_kg_mm2 + output.couple_kg_mm2
     product += middle * (output.unbalance_kg_mm - free.unbalance_kg_mm)
-    total = first.sum() + free.unbalance_kg_mm + output.unbalance_kg_mm
+    taken, density = taken_beyond(scene), density_kg_per_mm3(scene.material.density_kg_m3)
+    product -= density * (taken.product - middle * taken.first)
+    total = first.sum() - density * taken.first + free.unbalance_kg_mm + output.unbalance_kg_mm
     scale = np.abs(first).sum() + abs(free.unbalance_kg_mm) + abs(output.unbalance_kg_mm)
     return CrankMass(
-        mass_kg=sum(b.mass_kg for b in balances) + free.mass_kg + output.mass_kg,
+        mass_kg=sum(b.mass_kg for b in balances) + free.mass_kg + output.mass_kg - density * taken.volume,
         free_end_kg=free.mass_kg,
         output_end_kg=output.mass_kg,
-        inertia_kg_mm2=sum(b.inertia_kg_mm2 for b in balances) + free.inertia_kg_mm2 + output.inertia_kg_mm2,
+        inertia_kg_mm2=sum(b.inertia_kg_mm2 for b in balances)
+        + free.inertia_kg_mm2
+        + output.inertia_kg_mm2
+        - density * taken.polar,
         **_polar("unbalance_kg_mm", "unbalance_deg", complex(total), scale),
         **_polar("couple_kg_mm2", "couple_deg", complex(product), scale * places[-1]),
     )

@@ -7,6 +7,7 @@ edge ends within a pixel or two of where another face begins to cover it.
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,17 +23,21 @@ _LEAST = 3
 """Samples of the shortest run of an edge that is drawn."""
 
 
-def visible_edges(mesh: SurfaceMesh, pixel_mm: float) -> list[Array]:
+def visible_edges(mesh: SurfaceMesh, pixel_mm: float, lines: Sequence[Array] = ()) -> list[Array]:
     """Return chains of points (n, 2) of the edges that are seen along the third axis, from its positive side.
 
     Edges with one face are none: there the body goes on.
+
+    Args:
+        lines: on the surface, (n, 3), drawn where they are seen although no edge is there.
     """
     normals = _normals(mesh)
-    edges = _candidates(mesh.faces, normals)
+    found = mesh.vertices_mm[_candidates(mesh.faces, normals)]
+    edges = np.concatenate([found, *(np.stack([line[:-1], line[1:]], axis=1) for line in lines)])
     if not len(edges):
         return []
     depth = _Depth(mesh, normals[:, 2] > 0, pixel_mm)
-    return _chains(_merged(_seen(mesh.vertices_mm[edges], depth, pixel_mm), pixel_mm / 4), pixel_mm / 4)
+    return _chains(_merged(_seen(edges, depth, pixel_mm), pixel_mm / 4), pixel_mm / 4)
 
 
 def _normals(mesh: SurfaceMesh) -> Array:

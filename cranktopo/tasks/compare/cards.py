@@ -46,6 +46,9 @@ def change_words(comparison: Comparison, row: int, quantity: Quantity) -> str:
 
 def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
     """Return which entry has the best value of a quantity, or which are level."""
+    if not comparison.rated(quantity):
+        unrated = " and ".join(entry.name for entry in comparison.entries)
+        return Fact(label, "none", f"the rule judges none of {unrated}", "bad")
     row, level = comparison.leading(quantity), comparison.level(quantity)
     rows = sorted((row, *level))
     failing = [f"{name} {why}" for name, why in _failing(comparison, rows, quantity).items()]

@@ -15,6 +15,7 @@ from cranktopo.base.formats import PLOTS
 from cranktopo.base.notes import note
 from cranktopo.cli.options import (
     Choice,
+    Number,
     bound_option,
     designs,
     loads_option,
@@ -60,6 +61,11 @@ if TYPE_CHECKING:
     multiple=True,
     help="Also assess the fatigue safety by this method (repeatable); see 'cranktopo fatigue --help'.",
 )
+@click.option(
+    "--fillet-fraction",
+    type=Number(0.01, 0.5),
+    help="Of the fatigue: element size in a fillet over its radius; by default 0.17.",
+)
 @loads_option
 @bound_option
 @throw_option
@@ -74,6 +80,7 @@ def command(
     page: Path | None,
     stress: bool,
     methods: tuple[FatigueMethod, ...],
+    fillet_fraction: float | None,
     loads: HistoryKind,
     no_bound: bool,
     throw: int | None,
@@ -101,6 +108,8 @@ def command(
         raise click.UsageError("--stress colours the 3D view of --report: give --report FILE too")
     if "--loads" in typed() and not methods:
         raise click.UsageError("--loads is of the fatigue safety: give --fatigue METHOD too")
+    if fillet_fraction is not None and not methods:
+        raise click.UsageError("--fillet-fraction is of the fatigue safety: give --fatigue METHOD too")
     if page is not None and page.suffix.lower() == ".tex":
         raise click.UsageError(
             f"--report {page}: writes pages, .html or .md; tables for LaTeX come from --format latex > {page}"
@@ -118,7 +127,7 @@ def command(
     from cranktopo.tasks.fea.stage import MeshRequest
 
     request = MeshRequest(element_size_mm, accuracy, budget)
-    found = compare_targets(targets, baseline, request, methods, design, align, loads, throw)
+    found = compare_targets(targets, baseline, request, methods, design, align, loads, throw, fillet_fraction)
     click.echo(comparison_text(found.comparison, "json" if as_json else form))
     bound = None if no_bound or (plot or page) is None else comparison_bound(found)
     if plot is not None:

@@ -12,6 +12,7 @@ from cranktopo.engine.histories import HistoryKind
 from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
 from cranktopo.tasks.fatigue.needs import check_inputs
 from cranktopo.tasks.fatigue.stage import assess_by_methods
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fatigue.text import FatigueComparison
 from cranktopo.tasks.fea.targets import Target
 
@@ -20,7 +21,11 @@ _Refusals = Mapping[int, CranktopoError]
 
 
 def judge(
-    targets: Sequence[Target], methods: Sequence[FatigueMethod], baseline: int, loads: HistoryKind
+    targets: Sequence[Target],
+    methods: Sequence[FatigueMethod],
+    baseline: int,
+    loads: HistoryKind,
+    fillet_fraction: float = RULE_FRACTION,
 ) -> tuple[list[FatigueComparison], Scene | None]:
     """Return the fatigue of targets by each method, and the baseline's scene as it was assessed.
 
@@ -35,7 +40,9 @@ def judge(
     for rows, alike in _alike(refused, len(targets)).items():
         at = rows.index(baseline) if baseline in rows else None
         judged = [targets[row] for row in rows]
-        for assessed in assess_by_methods(judged, alike, loads=loads, baseline=at, both_worlds=True):
+        for assessed in assess_by_methods(
+            judged, alike, loads=loads, baseline=at, fillet_fraction=fillet_fraction, both_worlds=True
+        ):
             found[assessed.method] = _compared(assessed, targets, refused[assessed.method], baseline)
             loaded = loaded if assessed.baseline is None else assessed.targets[assessed.baseline].scene
     return [found[method] for method in methods], loaded

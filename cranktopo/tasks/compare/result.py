@@ -32,6 +32,15 @@ class ChangeErrors(Result):
     bending: float
 
 
+class RuleAnswer(Result):
+    """Answer of the crankshaft rule to a throw."""
+
+    verdict: str
+    """The worst of its webs': "not covered", "not accepted", "not judged" or "accepted"."""
+    reason: str
+    """Place and reason of what is not judged or governs; empty where the least factor says it all."""
+
+
 class ComparisonResult(Result):
     """Output of `compare --format json`."""
 
@@ -55,6 +64,8 @@ class ComparisonResult(Result):
     """By every further method."""
     safety_by_method: dict[str, dict[str, float | None]] | None = UNLESS_NONE
     """Least safety by method and target; null where it was not judged."""
+    verdicts: dict[str, RuleAnswer] | None = UNLESS_NONE
+    """Answers of the crankshaft rule by target, where it was asked: the worst of a throw's webs."""
     not_judged: dict[str, dict[str, str]] | None = UNLESS_NONE
     """Why a method did not judge a target, by method and target."""
     goals: dict[str, GoalOutcome] | None = UNLESS_NONE
@@ -183,8 +194,18 @@ class Comparison:
         return bool(change >= self.change_error_percent(row, other, quantity))
 
     def leading(self, quantity: Quantity) -> int:
-        """Return the row with the best value of a quantity, by however little."""
-        return max(self.having(quantity), key=lambda row: self._worth(row, quantity))
+        """Return the row with the best value of a quantity, by however little.
+
+        Where the rule judges no throw it is the one with the largest factor, which `best` does not name.
+        """
+        return max(self.rated(quantity) or self.having(quantity), key=lambda row: self._worth(row, quantity))
+
+    def rated(self, quantity: Quantity) -> list[int]:
+        """Return the rows that may be best: those with a value, by the rule only of throws that it judges."""
+        unrated = next(
+            (f.unrated for f in self.fatigues if self.safeties[f.result.method] == quantity), frozenset()
+        )
+        return [row for row in self.having(quantity) if self.entries[row].name not in unrated]
 
     def _worth(self, row: int, quantity: Quantity) -> float:
         value = self.entries[row].values[quantity.key]
@@ -193,12 +214,12 @@ class Comparison:
     def level(self, quantity: Quantity) -> list[int]:
         """Return rows that the best value of a quantity does not beat by as much as the error estimates."""
         best = self.leading(quantity)
-        others = (row for row in self.having(quantity) if row != best)
+        others = (row for row in self.rated(quantity) if row != best)
         return [row for row in others if not self.differ(best, row, quantity)]
 
     def best(self, quantity: Quantity) -> int | None:
-        """Return the row of the best entry; None where another one is within the error estimate."""
-        return None if self.level(quantity) else self.leading(quantity)
+        """Return the row of the best entry; None if another is within the error estimate, or none rated."""
+        return None if self.level(quantity) or not self.rated(quantity) else self.leading(quantity)
 
 
 def safety_by(method: str) -> Quantity:

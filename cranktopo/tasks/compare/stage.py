@@ -42,6 +42,7 @@ from cranktopo.tasks.compare.text import fillet_lines
 from cranktopo.tasks.extraction.text import DesignUndercuts
 from cranktopo.tasks.fatigue.assessment import FatigueMethod
 from cranktopo.tasks.fatigue.result import FieldFatigue, JudgedAs
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fatigue.text import FatigueComparison
 from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS, goal_values
 from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
@@ -121,6 +122,7 @@ def compare_targets(
     align: bool = False,
     loads: HistoryKind = "extremes",
     throw: int | None = None,
+    fillet_fraction: float | None = None,
 ) -> ComparedTargets:
     """Evaluate targets beside a baseline, and assess their fatigue where methods are given.
 
@@ -132,6 +134,7 @@ def compare_targets(
         align: whether STL and STEP bodies that lie elsewhere are moved to where the journals are.
         loads: of the fatigue, extremes of the loads joined, or every angle of the cycle.
         throw: number of the throw taken of cranks with different ones; by default the worst loaded.
+        fillet_fraction: of the fatigue, element size in a fillet over its radius.
 
     Raises:
         CranktopoError: no such target, different supports, a method that can judge none, or a failed solve.
@@ -150,7 +153,7 @@ def compare_targets(
     loaded = None
     if methods:
         filleted = resolve_targets(every, design, fillets=True, align=align, whole=True, throw=throw)
-        fatigues, loaded = judge(filleted, methods, index, loads)
+        fatigues, loaded = judge(filleted, methods, index, loads, fillet_fraction or RULE_FRACTION)
     found = evaluate_targets(targets, request)
     judged = (one for by in fatigues for one in by.result.fatigue if isinstance(one, FieldFatigue))
     stresses = {one.target: one.largest_stress_MPa for one in judged}

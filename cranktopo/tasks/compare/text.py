@@ -8,7 +8,13 @@ from dataclasses import dataclass
 from cranktopo.base.units import plain_number, stem_and_unit
 from cranktopo.design.published import PublishedValues
 from cranktopo.report.result_table import Cell, ResultTable, Row, records
-from cranktopo.tasks.compare.result import ChangeErrors, Comparison, ComparisonResult, safety_by
+from cranktopo.tasks.compare.result import (
+    ChangeErrors,
+    Comparison,
+    ComparisonResult,
+    RuleAnswer,
+    safety_by,
+)
 from cranktopo.tasks.fatigue import criteria
 from cranktopo.tasks.fatigue.result import FieldFatigue
 from cranktopo.tasks.fatigue.text import FatigueComparison, loads_by_target
@@ -246,6 +252,7 @@ def flat_table(comparison: Comparison) -> ResultTable:
     published = _published_rows(comparison)[: len(comparison.entries)]
     parts += [ResultTable(dict.fromkeys(published[0], 1), tuple(published))] if published else []
     parts += [_loads_table(comparison)] if comparison.fatigue else []
+    parts += _answer_columns(comparison)
     parts += [ResultTable({"fillets": 0}, tuple({"fillets": entry.fillets} for entry in comparison.entries))]
     columns = {name: digits for part in parts for name, digits in part.columns.items()}
     rows = zip(*(part.rows for part in parts), strict=True)
@@ -258,6 +265,26 @@ def _loads_table(comparison: Comparison) -> ResultTable:
     return ResultTable(
         {"safety_loads": 0}, tuple({"safety_loads": loads.get(one.name)} for one in comparison.entries)
     )
+
+
+def _answers(comparison: Comparison) -> dict[str, RuleAnswer]:
+    """Return the rule's answers by target; none where it was not asked."""
+    return {
+        name: RuleAnswer(verdict=one.verdict, reason=one.reason)
+        for fatigue in comparison.fatigues
+        for name, one in fatigue.answers.items()
+    }
+
+
+def _answer_columns(comparison: Comparison) -> list[ResultTable]:
+    """Return the columns of the rule's answers; none where it was not asked."""
+    found = _answers(comparison)
+    answers = [found.get(entry.name) for entry in comparison.entries]
+    rows: list[Row] = [
+        {"verdict": one.verdict if one else None, "verdict_reason": one.reason if one else None}
+        for one in answers
+    ]
+    return [ResultTable({"verdict": 0, "verdict_reason": 0}, tuple(rows))] if found else []
 
 
 def comparison_result(comparison: Comparison) -> ComparisonResult:
@@ -279,6 +306,7 @@ def comparison_result(comparison: Comparison) -> ComparisonResult:
         fatigue=None if comparison.fatigue is None else comparison.fatigue.result,
         further_fatigue=[one.result for one in comparison.further_fatigue] or None,
         safety_by_method=_safeties(comparison) or None,
+        verdicts=_answers(comparison) or None,
         not_judged={o.result.method: dict(o.not_judged) for o in comparison.fatigues if o.not_judged} or None,
         goals=dict(comparison.goals) or None,
     )

@@ -11,6 +11,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import about_z_deg
+from cranktopo.bodies.crank_drillings import Crossing, crank_crossings
 from cranktopo.bodies.crank_ends import SIDES, EndPiece, crank_end, main_journal_places_mm
 from cranktopo.bodies.solid.files import end_surface_of, kernel_surface_of
 from cranktopo.design.crank_throws import throw_scenes
@@ -118,7 +119,20 @@ def crank_shape(scene: Scene) -> CrankShape:
     angles = (0.0,) if scene.engine is None else scene.shaft_angles_deg
     placed = zip(throw_scenes(scene), angles, main_journal_places_mm(scene), strict=False)
     shape = assembled(scene.name, [PlacedThrow(*one) for one in placed], _ends(scene))
-    return replace(shape, end_parts=tuple(part for side in SIDES for part in crank_end(scene, side)))
+    pieces = tuple(_drilled_on(piece, crank_crossings(scene)) for piece in shape.pieces)
+    end_parts = tuple(part for side in SIDES for part in crank_end(scene, side))
+    return replace(shape, pieces=pieces, end_parts=end_parts)
+
+
+def _drilled_on(piece: Piece, crossings: Sequence[Crossing]) -> Piece:
+    """Return a piece less the drillings of its neighbours that go on in it."""
+    box = piece.solid.bounding_box()
+    starts = {1: box[2], -1: box[5]}
+    reaching = [one for one in crossings if abs(starts[one.outward] - one.plane_mm) < _BESIDE_MM]
+    solid = piece.solid
+    for one in reaching:
+        solid = solid - one.tool
+    return replace(piece, solid=solid)
 
 
 def _ends(scene: Scene) -> list[Piece]:

@@ -37,6 +37,7 @@ from cranktopo.report.drafting import (
     tolerance_frame,
 )
 from cranktopo.tasks.crank_drawing.crank_shape import CrankShape, MainJournal, PlacedThrow
+from cranktopo.tasks.crank_drawing.outlet_lines import outlet_rims, outside_of
 from cranktopo.tasks.drawing.views import Room
 from cranktopo.throw.journal import Journal
 
@@ -65,7 +66,9 @@ def lengthwise(shape: CrankShape) -> Lengthwise:
     quarter = Manifold.cube((-left + 1.0, top + 1.0, end - start + 2.0)).translate(
         (left - 1.0, 0.0, start - 1.0)
     )
-    chains = visible_edges(shape.seen(_FROM_SIDE, quarter), (end - start) * _PIXEL_SHARE)
+    corners = np.array([[left - 1.0, 0.0, start - 1.0], [0.0, top + 1.0, end + 1.0]])
+    rims = [rim @ _FROM_SIDE.T for rim in outside_of(outlet_rims(shape.throws, shape.z_mm), *corners)]
+    chains = visible_edges(shape.seen(_FROM_SIDE, quarter), (end - start) * _PIXEL_SHARE, rims)
     upper = CrossSection.square((end - start + 2.0, top + 1.0)).translate((start - 1.0, 0.0))
     cut = CrossSection(shape.section_x(), FillRule.EvenOdd) ^ upper
     return Lengthwise([chain for chain in chains if np.abs(chain[:, 1]).max() > 1e-3], cut.to_polygons())
@@ -252,9 +255,9 @@ def end_room(shape: CrankShape) -> Room:
 
 def end_edges(shape: CrankShape) -> list[Array]:
     """Return the edges that are seen from the free end."""
-    return visible_edges(
-        shape.seen(_FROM_FREE_END), (shape.reach_mm[3] - shape.reach_mm[2]) * _PIXEL_SHARE * 2
-    )
+    rims = [rim @ _FROM_FREE_END.T for rim in outlet_rims(shape.throws, shape.z_mm)]
+    pixel_mm = (shape.reach_mm[3] - shape.reach_mm[2]) * _PIXEL_SHARE * 2
+    return visible_edges(shape.seen(_FROM_FREE_END), pixel_mm, rims)
 
 
 def draw_end(axes: Any, shape: CrankShape, chains: Sequence[Array], scale: float) -> None:
@@ -267,6 +270,16 @@ def draw_end(axes: Any, shape: CrankShape, chains: Sequence[Array], scale: float
     extent(axes, points, 0, low - _GAP_MM * mm, f"{right - left:.1f}")
     extent(axes, points, 1, -left + _GAP_MM * mm, f"{high - low:.1f}")
     finish(axes, "From the free end")
+
+
+def _rotation_words(scene: Scene) -> str:
+    """Return what the arrow of the star means; seen from the output end it is clockwise."""
+    rotation = scene.engine.rotation if scene.engine else None
+    if rotation == "counter-clockwise":
+        return (
+            "clockwise from the output end;\nthis engine turns the other way, its crank is the mirror image"
+        )
+    return "sense of rotation" if rotation else "sense of rotation, assumed"
 
 
 STAR_MM = (74.0, 74.0)
@@ -294,7 +307,7 @@ def draw_star(axes: Any, shape: CrankShape) -> None:
     axes.text(
         centre[0],
         1.0,
-        f"each ±{tolerance:g}° to throw 1; arrow: sense of rotation",
+        f"each ±{tolerance:g}° to throw 1; arrow: {_rotation_words(shape.throws[0].scene)}",
         fontsize=TEXT_SIZE - 1,
         ha="center",
     )

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import write_text
+from cranktopo.bodies.crank_drillings import taken_beyond
 from cranktopo.bodies.crank_ends import crank_end
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.crank import OWN_THROW
@@ -108,7 +109,8 @@ def _crank_volume_mm3(scene: Scene, pins: int) -> float:
     """Return the volume of a crank, its ends included."""
     throws = throw_scenes(scene) if throw_count(scene) == pins else (scene,) * pins
     ends = sum(piece.moments.volume for side in ("free", "output") for piece in crank_end(scene, side))
-    return ends + sum(half_throw_volume_mm3(half) for throw in throws for half in halves(throw))
+    bodies = ends + sum(half_throw_volume_mm3(half) for throw in throws for half in halves(throw))
+    return bodies - (taken_beyond(scene).volume if throw_count(scene) == pins else 0.0)
 
 
 def volume_words(body_mm3: float, files: DesignFiles, webs: Sequence[ImportedWeb]) -> list[str]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.bodies.prisms import segments
+from cranktopo.bodies.drill_tool import segments
 from cranktopo.design.schema import Scene
 from cranktopo.throw.web import web_bodies
 

@@ -154,7 +154,13 @@ def memory() -> Check:
     if available >= needed:
         return Check("memory", "ok", text)
     cost = "the default run fails"
-    return Check("memory", "absent", text, cost, "close other programs, or use a larger --resolution-mm")
+    return Check(
+        "memory",
+        "absent",
+        text,
+        cost,
+        "close other programs, or use a larger --resolution-mm of cranktopo optimise",
+    )
 
 
 def _runs_folder() -> Check:
@@ -162,7 +168,13 @@ def _runs_folder() -> Check:
     free = shutil.disk_usage(here).free / 2**30
     if os.access(here, os.W_OK):
         return Check("runs folder", "ok", f"{here / 'runs'}, {free:.1f} GiB free")
-    return Check("runs folder", "absent", f"{here} is not writable", "no runs here", "give --out DIR")
+    return Check(
+        "runs folder",
+        "absent",
+        f"{here} is not writable",
+        "no runs here",
+        "give --out DIR, as to cranktopo optimise",
+    )
 
 
 def _cache() -> Check:

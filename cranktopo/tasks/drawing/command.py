@@ -68,6 +68,11 @@ def command(
     assumed = assumptions(scene, (THROW,))
     if assumed:
         note(assumed_text(assumed))
+    if part in ("half", "throw"):
+        from cranktopo.bodies.crank_drillings import crossing_words
+
+        for words in filter(None, [crossing_words(scene)]):
+            note(f"{scene.name}: {words}")
     if file.suffix.lower() in PLOTS:
         click.echo(f"{file}: workshop drawing, {_drawn(scene, file, part)}")
         return

@@ -29,6 +29,7 @@ from cranktopo.tasks.fatigue.result import (
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.text import FatigueComparison, compare_fatigue
+from cranktopo.tasks.fatigue.throw_verdict import throw_verdict
 from cranktopo.tasks.fatigue.verdicts import percent_of_baseline
 from cranktopo.tasks.fea.targets import Target
 
@@ -96,18 +97,22 @@ class FatigueAssessment:
 
     def compared(self) -> FatigueComparison:
         """Return its share of a comparison, of two different webs the worse one."""
-        if self.fields or self.baseline is None:
-            return compare_fatigue(self.fields or self._worse_webs, self.baseline, self.result())
-        worse, base = self._worse_webs, self.checks[self.baseline]
-        index = next(number for number, check in enumerate(worse) if check is base)
-        return compare_fatigue(worse, index, self.result())
+        if self.fields:
+            return compare_fatigue(self.fields, self.baseline, self.result())
+        throws = self._throws
+        base = None if self.baseline is None else self.targets[self.baseline]
+        index = next((number for number, (target, _) in enumerate(throws) if target is base), None)
+        answers = [throw_verdict(target.name, checks) for target, checks in throws]
+        worse = [min(checks, key=lambda one: one.safety) for _, checks in throws]
+        return compare_fatigue(worse, index, self.result(), answers, self.checks)
 
     @property
-    def _worse_webs(self) -> tuple[RuleCheck, ...]:
-        worse: dict[int, RuleCheck] = {}
-        for target, check in zip(map(id, self.targets), self.checks, strict=True):
-            worse[target] = min(worse.get(target, check), check, key=lambda one: one.safety)
-        return tuple(worse.values())
+    def _throws(self) -> list[tuple[Target, list[RuleCheck]]]:
+        """Targets with the checks of their webs, in their order."""
+        found: dict[int, tuple[Target, list[RuleCheck]]] = {}
+        for target, check in zip(self.targets, self.checks, strict=True):
+            found.setdefault(id(target), (target, []))[1].append(check)
+        return list(found.values())
 
 
 def _treatment(target: Target) -> SurfaceTreatment:

@@ -46,7 +46,8 @@ if TYPE_CHECKING:
 @click.option(
     "--fillet-fraction",
     type=Number(0.01, 0.5),
-    help="Element size in a fillet over its radius; by default 0.17: no edge above a quarter.",
+    help="Element size in a fillet over its radius; by default 0.17, by m53 less where an edge is above a "
+    "quarter or a check of the mesh leaves a place open.",
 )
 @body_options
 @throw_option

@@ -15,12 +15,27 @@ from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
 from cranktopo.engine.gas import mapped_curves, pressure_curve
 from cranktopo.engine.performance import mean_pressure_MPa, power_kW
 from cranktopo.engine.vibration.study import VibrationStudy
-from cranktopo.report.page import Section, pairs, quantity_words
+from cranktopo.report.page import Section, pairs, quantity_words, with_unit
 from cranktopo.tasks.vibration.page import vibration_page
 from cranktopo.tasks.vibration.text import ends_of
 
 _UNKNOWN = "unknown"
 _Rows = list[tuple[str, Any]]
+_GAS = {
+    "peak_angle_deg": "crank angle of the largest pressure after firing top dead centre",
+    "ambient_pressure_MPa": "pressure below the piston (absolute)",
+    "intake_pressure_MPa": "charge-air pressure (intake, absolute)",
+    "exhaust_pressure_MPa": "pressure during exhaust (absolute)",
+    "compression_ratio": "compression ratio",
+    "burn_duration_deg": "burn duration",
+    "wiebe_shape": "shape exponent of the Wiebe function",
+    "polytropic_compression": "polytropic exponent of compression",
+    "polytropic_expansion": "polytropic exponent of expansion",
+    "exhaust_opening_deg": "crank angle at which the exhaust opens, after firing top dead centre",
+}
+"""Keys of the combustion model in words."""
+_OF_MODEL = set(_GAS) - {"ambient_pressure_MPa", "compression_ratio"}
+"""Those that have no part in a measured pressure."""
 _DAMPING_KEYS = {"loss_factor", "damping_Nms_per_rad"}
 """Keys of the parts of the shaft line that stand in the table of damping."""
 
@@ -47,8 +62,8 @@ def _engine_rows(scene: Scene, engine: Engine, cycle: Cycle | None) -> _Rows:
         ("length of the connecting rod", f"{engine.rod_length_mm:g} mm"),
         ("rated speed", f"{engine.speed_rpm:g} rpm"),
         ("overspeed", f"{engine.overspeed_rpm:g} rpm" if engine.overspeed_rpm else _UNKNOWN),
-        ("sense of rotation", _UNKNOWN),
-        ("rated power", _UNKNOWN),
+        ("sense of rotation, seen from the output end", engine.rotation or _UNKNOWN),
+        ("rated power", f"{engine.rated_power_kW:g} kW" if engine.rated_power_kW else _UNKNOWN),
         *_performance_rows(scene, engine, cycle),
         ("maximum cylinder pressure (absolute)", pressure),
         *_gas_rows(gas, cycle),
@@ -72,13 +87,20 @@ def _performance_rows(scene: Scene, engine: Engine, cycle: Cycle | None) -> _Row
 
 
 def _gas_rows(gas: Gas | None, cycle: Cycle | None) -> _Rows:
-    gas_values = {} if gas is None else gas.model_dump(include=gas.model_fields_set)
-    intake, ratio = gas_values.get("intake_pressure_MPa"), gas_values.get("compression_ratio")
-    return [
-        ("charge-air pressure (intake, absolute)", f"{intake:g} MPa" if intake else _UNKNOWN),
-        ("compression ratio", f"{ratio:g}" if ratio else _UNKNOWN),
-        ("cylinder pressure over crank angle", cycle.pressure.source if cycle else _UNKNOWN),
-    ]
+    """Return every value of `[engine.gas]` that counts, given or assumed, and the source of the pressure."""
+    source = ("cylinder pressure over crank angle", cycle.pressure.source if cycle else _UNKNOWN)
+    if gas is None:
+        return [source]
+    used = {name: words for name, words in _GAS.items() if not (gas.measured and name in _OF_MODEL)}
+    return [*((words, _given_or_assumed(gas, name)) for name, words in used.items()), source]
+
+
+def _given_or_assumed(gas: Gas, name: str) -> str:
+    """Return a value of the gas and where it comes from; of a pressure that is not given the ambient one."""
+    value = getattr(gas, name)
+    if value is None:
+        return f"{with_unit(name, gas.ambient_pressure_MPa)} (assumed, ambient)"
+    return f"{with_unit(name, value)} ({'given' if name in gas.model_fields_set else 'assumed'})"
 
 
 def _map_rows(scene: Scene) -> _Rows:

@@ -23,8 +23,8 @@ def note_quality(field: FatigueField) -> None:
 
 
 def mesh_shortfall(model: StressModel) -> str:
-    """Return the rule's checks that a mesh misses whose stresses are means over elements, else nothing."""
-    return "" if model.quality.within_limits or model.fitted else model.quality.shortfall
+    """Return the rule's checks that the mesh of a model misses, else nothing."""
+    return "" if model.quality.within_limits else model.quality.shortfall
 
 
 def note_cut_outlets(model: StressModel) -> None:

@@ -11,39 +11,59 @@ from cranktopo.engine.histories import HistoryKind
 from cranktopo.tasks.fatigue.m53 import ConcentrationFactors, Nominal, RuleHardening
 
 JudgedAs = Literal["throw_alone", "continuous_shaft"]
-NORMAL_LIMIT_PERCENT, JUMP_LIMIT_PERCENT = 3.0, 5.0
-"""Quality limits of IACS UR M53 for surface-normal stress and jump between elements."""
+NORMAL_LIMIT_PERCENT, JUMP_LIMIT_PERCENT, EDGE_LIMIT = 3.0, 5.0, 0.25
+"""Limits of IACS UR M53, Appendix III: surface-normal stress, jump between elements, edges in a fillet over
+its radius."""
+
+
+@dataclass(frozen=True)
+class MeshCheck:
+    """One check of the rule on a mesh: its value beside the limit, both in % or bare numbers."""
+
+    name: str
+    value: float
+    at_most: float
+    unit: str = "%"
+
+    @property
+    def kept(self) -> bool:
+        """True if the value is within the limit."""
+        return self.value <= self.at_most
+
+    def __str__(self) -> str:
+        if self.unit == "%":
+            return f"{self.name} {self.value:.1f} % (at most {self.at_most:g} %)"
+        return f"{self.name} {self.value:.4f} (at most {self.at_most:g})"
 
 
 class _RuleChecks:
-    """Both checks of the rule on a mesh, beside their limits."""
+    """Checks of the rule on a mesh, beside their limits."""
 
     normal_percent: float
     jump_percent: float
 
     @property
     def within_limits(self) -> bool:
-        """True if both checks are within their limits."""
-        return self.normal_percent <= NORMAL_LIMIT_PERCENT and self.jump_percent <= JUMP_LIMIT_PERCENT
+        """True if every check is within its limit."""
+        return all(check.kept for check in self.checks)
 
     @property
     def shortfall(self) -> str:
         """The checks that the mesh misses beside their limits in words."""
-        missed = [words for words, within in self._checks() if not within]
+        missed = [str(check) for check in self.checks if not check.kept]
         return f"the mesh misses the rule's checks: {', '.join(missed)}"
 
     @property
     def kept(self) -> str:
-        """Both checks beside their limits in words."""
-        return ", ".join(words for words, _ in self._checks())
+        """All checks beside their limits in words."""
+        return ", ".join(map(str, self.checks))
 
-    def _checks(self) -> tuple[tuple[str, bool], ...]:
-        entries = (
-            ("surface-normal stress", self.normal_percent, NORMAL_LIMIT_PERCENT),
-            ("jump between elements", self.jump_percent, JUMP_LIMIT_PERCENT),
-        )
-        return tuple(
-            (f"{name} {value:.1f} % (at most {most:g} %)", value <= most) for name, value, most in entries
+    @property
+    def checks(self) -> tuple[MeshCheck, ...]:
+        """Checks at the peaks of the stress, then of the mesh itself."""
+        return (
+            MeshCheck("surface-normal stress", self.normal_percent, NORMAL_LIMIT_PERCENT),
+            MeshCheck("jump between elements", self.jump_percent, JUMP_LIMIT_PERCENT),
         )
 
 
@@ -63,7 +83,8 @@ class Quality(_RuleChecks):
         fillet_size_mm: element size asked for in the finer fillet.
         longest_edge: longest element edge in the fillets over the fillet's (least) radius.
         nodes: nodes of the mesh.
-        normal_percent: surface-normal stress over the largest principal stress of the same node, worst.
+        normal_percent: surface-normal stress over the largest principal stress of the same node, worst; by
+            the stresses that are judged, means over elements or fitted polynomials.
         jump_percent: departure of an element's von Mises stress from that of the nodal mean over the latter,
             worst.
         mesh_seconds: time for the mesh.
@@ -80,11 +101,22 @@ class Quality(_RuleChecks):
 
 
 @dataclass(frozen=True)
+class RuleQuality(Quality):
+    """The same of a mesh by which the rule judges, which limits the edges in the fillets as well."""
+
+    @property
+    def checks(self) -> tuple[MeshCheck, ...]:
+        """Checks at the peaks of the stress, and of the edges in the fillets."""
+        edge = MeshCheck("longest edge in a fillet over its radius", self.longest_edge, EDGE_LIMIT, "-")
+        return (*super().checks, edge)
+
+
+@dataclass(frozen=True)
 class JudgedQuality(Quality):
     """Mesh and the rule's quality checks, and whether they are kept.
 
     Attributes:
-        within_rule: both checks are within the limits of the rule.
+        within_rule: all checks are within the limits of the rule.
     """
 
     within_rule: bool

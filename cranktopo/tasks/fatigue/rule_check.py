@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from functools import partial
+from typing import Literal, get_args
 
 from cranktopo.base.errors import invalid
 from cranktopo.base.notes import note
@@ -42,12 +43,16 @@ from cranktopo.tasks.fatigue.m53_outlet import (
 )
 from cranktopo.tasks.fatigue.needs import check_method, load_kinds
 from cranktopo.tasks.fatigue.outlet_elements import off_plane
-from cranktopo.tasks.fatigue.result import AlternatingLoads, Quality
+from cranktopo.tasks.fatigue.result import AlternatingLoads, RuleQuality
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, solve_stresses
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind
 
-Verdict = Literal["accepted", "not accepted", "not judged", "not covered"]
+Verdict = Literal["not covered", "not accepted", "not judged", "accepted"]
+VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+"""Answers of the rule, the worst first."""
+_FINER = 0.8
+"""Size of the elements in fillets and outlets of a second mesh over that of the first."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +81,7 @@ class RuleCheck:
     nominal: Nominal
     rule_checks: dict[str, FilletCheck]
     fem_checks: dict[str, FilletCheck]
-    quality: Quality
+    quality: RuleQuality
     outlets: tuple[OutletCheck, ...] = ()
     web: str = ""
     m53_factors: M53Factors = "lower"
@@ -134,6 +139,11 @@ class RuleCheck:
             for fillet, found in self._unproven_fillets.items()
         }
         return fillets | {outlet.place: outlet.not_judged for outlet in self.outlets if outlet.doubted}
+
+    @property
+    def waiting(self) -> dict[str, str]:
+        """Places that are not judged and elements of a finer mesh may judge, and why."""
+        return self.unproven | {one.place: one.not_judged for one in self.outlets if one.waits_for_mesh}
 
     @property
     def _unproven_fillets(self) -> dict[str, FilletCheck]:
@@ -230,11 +240,22 @@ def check_rule(
     sides: list[tuple[WebName | None, Scene, float]] = [("first", near, share), ("second", far, 1 - share)]
     if near is far:
         sides = [(None, near, 0.5)]
-    found = [_check(target, *side, kind, fillet_fraction) for side in sides]
+    found = [_proven(partial(_check, target, *side, kind), fillet_fraction) for side in sides]
     if target.file is not None:
         return tuple(found)
     throw_kg = throw_balance(target.scene).mass_kg  # the checks are of throws of two such webs
     return tuple(replace(check, throw_kg=throw_kg) for check in found)
+
+
+def _proven(checked: Callable[[float], RuleCheck], fillet_fraction: float) -> RuleCheck:
+    """Return the check of a web, by a finer mesh where that of the default size leaves a place open."""
+    found = checked(fillet_fraction)
+    if fillet_fraction != RULE_FRACTION or not found.waiting:
+        return found
+    finer = _FINER * fillet_fraction
+    place, why = next(iter(found.waiting.items()))
+    note(f"{found.name}, {place}: {why}; judged anew with a fillet fraction of {finer:.3f}")
+    return checked(finer)
 
 
 def _check(
@@ -286,7 +307,7 @@ def _check(
         nominal,
         fillet_checks(scene, size, scf_rule, nominal),
         fillet_checks(scene, size, scf_fem, nominal),
-        model.quality,
+        RuleQuality(**vars(model.quality)),
         tuple(replace(one, key=named(one.key)) for one in outlets),
         web,
         scene.fatigue.m53_factors,

@@ -29,19 +29,20 @@ from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.fatigue import rule_tables as tables
 from cranktopo.tasks.fatigue.dossier_sections import engine_section, shaft_section, vibration_sections
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, M53, ratios
-from cranktopo.tasks.fatigue.rule_check import RuleCheck
+from cranktopo.tasks.fatigue.rule_check import RuleCheck, Verdict
+from cranktopo.tasks.fatigue.throw_verdict import worst_verdict
 from cranktopo.tasks.loads.section import loads_section
 from cranktopo.tasks.plan.section import effects_section
 
 _BLANK = "." * 24
 """Room for a name by hand."""
-_ANSWERS = {
+_ANSWERS: dict[Verdict, str] = {
     "not covered": "is NOT COVERED by the rule",
     "not accepted": "is NOT accepted",
     "not judged": "is NOT JUDGED by the rule alone",
     "accepted": "is accepted",
 }
-"""Words of the headline for each verdict, the worst first."""
+"""Words of the headline for each verdict."""
 
 
 @dataclass(frozen=True)
@@ -131,8 +132,7 @@ def _left_off(record: RuleRecord) -> list[str]:
 
 def _headline(checks: Sequence[RuleCheck]) -> str:
     worst = min(checks, key=lambda check: check.safety)
-    answers = {check.verdict for check in checks}
-    answer = next(_ANSWERS[verdict] for verdict in _ANSWERS if verdict in answers)
+    answer = _ANSWERS[worst_verdict(checks)]
     place = worst.least_place
     uncovered = next((f" ({check.not_covered})" for check in checks if check.not_covered), "")
     return (

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
 from cranktopo.tasks.fatigue.m53 import Dimensions, FilletCheck, Ratio, ratios
 from cranktopo.tasks.fatigue.m53_outlet import OutletCheck
-from cranktopo.tasks.fatigue.result import JUMP_LIMIT_PERCENT, NORMAL_LIMIT_PERCENT
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.text import outlet_table
 
@@ -157,15 +156,15 @@ def _accepted(check: RuleCheck, found: FilletCheck, proven: bool) -> str:
 
 def quality_table(check: RuleCheck) -> ResultTable:
     """Return the mesh checks of Appendix III beside their limits."""
-    quality = check.quality
-    rows: tuple[tuple[str, float, float, str], ...] = (
-        ("longest edge in a fillet over its radius", quality.longest_edge, 0.25, "-"),
-        ("surface-normal stress at the peak", quality.normal_percent, NORMAL_LIMIT_PERCENT, "%"),
-        ("jump between elements at the peak", quality.jump_percent, JUMP_LIMIT_PERCENT, "%"),
-    )
     cells: tuple[dict[str, Cell], ...] = tuple(
-        {"check": name, "value": value, "at_most": limit, "unit": unit, "kept": _yes(value <= limit)}
-        for name, value, limit, unit in rows
+        {
+            "check": one.name + " at the peak" * (one.unit == "%"),
+            "value": one.value,
+            "at_most": one.at_most,
+            "unit": one.unit,
+            "kept": _yes(one.kept),
+        }
+        for one in check.quality.checks
     )
     return ResultTable({"check": 0, "value": 2, "at_most": 2, "unit": 0, "kept": 0}, cells)
 

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Index
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
-from cranktopo.base.notes import Pace
+from cranktopo.base.notes import Pace, note
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw, serves_polynomials
 from cranktopo.design.halves import default_element_size_mm, halves
@@ -25,6 +25,7 @@ from cranktopo.numerics.tetrahedra.solver import get_ready
 from cranktopo.numerics.tetrahedra.stress import (
     Surface,
     SurfaceStress,
+    boundary_faces,
     nodal_stress,
     outer_surface,
     principal_stresses,
@@ -38,13 +39,15 @@ from cranktopo.tasks.fatigue.fillets import (
     outlet_nodes,
     rounded_outlet_nodes,
 )
-from cranktopo.tasks.fatigue.result import Quality
+from cranktopo.tasks.fatigue.result import EDGE_LIMIT, Quality
 from cranktopo.tasks.fea.evaluation import meshed_throw_kg
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind, UnitField, unit_fields
 
 RULE_FRACTION = 0.17
 """Element size in a fillet over its radius that keeps edges below a quarter (IACS UR M53, Appendix III)."""
+_BELOW = 0.97
+"""Share of the rule's largest edge that a mesh which misses it aims at when it is made anew."""
 _ACROSS_WEB = 6
 """Elements through the web: the same rule."""
 _RESIDUAL = 1e-4
@@ -201,22 +204,19 @@ def stress_model(
     planes = [(2, 0.0), (2, end)] + ([(0, 0.0)] if meshed.mesh.mirrored else [])
     surface = outer_surface(model, found.elements, tuple(planes))
     stress = surface_stress(model, surface, found)
-    journal, pin = (
-        _where(scene, meshed.whole, partial(_on_fillet, fillet), surface.points_mm)
-        for fillet in ("journal", "pin")
-    )
-    at_fillets = [
-        index for index, field in enumerate(fields) if field.kind != "side_moment"
-    ]  # no factor there
-    judged = SurfaceStress(
-        stress.stress_MPa[at_fillets], stress.depth_MPa_per_mm[at_fillets], stress.jump_MPa[at_fillets]
-    )
+    journal, pin = _fillets(scene, meshed.whole, surface.points_mm)
     fitted = serves_polynomials(fillet_fraction) and not by_rule
     if fitted:
         on = journal | pin | _where(scene, meshed.whole, rounded_outlet_nodes, surface.points_mm)
         stress.stress_MPa[:, on], stress.depth_MPa_per_mm[:, on] = fitted_stress(
             model, surface, on, moved, elastic
         )
+    at_fillets = [
+        index for index, field in enumerate(fields) if field.kind != "side_moment"
+    ]  # no factor there
+    judged = SurfaceStress(
+        stress.stress_MPa[at_fillets], stress.depth_MPa_per_mm[at_fillets], stress.jump_MPa[at_fillets]
+    )
     return StressModel(
         name,
         scene,
@@ -231,6 +231,14 @@ def stress_model(
         meshed.whole,
         fitted,
     )
+
+
+def _fillets(scene: Scene, whole: bool, points_mm: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return which points (3, n) lie on the journal's fillet, and which on the pin's."""
+    journal, pin = (
+        _where(scene, whole, partial(_on_fillet, fillet), points_mm) for fillet in ("journal", "pin")
+    )
+    return journal, pin
 
 
 def _on_fillet(fillet: Fillet, half: Scene, points_mm: Array) -> NDArray[np.bool_]:
@@ -298,12 +306,38 @@ def mesh_for_stress(
 ) -> tuple[MeshedThrow, Scene]:
     """Return the mesh of a target for stresses, and its scene with the fillets that the mesh has.
 
+    Elements of the size that keeps edges below the rule's quarter may miss it by one edge: they are made
+    smaller then, once, before anything is solved.
+
     Args:
         by_rule: as in `solve_stresses`.
 
     Raises:
         CranktopoError: a surface file, a fillet of radius 0, or a failed mesh.
     """
+    found = _meshed(target, fillet_fraction, by_rule=by_rule)
+    if not by_rule or fillet_fraction > RULE_FRACTION:
+        return found
+    longest = longest_edge(*found)
+    if longest <= EDGE_LIMIT:
+        return found
+    finer = fillet_fraction * _BELOW * EDGE_LIMIT / longest
+    note(
+        f"{target.name}: longest edge in a fillet over its radius {longest:.4f}, at most {EDGE_LIMIT:g}: "
+        f"meshed anew with a fillet fraction of {finer:.3f}"
+    )
+    return _meshed(target, finer, by_rule=by_rule)
+
+
+def longest_edge(meshed: MeshedThrow, scene: Scene) -> float:
+    """Return the longest element edge in a fillet over the fillet's least radius."""
+    points, cells = meshed.mesh.points_mm, meshed.mesh.cells
+    local, owners = boundary_faces(cells)
+    fillets = _fillets(scene, meshed.whole, points)
+    return _longest_edge(scene, points, cells[local[:3], owners], fillets)
+
+
+def _meshed(target: Target, fillet_fraction: float, *, by_rule: bool) -> tuple[MeshedThrow, Scene]:
     scene = target.scene
     thinner = min(half.web.thickness_mm for half in halves(scene))
     size = min(default_element_size_mm(scene), thinner / _ACROSS_WEB)
@@ -348,7 +382,7 @@ def _quality(
     radii = tuple(journal.fillet.least_radius_mm for journal, _ in scene.throw.journals)
     return Quality(
         fraction * min(radii),
-        max(_longest_edge(surface, nodes_on) / r for nodes_on, r in zip(fillets, radii, strict=True)),
+        _longest_edge(scene, surface.points_mm, surface.faces[:3], fillets),
         nodes,
         float(100 * (normal / largest)[where].max()),
         float(100 * (stress.jump_MPa / equivalent)[where].max()),
@@ -373,7 +407,13 @@ def normal_stress(stress: Array, normals: Array) -> Array:
     return np.asarray((stress * weights).sum(axis=-1))
 
 
-def _longest_edge(surface: Surface, on: NDArray[np.bool_]) -> float:
-    inside = on[surface.faces].all(axis=0)
-    corners = surface.points_mm[:, surface.faces[:3, inside]]
-    return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0).max())
+def _longest_edge(
+    scene: Scene, points_mm: Array, triangles: Index, fillets: tuple[NDArray[np.bool_], NDArray[np.bool_]]
+) -> float:
+    """Return the longest edge of triangles (3, n) on the fillets over the fillet's (least) radius."""
+    longest = []
+    for on, (journal, _) in zip(fillets, scene.throw.journals, strict=True):
+        corners = points_mm[:, triangles[:, on[triangles].all(axis=0)]]
+        edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0)
+        longest.append(float(edges.max(initial=0.0)) / journal.fillet.least_radius_mm)
+    return max(longest)

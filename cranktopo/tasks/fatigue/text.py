@@ -11,10 +11,10 @@ from dataclasses import dataclass, field
 from cranktopo.engine.histories import LoadsName, speed_words
 from cranktopo.engine.judged_histories import states_words
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
-from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR
-from cranktopo.tasks.fatigue.result import FatigueResult, FieldFatigue, HardenedFillet, PartLife, RuleFatigue
+from cranktopo.tasks.fatigue.result import FatigueResult, FieldFatigue, HardenedFillet, PartLife
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.safety_field import FatigueField
+from cranktopo.tasks.fatigue.throw_verdict import ThrowVerdict
 from cranktopo.tasks.fatigue.verdicts import FatigueOutcome, summary, verdicts, with_percent
 from cranktopo.tasks.fea.quantities import MASS, SAFETY
 
@@ -60,24 +60,30 @@ class FatigueComparison:
         verdicts: answers of the rule, what it does not judge, then one line for each target but the baseline.
         result: what `fatigue --json` prints.
         not_judged: why targets were not judged, by name.
+        answers: of the rule to throws, by name.
     """
 
     safeties: tuple[float | None, ...]
     verdicts: tuple[str, ...]
     result: FatigueResult
     not_judged: Mapping[str, str] = field(default_factory=dict)
+    answers: Mapping[str, ThrowVerdict] = field(default_factory=dict)
+
+    @property
+    def unrated(self) -> frozenset[str]:
+        """Throws that the rule has no answer to, so that their least factor says nothing of their safety."""
+        open_ones = ("not judged", "not covered")
+        return frozenset(name for name, one in self.answers.items() if one.verdict in open_ones)
 
     @property
     def failing(self) -> dict[str, str]:
         """Targets that fail, with the reason: a safety below 1, or no acceptance by the rule."""
-        reasons = {}
-        for one in self.result.fatigue:
-            if isinstance(one, RuleFatigue):
-                if one.verdict != "accepted":
-                    reasons[one.target] = _by_the_rule(one.verdict, one.safety)
-            elif one.safety < 1:
-                reasons[one.target] = f"fails by {self.result.method}, safety {one.safety:.3f}, below 1"
-        return reasons
+        refused = {name: one.words for name, one in self.answers.items() if one.verdict != "accepted"}
+        return refused | {
+            one.target: f"fails by {self.result.method}, safety {one.safety:.3f}, below 1"
+            for one in self.result.fatigue
+            if isinstance(one, FieldFatigue) and one.safety < 1
+        }
 
 
 def loads_by_target(found: FatigueResult) -> dict[str, LoadsName]:
@@ -101,12 +107,21 @@ def load_words(found: FatigueResult) -> str:
 
 
 def compare_fatigue(
-    results: Sequence[FatigueOutcome], baseline: int | None, fatigue_result: FatigueResult
+    results: Sequence[FatigueOutcome],
+    baseline: int | None,
+    fatigue_result: FatigueResult,
+    answers: Sequence[ThrowVerdict] = (),
+    checks: Sequence[RuleCheck] = (),
 ) -> FatigueComparison:
-    """Return what a comparison shows of the fatigue of its targets; no verdicts without a baseline."""
+    """Return what a comparison shows of the fatigue of its targets; no verdicts without a baseline.
+
+    Args:
+        results: one of each target, of two different webs the worse one.
+        answers: of the rule to each target.
+        checks: of every web by the rule.
+    """
     safeties = tuple(summary(result).safety for result in results)
-    checks = [result for result in results if isinstance(result, RuleCheck)]
-    remarks = [*map(_acceptance, checks), *rule_remarks(checks)]
+    remarks = [*(f"{one.target}: {one.words}." for one in answers), *rule_remarks(checks)]
     fields = [result for result in results if isinstance(result, FatigueField)]
     remarks += field_remarks(fields)
     remarks += dict.fromkeys(
@@ -114,16 +129,9 @@ def compare_fatigue(
         for entry in fatigue_result.fatigue
         for remark in entry.strength_remarks or ()
     )
-    sentences = [] if baseline is None else verdicts(results, baseline)
-    return FatigueComparison(safeties, (*remarks, *sentences), fatigue_result)
-
-
-def _acceptance(check: RuleCheck) -> str:
-    return f"{check.name}: {_by_the_rule(check.verdict, check.safety)}."
-
-
-def _by_the_rule(verdict: str, least: float) -> str:
-    return f"{verdict} by UR M53, least Q {least:.3f}, {LEAST_FACTOR:g} asked"
+    sentences = [] if baseline is None else verdicts(results, baseline, answers)
+    by_name = {one.target: one for one in answers}
+    return FatigueComparison(safeties, (*remarks, *sentences), fatigue_result, answers=by_name)
 
 
 def field_table(fields: Sequence[FatigueField], baseline: int | None) -> ResultTable:
@@ -176,14 +184,14 @@ def rule_remarks(checks: Sequence[RuleCheck]) -> list[str]:
     """Return what the tables do not say: what is not judged, factors that differ, a coarse mesh."""
     lines = [
         f"{check.name}: NOT COVERED by the rule, and not accepted: {check.not_covered}. Its numbers serve "
-        "comparisons alone; `--method lsa` or `fkm` judges this material."
+        "comparisons alone; `cranktopo fatigue --method lsa` or `fkm` judges this material."
         for check in checks
         if check.not_covered
     ]
     lines += [f"{check.name}: {check.process_remark}." for check in checks if check.process_remark]
     lines += [
         f"{check.name}, {place}: not judged, {why}: the rule accepts this throw only with "
-        f"{_way(check, place)}; `--method lsa` counts it."
+        f"{_way(check, place)}; `cranktopo fatigue --method lsa` counts it."
         for check in checks
         for place, why in check.uncovered.items()
     ]

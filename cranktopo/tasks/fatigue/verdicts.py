@@ -14,6 +14,7 @@ from cranktopo.tasks.fatigue.remarks import mesh_shortfall
 from cranktopo.tasks.fatigue.result import FatigueShare, JudgedAs
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.safety_field import FatigueField
+from cranktopo.tasks.fatigue.throw_verdict import ThrowVerdict
 from cranktopo.tasks.fea.quantities import MASS, SAFETY
 
 SAME = 0.02
@@ -44,24 +45,34 @@ def summary(result: FatigueOutcome) -> Summary:
     """Return mass and safety of either kind of result."""
     if isinstance(result, FatigueField):
         model = result.model
-        return Summary(model.name, model.throw_kg, result.critical.safety, coarse=bool(mesh_shortfall(model)))
+        coarse = bool(mesh_shortfall(model)) and not model.fitted
+        return Summary(model.name, model.throw_kg, result.critical.safety, coarse=coarse)
     judged = result.judged_safety
     unproven = judged is None or result.safety < judged
     return Summary(result.name, result.throw_kg, result.safety, coarse=unproven)
 
 
-def verdicts(results: Sequence[FatigueOutcome], baseline: int) -> list[str]:
-    """For each target but the baseline its change of mass and safety, and whether it is as safe."""
+def verdicts(
+    results: Sequence[FatigueOutcome], baseline: int, answers: Sequence[ThrowVerdict] = ()
+) -> list[str]:
+    """For each target but the baseline its change of mass and safety, and whether it is as safe.
+
+    Args:
+        answers: of the rule to each target; one that it does not judge is not rated.
+    """
     found = [summary(result) for result in results]
+    unrated = {index: one.target for index, one in enumerate(answers) if one.verdict == "not judged"}
     base = found[baseline]
     lines = []
     for index, one in enumerate(found):
         if index == baseline:
             continue
         ratio = one.safety / base.safety
+        open_ones = [unrated[row] for row in (index, baseline) if row in unrated]
+        rated = _not_rated(base, open_ones) if open_ones else _as_safe(ratio, one, base)
         lines.append(
             f"{one.name}: {change_text(100 * (one.mass_kg / base.mass_kg - 1))} mass, "
-            f"{change_text(100 * (ratio - 1))} safety: {_as_safe(ratio, one, base)}."
+            f"{change_text(100 * (ratio - 1))} safety: {rated}."
         )
         lines += _other_loads(results[index], results[baseline])
         lines += _both_worlds(results[index], results[baseline])
@@ -80,6 +91,11 @@ def _both_worlds(one: FatigueOutcome, base: FatigueOutcome) -> list[str]:
         for world, where in WORLDS.items()
     ]
     return [f"{one.model.name}: {', '.join(changes)}."]
+
+
+def _not_rated(base: Summary, open_ones: Sequence[str]) -> str:
+    """Return that the least factors do not tell which is safer, as the rule leaves a place open."""
+    return f"not rated against {base.name}: the rule does not judge {' and '.join(open_ones)}"
 
 
 def _as_safe(ratio: float, one: Summary, base: Summary) -> str:

@@ -134,6 +134,8 @@ class LoadsAtSpeed(Result):
     """Work of a cycle over the swept volume; friction is not known."""
     indicated_power_kW: float | None
     """Power of all cylinders without friction."""
+    rated_power: str | None = UNLESS_NONE
+    """Rated power beside the power of the cylinder pressure, where the design has one."""
     misfire: tuple[int, ...] | None = UNLESS_NONE
     """Cylinders that do not fire, where there are any; the work is that of one that fires."""
     silent: str = Field(default="", exclude=True)

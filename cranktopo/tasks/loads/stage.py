@@ -21,6 +21,7 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.performance import mean_pressure_MPa, power_kW, pressure_warnings, pressure_words
 from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.rated_power import rated_power_warnings, rated_power_words
 from cranktopo.engine.states import extreme_states, load_cases
 from cranktopo.tasks.loads.plot import plot_loads
 from cranktopo.tasks.loads.result import (
@@ -69,6 +70,7 @@ def _loads(scene: Scene, effects: PhysicsPlan, assumed: tuple[Assumption, ...]) 
         indicated_work_per_cylinder_J=work if cycle else None,
         indicated_mean_pressure_MPa=mean_pressure_MPa(work, engine, radius) if cycle and engine else None,
         indicated_power_kW=power_kW(cycle.mean_work_J, engine) if cycle and engine else None,
+        rated_power=rated_power_words(scene) or None,
         misfire=misfire(scene) or None,
         silent=misfire_words(scene),
         piston=piston_of(analysis) if analysis else None,
@@ -79,7 +81,7 @@ def _loads(scene: Scene, effects: PhysicsPlan, assumed: tuple[Assumption, ...]) 
         load_cases=load_cases(scene, effects.enabled),
         extreme_states=tuple(state_of(state) for state in extreme_states(scene, effects.enabled)),
         effects=effects.effects,
-        warnings=pressure_warnings(scene),
+        warnings=(*pressure_warnings(scene), *rated_power_warnings(scene)),
         assumed=assumed,
     )
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from textwrap import fill
 
 from cranktopo.base.units import enough_decimals
 from cranktopo.engine.balance.crank import CrankMass
 from cranktopo.engine.balance.throw import is_as_needed
 from cranktopo.engine.load_case import LoadCase
-from cranktopo.report.result_table import text_table
+from cranktopo.report.result_table import WIDTH, text_table
 from cranktopo.tasks.loads.result import Loads, LoadState, PistonExtremes, Range, ThrowMassProperties
 
 _LABELS = {"inertia_force": "inertia force of piston"}
@@ -100,12 +101,13 @@ def _torque(loads: Loads) -> str:
     mean, high, low = _numbers((torque.mean, torque.max, torque.min))
     (work,) = _numbers((loads.indicated_work_per_cylinder_J,))
     (power,) = _numbers((loads.indicated_power_kW,))
+    rated = f"{fill(loads.rated_power, WIDTH)}\n" if loads.rated_power else ""
     return (
         f"engine torque: mean {mean} N m, max {high} at "
         f"{torque.max_deg:g} deg, min {low} at {torque.min_deg:g} deg\n"
         f"indicated work per cylinder and cycle: {work} J\n"
         f"indicated mean pressure {loads.indicated_mean_pressure_MPa:.3f} MPa, power of the engine "
-        f"{power} kW, without friction\n"
+        f"{power} kW, without friction\n{rated}"
         f"textbook series off the exact motion: displacement {difference.displacement:.2f} %, "
         f"velocity {difference.velocity:.2f} %, acceleration {difference.acceleration:.2f} %"
     )

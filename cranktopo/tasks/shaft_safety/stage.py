@@ -221,7 +221,7 @@ class JudgedShaft:
             speeds=_by_speed(least, speeds),
             load_states=angle_deg.size * len(speeds),
             quality=JudgedQuality(**vars(quality), within_rule=quality.within_limits),
-            mesh_shortfall=mesh_shortfall(field.model) or None,
+            mesh_shortfall=self.missed_checks or None,
             left_off=shaft_left_off(self.target.scene) or None,
             seconds=_seconds(self.throws, solved - begin, finished - solved),
             assumed=assumed_by(filter_by_table(self.target.assumed, USED), (self.method,)),
@@ -238,6 +238,15 @@ class JudgedShaft:
         _, _, cycle = solved_cycle(self.throws, scene, at_speed(scene, speed_rpm), self._support)
         on_bearings = loads_on_bearings_N(cycle)[list(sections)]
         return BearingPolar(speed_rpm, cycle.angle_deg, tuple(s + 1 for s in sections), on_bearings)
+
+    @property
+    def missed_checks(self) -> str:
+        """The checks that the mesh of any throw misses, each with the names of the throws."""
+        models = {id(one.model): one.model for one in self.throws}.values()
+        found = {model.name: missed for model in models if (missed := mesh_shortfall(model))}
+        if len(models) == 1:
+            return "".join(found.values())
+        return "; ".join(f"{name}: {missed}" for name, missed in found.items())
 
     @property
     def _support(self) -> Support:

@@ -120,8 +120,9 @@ def _first_frequency(study: VibrationStudy) -> Fact:
     met = f"first met at {min(own):.0f} rpm" if own else no_order
     weak = [found for found in study.critical if found.mode == 1 and found.share < WEAK]
     if weak and not own:
-        first = min(weak, key=lambda found: found.speed_rpm)
-        met += f", but at {first.speed_rpm:.0f} rpm by order {first.order:g} where one misfires"
+        each = sorted(weak, key=lambda found: found.speed_rpm)
+        orders = [f"{one.speed_rpm:.0f} rpm by order {one.order:g}" for one in each]
+        met += f", but at {' and '.join(orders)} where one misfires"
     if critical and critical[0].mode != 1:
         met += f"; the lowest critical speed, {critical[0].speed_rpm:.0f} rpm, is of mode {critical[0].mode}"
     if few_throws(study.scene):

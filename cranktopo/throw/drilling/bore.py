@@ -87,6 +87,13 @@ class DrillBore(Body):
         heights = outlet.height_mm(self.radius_mm * self.around, outlet.surface_mm)
         return float(heights.max()) + _BEYOND * self.radius_mm
 
+    @property
+    def crosses_middle(self) -> bool:
+        """Tell whether it reaches beyond the middle of the main journal, where its half throw ends."""
+        (_, _, low), _ = self.box_mm(self.radius_mm)
+        rims = (o.point_mm[2] - self.radius_mm - o.rounding_mm for o in self.outlets if o.surface_mm)
+        return min(float(low), *rims) < 0
+
     def in_second_half(self, pitch_mm: float) -> DrillBore:
         """Return it as one of the half throw beyond the crankpin, in the frame of the throw of that pitch."""
         one, other = (outlet.in_second_half(pitch_mm) for outlet in self.outlets)

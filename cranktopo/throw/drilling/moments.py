@@ -22,7 +22,7 @@ from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.feature import JournalsView, ThrowView
 from cranktopo.throw.moments import Moments, integrate
 
-Part = Literal["main_journal", "web", "crankpin"]
+Part = Literal["beyond", "main_journal", "web", "crankpin"]
 PARTS: tuple[Part, ...] = "main_journal", "web", "crankpin"
 _ENDLESS = 1e3
 """Half-width of the web over the throw's radius: a drilling never reaches its edge."""
@@ -47,6 +47,20 @@ def drilled(scene: ThrowView, part: Part | None = None, before_z_mm: float | Non
             rounded = (outlet for outlet in bore.outlets if outlet.rounding_mm and outlet.journal == name)
             rings = (_ring(bore.radius_mm, outlet, ends, before_z_mm) for outlet in rounded)
             total = total + sum((Moments(*ring) for ring in rings), none)
+    return total
+
+
+def beyond_middle(scene: ThrowView, bore: DrillBore, *, weighted: bool = False) -> Moments:
+    """Return the moments of what a drilling of the half throw takes out of its neighbour.
+
+    That has the same main journal, from its middle on. Where they are `weighted`, volume and first moments
+    are by the distance beyond the middle.
+    """
+    before = 0.0 if weighted else None
+    total = _bored(scene.throw, (*scene.web_z_mm, math.inf), bore, "beyond", before)
+    for outlet in bore.outlets:
+        if outlet.rounding_mm and outlet.journal == "main_journal":
+            total = total + Moments(*_ring(bore.radius_mm, outlet, (-math.inf, 0.0), before))
     return total
 
 
@@ -92,8 +106,13 @@ class _Slices:
         self._ends = bore.extent_mm
         low, high, end = z_mm
         (main, _), (pin, radius) = throw.journals
-        self._z = {"main_journal": (0.0, low), "web": (low, high), "crankpin": (high, end)}[part]
-        bores = {"main_journal": (main, 0.0), "crankpin": (pin, radius)}
+        self._z = {
+            "beyond": (-main.length_mm / 2, 0.0),
+            "main_journal": (0.0, low),
+            "web": (low, high),
+            "crankpin": (high, end),
+        }[part]
+        bores = {"beyond": (main, 0.0), "main_journal": (main, 0.0), "crankpin": (pin, radius)}
         own = [bores[part]] if part in bores else list(bores.values())
         self._solid = None if part == "web" else self._circle(own[0][1], own[0][0].radius_mm)
         self._far = _ENDLESS * radius

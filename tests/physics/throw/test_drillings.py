@@ -12,7 +12,8 @@ from manifold3d import Manifold
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import build_domain
-from cranktopo.bodies.prisms import journal_halves, segments, web_bores
+from cranktopo.bodies.drill_tool import segments
+from cranktopo.bodies.prisms import journal_halves, web_bores
 from cranktopo.bodies.solid.checked import solid_properties
 from cranktopo.bodies.solid.throw import add_half_throw
 from cranktopo.design.halves import envelope_asymmetry, mirror_image, web_asymmetry

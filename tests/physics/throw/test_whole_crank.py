@@ -8,15 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cranktopo.app.main import main
 from cranktopo.base.units import density_kg_per_mm3
+from cranktopo.bodies.crank_drillings import crossing_words, taken_beyond
 from cranktopo.bodies.crank_ends import main_journal_places_mm
 from cranktopo.bodies.solid.files import export_solid
-from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.loading import design_text, load_scene, parse_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.crank import CrankMass, crank_mass
 from cranktopo.engine.balance.free_forces import rotating_force, turning_masses
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.tasks.crank_drawing.crank_shape import crank_shape
 from tests.random_cranks import random_crank
 
 ONE_THROW = 5
@@ -38,8 +41,11 @@ def end(*steps: dict[str, object], side: str = "free") -> dict[str, object]:
     return {"side": side, "step": list(steps)}
 
 
-def check_step_file(scene: Scene, path: Path) -> None:
-    """Volume to 1e-6, inertia, unbalance and couple to 1e-9 of their scale, from the file's exact faces."""
+def check_step_file(scene: Scene, path: Path, times: float = 1.0) -> None:
+    """Volume to 1e-6, inertia, unbalance and couple to 1e-9 of their scale, from the file's exact faces.
+
+    `times` as much of inertia, unbalance and couple where faces end in curves of intersection.
+    """
     mass = found_mass(scene)
     export_solid(scene, "crankshaft", path)
     density = density_kg_per_mm3(scene.material.density_kg_m3)
@@ -50,14 +56,14 @@ def check_step_file(scene: Scene, path: Path) -> None:
         x, y, z = occ.getCenterOfMass(*body)
         tensor = density * np.array(occ.getMatrixOfInertia(*body))
     assert kg == pytest.approx(mass.mass_kg, rel=1e-6)
-    assert tensor[8] + kg * (x**2 + y**2) == pytest.approx(mass.inertia_kg_mm2, rel=1e-6)
+    assert tensor[8] + kg * (x**2 + y**2) == pytest.approx(mass.inertia_kg_mm2, rel=1e-6 * times)
     length = main_journal_places_mm(scene)[-1]
     unbalance = kg * complex(y, x)
     couple = complex(kg * y * z - tensor[5], kg * x * z - tensor[2]) - unbalance * length / 2
     given = mass.unbalance_kg_mm * np.exp(1j * math.radians(mass.unbalance_deg))
-    assert unbalance == pytest.approx(given, abs=1e-7 * kg * scene.throw.radius_mm)
+    assert unbalance == pytest.approx(given, abs=1e-7 * times * kg * scene.throw.radius_mm)
     given = mass.couple_kg_mm2 * np.exp(1j * math.radians(mass.couple_deg))
-    assert couple == pytest.approx(given, abs=1e-6 * kg * scene.throw.radius_mm * length)
+    assert couple == pytest.approx(given, abs=1e-6 * times * kg * scene.throw.radius_mm * length)
 
 
 def test_mikron_weighs_what_is_printed() -> None:
@@ -106,6 +112,49 @@ def test_a_crank_without_keys_changes_nothing() -> None:
     assert found_mass(empty).mass_kg == 4 * throw_balance(plain).mass_kg
 
 
+def drilled_crank(web: str, rounding_mm: float = 0.0, **crank: object) -> Scene:
+    """Two throws side by side whose drillings cross the middle of the main journal."""
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True, exclude={"published"})
+    data["throw"]["drilling"] = [{**ACROSS, "web": web, "outlet_radius_mm": rounding_mm}]
+    data["engine"] |= {
+        "cylinders": 2,
+        "firing_order": [1, 2],
+        "arrangement": {"throw_angles_deg": [0.0, 0.0]},
+    }
+    return scene_from_dict({**data, "crank": crank}, "crank", whole=True)
+
+
+ACROSS = {
+    "diameter_mm": 5.0,
+    "from": {"on": "main_journal", "angle_deg": 160.0, "place_mm": 1.0},
+    "to": {"on": "crankpin", "angle_deg": 15.0, "place_mm": 2.0},
+}
+
+
+@pytest.mark.parametrize(("web", "ends"), [("first", False), ("both", True)])
+def test_a_drilling_across_the_middle_of_a_journal_goes_on_in_the_neighbour(
+    web: str, ends: bool, tmp_path: Path
+) -> None:
+    """Half of its outlet was plugged; those of two throws at one angle meet there, and count once."""
+    scene = drilled_crank(web, **({"end": [end(), end(side="output")]} if ends else {}))
+    check_step_file(scene, tmp_path / "crank.step", 10.0)
+    plugged = 2 * throw_balance(scene).mass_kg
+    journal = scene.throw.main_journal
+    ring = math.pi * (journal.radius_mm**2 - journal.bore_radius_mm**2) * journal.length_mm
+    density = density_kg_per_mm3(scene.material.density_kg_m3)
+    taken = plugged + ends * density * ring - found_mass(scene).mass_kg
+    assert taken > 5 * density, "more than 5 mm3"
+
+
+def test_the_drawing_has_the_hole_in_the_neighbour_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bodies that it draws, by their triangles, with the drillings that go on and without."""
+    scene = drilled_crank("first", 1.0)
+    drawn = sum(piece.solid.volume() for piece in crank_shape(scene).pieces)
+    monkeypatch.setattr("cranktopo.tasks.crank_drawing.crank_shape.crank_crossings", lambda _: ())
+    plugged = sum(piece.solid.volume() for piece in crank_shape(scene).pieces)
+    assert plugged - drawn == pytest.approx(taken_beyond(scene).volume, rel=0.05)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(60))
 def test_random_cranks(tmp_path: Path, seed: int) -> None:
@@ -141,3 +190,20 @@ def test_a_body_from_cad_is_in_the_step_file(tmp_path: Path) -> None:
         gmsh.write(str(tmp_path / "pin.step"))
     body = {"kind": "body", "file": str(tmp_path / "pin.step"), "length_mm": 12.0}
     check_step_file(with_crank(end=[end(body)]), tmp_path / "crank.step")
+
+
+def test_a_throw_alone_tells_that_its_drilling_goes_on(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    text = design_text("mikron-iiic-plain")
+    hole = "[[throw.drilling]]\ndiameter_mm = 5.0\n"
+    design = tmp_path / "drilled.toml"
+    design.write_text(text.replace("[web]\n", f"{hole}\n[web]\n", 1), encoding="utf-8")
+    assert main(["export", str(design), str(tmp_path / "throw.step"), "--part", "throw"]) == 0
+    assert "throw.drilling[0]: crosses the middle of the main journal" in " ".join(
+        capsys.readouterr().err.split()
+    )
+    inside = text.replace(
+        "[web]\n", f'{hole}from = {{ on = "main_journal", angle_deg = 180.0, place_mm = 9.0 }}\n\n[web]\n', 1
+    )
+    assert crossing_words(parse_scene(inside)) == ""

@@ -10,6 +10,7 @@ import pytest
 
 from cranktopo import load_scene, with_values
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.notes import redirected
 from cranktopo.bodies.volume import half_throw_volume_mm3, throw_volume_mm3
 from cranktopo.design.halves import halves
 from cranktopo.design.loading import scene_from_dict
@@ -30,10 +31,12 @@ from cranktopo.tasks.fatigue.m53_outlet import (
     unchecked_journal_outlets,
 )
 from cranktopo.tasks.fatigue.outlet_elements import OutletFactors
-from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult, MeshChecks, Quality
+from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult, MeshChecks, RuleQuality
 from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
-from cranktopo.tasks.fatigue.rule_tables import acceptability_table, size_table
+from cranktopo.tasks.fatigue.rule_tables import acceptability_table, quality_table, size_table
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fatigue.text import compare_fatigue, outlet_table, rule_remarks, rule_table
+from cranktopo.tasks.fatigue.throw_verdict import throw_verdict
 from cranktopo.tasks.fatigue.verdicts import verdicts
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.throw.drilling.table import drill_bores
@@ -42,7 +45,7 @@ ALLOWED = FilletCheck(200.0, 240.0)
 """Q = 1.2."""
 WEAK = FilletCheck(200.0, 226.0)
 """Q = 1.13, below the 1.15 of the rule."""
-MISSED = Quality(1.0, 0.2, 5000, 1.0, 5.4, 1.0, 1.0)
+MISSED = RuleQuality(1.0, 0.2, 5000, 1.0, 5.4, 1.0, 1.0)
 """A mesh that misses the jump of 5 % between elements."""
 
 
@@ -60,7 +63,7 @@ def check(pin_by_rule: FilletCheck, pin_by_elements: FilletCheck) -> RuleCheck:
         nominal_stresses(size, 265500.0, 9000.0, 410000.0),
         {"pin": pin_by_rule, "journal": ALLOWED},
         {"pin": pin_by_elements, "journal": ALLOWED},
-        Quality(0.4, 0.2, 20000, 1.0, 4.0, 5.0, 5.0),
+        RuleQuality(0.4, 0.2, 20000, 1.0, 4.0, 5.0, 5.0),
     )
 
 
@@ -116,7 +119,7 @@ def test_elements_of_a_web_have_the_drilling_that_it_alone_has(monkeypatch: pyte
 
     def model(target: Target, *_: object, **__: object) -> Any:
         solved.append(target.scene)
-        return SimpleNamespace(throw_kg=1.0, quality=MISSED)
+        return SimpleNamespace(throw_kg=1.0, quality=replace(MISSED, jump_percent=4.0))
 
     factors = concentration_factors(dimensions(scene))
     monkeypatch.setattr("cranktopo.tasks.fatigue.rule_check.solve_stresses", model)
@@ -158,7 +161,7 @@ def test_a_difference_beyond_the_error_of_the_elements_is_said() -> None:
 
 
 def test_a_mesh_that_misses_the_rules_checks_is_said() -> None:
-    coarse = replace(check(ALLOWED, ALLOWED), quality=Quality(1.0, 0.4, 5000, 6.7, 9.2, 1.0, 1.0))
+    coarse = replace(check(ALLOWED, ALLOWED), quality=RuleQuality(1.0, 0.4, 5000, 6.7, 9.2, 1.0, 1.0))
     assert any("surface-normal stress 6.7 % (at most 3 %)" in line for line in rule_remarks([coarse]))
     assert coarse.governing == {"pin": None, "journal": None}
     assert coarse.verdict == "not judged", "elements that prove nothing have no more than the polynomials"
@@ -191,7 +194,9 @@ def test_a_comparison_says_first_what_the_rule_answers() -> None:
     nothing = FatigueResult(
         method="m53", loads="extremes", baseline=None, fatigue=(), percent_of_baseline=None
     )
-    told = compare_fatigue([sound, weak], 0, nothing).verdicts
+    told = compare_fatigue(
+        [sound, weak], 0, nothing, [throw_verdict(n, [c]) for n, c in (("a", sound), ("b", weak))]
+    ).verdicts
     assert told[0].endswith(f": accepted by UR M53, least Q {sound.safety:.3f}, 1.15 asked.")
     assert told[1].endswith(": not accepted by UR M53, least Q 1.130, 1.15 asked.")
 
@@ -293,7 +298,10 @@ def test_lower_numbers_of_elements_that_prove_nothing_leave_a_radial_outlet_open
     assert "a smaller --fillet-fraction helps" in line
     (line,) = rule_remarks([replace(found, outlets=(leaning((2.0, 3.0), jump_percent=7.0),))])
     assert "jump between elements 7.0 %" in line
-    assert "only with elements of a smaller --fillet-fraction; `--method lsa` counts it" in line
+    assert (
+        "only with elements of a smaller --fillet-fraction; `cranktopo fatigue --method lsa` counts it"
+        in line
+    )
     (line,) = rule_remarks([replace(found, outlets=(leaning((2.0, 3.0), sharp=True),))])
     assert "only with an analysis of its own" in line
     refused = replace(coarse, check=FilletCheck(290.0, 300.0))
@@ -408,7 +416,10 @@ def test_a_material_that_the_rule_does_not_cover_is_never_accepted() -> None:
     nothing = FatigueResult(
         method="m53", loads="extremes", baseline=None, fatigue=(), percent_of_baseline=None
     )
-    assert "throw: not covered by UR M53" in compare_fatigue([found], 0, nothing).verdicts[0]
+    assert (
+        "throw: not covered by UR M53"
+        in compare_fatigue([found], 0, nothing, [throw_verdict("throw", [found])]).verdicts[0]
+    )
     assert any(why in line for line in live.notes(steel_or(IRON)))
 
 
@@ -428,3 +439,32 @@ def test_cast_steel_with_the_factor_of_a_forging_is_remarked(changes: dict[str, 
     assert rule_remarks([replace(check(ALLOWED, ALLOWED), process_remark=remark)]) == (
         [f"throw: {remark}."] if words else []
     )
+
+
+@pytest.mark.parametrize(("edge", "kept"), [(0.2499, True), (0.250052, False)])
+def test_one_function_decides_on_the_checks_of_the_mesh(edge: float, kept: bool) -> None:
+    """An edge above a quarter stood as missed in the table, where the card said that all checks are kept."""
+    quality = RuleQuality(1.0, edge, 5000, 1.0, 4.0, 1.0, 1.0)
+    found = replace(check(ALLOWED, WEAK), quality=quality)
+    assert quality.within_limits == kept == all(row["kept"] == "yes" for row in quality_table(found).rows)
+    assert (found.governing["pin"] == "elements") == kept
+    if not kept:
+        assert "over its radius 0.2501 (at most 0.25)" in quality.shortfall
+
+
+@pytest.mark.parametrize(("fraction", "solved"), [(RULE_FRACTION, 2), (0.15, 1)])
+def test_a_default_mesh_that_leaves_a_place_open_is_made_finer_once(
+    fraction: float, solved: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[float] = []
+
+    def checked(*given: Any) -> RuleCheck:
+        asked.append(given[-1])
+        return replace(check(ALLOWED, WEAK), quality=MISSED)
+
+    monkeypatch.setattr("cranktopo.tasks.fatigue.rule_check._check", checked)
+    lines: list[str] = []
+    with redirected(lines.append):
+        check_rule(Target("t", load_scene("mikron-iiic-plain")), fillet_fraction=fraction)
+    assert asked == [fraction, pytest.approx(0.8 * fraction)][:solved]
+    assert sum("judged anew with a fillet fraction of 0.136" in line for line in lines) == solved - 1

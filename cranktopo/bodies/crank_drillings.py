@@ -1,0 +1,173 @@
+"""Oil drillings that cross the middle of a main journal: what they take out of the neighbour behind it.
+
+A throw ends at the middle of its main journals, and so does what its own drillings take out of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.frames import about_z_deg
+from cranktopo.bodies.crank_ends import crank_end, main_journal_places_mm
+from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.halves import halves
+from cranktopo.design.schema import Scene
+from cranktopo.throw.drilling.bore import DrillBore
+from cranktopo.throw.drilling.moments import beyond_middle
+from cranktopo.throw.drilling.table import drill_bores
+from cranktopo.throw.journal import Journal
+from cranktopo.throw.moments import Moments
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """A drilling of a throw that goes on in its neighbour.
+
+    Attributes:
+        bore: in the frame of the throw.
+        angle_deg, z_mm: of the throw, and the middle of its first main journal along the crank.
+        plane_mm: the middle that it crosses.
+        outward: 1 where it goes on toward the output, else -1.
+        journal: that it crosses.
+        taken: moments of what it takes out of the neighbour, in the frame of the throw.
+        taken_beyond: the same weighted by the distance beyond the middle.
+    """
+
+    bore: DrillBore
+    angle_deg: float
+    z_mm: float
+    plane_mm: float
+    outward: int
+    journal: Journal
+    taken: Moments
+    taken_beyond: Moments
+
+    @property
+    def tool(self) -> Manifold:
+        """The drilling in its place along the crank, in triangles."""
+        from cranktopo.bodies.drill_tool import drill_tool
+
+        turned = drill_tool(self.bore).rotate((0.0, 0.0, about_z_deg(self.angle_deg)))
+        return turned.translate((0.0, 0.0, self.z_mm))
+
+
+@dataclass(frozen=True)
+class Taken:
+    """Volume and integrals of all that drillings take out of the neighbours of their throws, mm.
+
+    Attributes:
+        first: integral of the place across the crank, real along throw 1, imaginary toward +x.
+        product: the same times the place along the crank, from the middle of main journal 0.
+    """
+
+    volume: float
+    polar: float
+    first: complex
+    product: complex
+
+
+@lru_cache(maxsize=8)
+def crank_crossings(scene: Scene) -> tuple[Crossing, ...]:
+    """Return the drillings of all throws of a crank that go on in a neighbour, or in an end of the crank."""
+    return tuple(_crossings(scene)) if any(one.throw.drilling for one in throw_scenes(scene)) else ()
+
+
+def crossing_words(scene: Scene) -> str:
+    """Return that drillings of a throw go on in its neighbours, in a sentence; empty where none does."""
+    keys = [bore.key for half in halves(scene) for bore in drill_bores(half) if bore.crosses_middle]
+    if not keys:
+        return ""
+    return (
+        f"{', '.join(dict.fromkeys(keys))}: crosses the middle of the main journal, where the throw ends: "
+        "the rest of the hole lies in the neighbouring throw, as the whole crank (--part crankshaft) has it"
+    )
+
+
+def _crossings(scene: Scene) -> Iterator[Crossing]:
+    throws, places = throw_scenes(scene), main_journal_places_mm(scene)
+    angles = (0.0,) if scene.engine is None else scene.shaft_angles_deg
+    for index, (throw, angle) in enumerate(zip(throws, angles, strict=False)):
+        for far, half in enumerate(halves(throw)):
+            bores = drill_bores(half) if _goes_on(scene, index + far, len(throws)) else ()
+            for bore in bores:
+                if bore.crosses_middle:
+                    own = bore.in_second_half(throw.pitch_mm) if far else bore
+                    place = places[index], places[index + far], 2 * far - 1
+                    taken = beyond_middle(half, bore), beyond_middle(half, bore, weighted=True)
+                    yield Crossing(own, angle, *place, half.throw.main_journal, *taken)
+
+
+def _goes_on(scene: Scene, journal: int, throws: int) -> bool:
+    """Tell whether the crank goes on beyond the middle of a main journal, 0 at the free end."""
+    if journal == 0:
+        return bool(crank_end(scene, "free"))
+    return journal < throws or bool(crank_end(scene, "output"))
+
+
+@lru_cache(maxsize=8)
+def taken_beyond(scene: Scene) -> Taken:
+    """Return what the drillings of a crank take out of the neighbours of their throws.
+
+    Where those of two throws meet in a main journal, what is common to them counts once.
+    """
+    parts = [_of_one(one) for one in crank_crossings(scene)]
+    parts += [_common(*pair) for pair in combinations(crank_crossings(scene), 2) if _meet(*pair)]
+    return Taken(
+        sum(one.volume for one in parts),
+        sum(one.polar for one in parts),
+        sum((one.first for one in parts), 0j),
+        sum((one.product for one in parts), 0j),
+    )
+
+
+def _of_one(one: Crossing) -> Taken:
+    turn = complex(np.exp(1j * np.radians(one.angle_deg)))
+    own, beyond = (turn * complex(m.first_y, m.first_x) for m in (one.taken, one.taken_beyond))
+    return Taken(one.taken.volume, one.taken.polar, own, own * one.plane_mm + one.outward * beyond)
+
+
+def _meet(one: Crossing, other: Crossing) -> bool:
+    return one.plane_mm == other.plane_mm and one.outward != other.outward
+
+
+def _common(one: Crossing, other: Crossing) -> Taken:
+    """Return what two drillings that meet have in common, less than nothing: it is counted twice."""
+    from manifold3d import Manifold
+
+    from cranktopo.numerics.surfaces.mesh import mesh_of
+
+    journal = one.journal
+    ring = Manifold.cylinder(journal.length_mm, journal.radius_mm, journal.radius_mm, _CHORDS)
+    if journal.bore_radius_mm:
+        inner = journal.bore_radius_mm
+        ring -= Manifold.cylinder(journal.length_mm, inner, inner, _CHORDS)
+    material = ring.translate((0.0, 0.0, one.plane_mm - journal.length_mm / 2))
+    common = one.tool ^ other.tool ^ material
+    return _counted_twice(mesh_of(common).corners_mm) if common.num_tri() else Taken(0.0, 0.0, 0j, 0j)
+
+
+_CHORDS = 1440
+
+
+def _counted_twice(corners_mm: Array) -> Taken:
+    """Return the integrals of a closed body of triangles (n, 3, 3), negative, by tetrahedra."""
+    size = np.linalg.det(corners_mm) / 6
+    total = corners_mm.sum(axis=1)
+    squares = (np.einsum("nci,ncj->nij", corners_mm, corners_mm) + np.einsum("ni,nj->nij", total, total)) / 20
+    second, first = -np.einsum("n,nij->ij", size, squares), -(size @ total) / 4
+    return Taken(
+        -float(size.sum()),
+        float(second[0, 0] + second[1, 1]),
+        complex(first[1], first[0]),
+        complex(second[1, 2], second[0, 2]),
+    )

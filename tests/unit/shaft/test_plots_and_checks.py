@@ -1,0 +1,69 @@
+"""Plots of what webs carry, and the mesh checks that a shaft tells."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cranktopo import Target, load_scene
+from cranktopo.base.notes import redirected
+from cranktopo.tasks.fatigue import stress_model
+from cranktopo.tasks.fatigue.result import Quality
+from cranktopo.tasks.shaft.web_sections import WebSections
+from cranktopo.tasks.shaft_safety.plots import web_pictures
+from cranktopo.tasks.shaft_safety.stage import JudgedShaft
+
+
+def test_names_of_axes_lie_within_the_picture_and_no_two_curves_look_alike() -> None:
+    """Of twelve webs: "bending moment in the plane of the throw (N" was cut, webs 1 and 11 had one look."""
+    curves = np.ones((6, 2, 3)) * np.arange(12.0).reshape(6, 2, 1)
+    sections = WebSections(np.array([0.0, 360.0, 720.0]), *[curves] * 6)
+    for picture in web_pictures(750.0, sections):
+        picture.figure.canvas.draw()
+        (axes,) = picture.figure.axes
+        box = axes.yaxis.label.get_window_extent()
+        high = picture.figure.bbox.height
+        assert box.y0 >= 0
+        assert box.y1 <= high
+        assert len({(line.get_color(), line.get_linestyle()) for line in axes.lines}) == 12
+
+
+def throw(name: str, normal_percent: float, fitted: bool) -> Any:
+    quality = Quality(1.0, 0.24, 10, normal_percent, 1.0, 1.0, 1.0)
+    return SimpleNamespace(model=SimpleNamespace(name=name, quality=quality, fitted=fitted))
+
+
+@pytest.mark.parametrize("fitted", [True, False])
+def test_a_mesh_of_any_throw_that_misses_the_checks_is_told(fitted: bool) -> None:
+    """Fitted polynomials were taken for proven, and only the worst throw was looked at."""
+    target = Target("shaft", load_scene("mikron-iiic-plain"))
+    good, bad = throw("good", 1.0, fitted), throw("bad", 3.4, fitted)
+    assert JudgedShaft(target, "rigid", [good, good], [900.0], "lsa").missed_checks == ""
+    told = JudgedShaft(target, "rigid", [bad], [900.0], "lsa").missed_checks
+    assert told.startswith("the mesh misses the rule's checks: surface-normal stress 3.4 %")
+    both = JudgedShaft(target, "rigid", [good, bad], [900.0], "lsa").missed_checks
+    assert both == f"bad: {told}"
+
+
+@pytest.mark.parametrize(("longest", "fractions"), [(0.25005, 2), (0.2499, 1)])
+def test_a_default_mesh_with_too_long_an_edge_is_made_anew(
+    longest: float, fractions: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before anything is solved, with room to the quarter that UR M53 lets through."""
+    asked: list[float] = []
+    monkeypatch.setattr(
+        stress_model, "mesh_throw", lambda *_, fillet_fraction, **__: asked.append(fillet_fraction)
+    )
+    monkeypatch.setattr(stress_model, "longest_edge", lambda *_: longest)
+    target = Target("throw", load_scene("mikron-iiic-plain"))
+    lines: list[str] = []
+    with redirected(lines.append):
+        stress_model.mesh_for_stress(target, stress_model.RULE_FRACTION, by_rule=True)
+    assert len(asked) == fractions
+    assert asked[-1] * longest / asked[0] <= 0.25
+    assert any("longest edge in a fillet over its radius 0.25" in line for line in lines) == (fractions > 1)
+    stress_model.mesh_for_stress(target, 0.2, by_rule=True)
+    assert len(asked) == fractions + 1, "an own size is kept"
