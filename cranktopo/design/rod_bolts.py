@@ -1,4 +1,4 @@
-"""Room of the bolts of the cap: their heads lie on the cap's bosses, their threads end in the rod's or in nuts."""
+"""Room of the bolts of the cap: heads on the bosses of the cap, threads in those of the rod or in nuts."""
 
 from __future__ import annotations
 
@@ -16,7 +16,11 @@ def bolt_shortfalls(rod: Rod, length_mm: float) -> Iterator[tuple[str, float, st
     """Yield keys of what bosses and bolts ask of each other: the share that is missing, and why."""
     if not rod.split_angle_deg:
         free = length_mm - rod.small_end_diameter_mm / 2
-        yield "boss_above_mm", rod.boss_above_mm / free - 1, f"must be at most {free:.4g} mm: beyond, the bosses reach the small end"
+        yield (
+            "boss_above_mm",
+            rod.boss_above_mm / free - 1,
+            f"must be at most {free:.4g} mm: beyond, the bosses reach the small end",
+        )
     if rod.bolt is None:
         return
     if rod.bolt.held_in == "nut":

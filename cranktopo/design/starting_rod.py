@@ -1,4 +1,4 @@
-"""Starting point of a connecting rod: proportions by crankpin, cylinder and length of the rod, with its bolts."""
+"""Starting point of a connecting rod: proportions by crankpin, cylinder and rod length, with its bolts."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def _shank(small_mm: float, big_mm: float, width_mm: float) -> dict[str, float]:
 
 
 def _bolts(pin_mm: float, bore_mm: float, width_mm: float) -> dict[str, Any]:
-    """Return the largest bolts for the pin and the big end's width, screwed into the rod, and their bosses."""
+    """Return the largest bolts for the pin and the big end's width, in tapped holes, and their bosses."""
     largest = min(_BOLT_OF_PIN * pin_mm, _BOLT_OF_WIDTH * width_mm)
     thread = max((size for size in COARSE_PITCH_MM if size <= largest), default=min(COARSE_PITCH_MM))
     bolt = Bolt(thread=f"M{thread}", grip_mm=1.5 * thread)

@@ -13,7 +13,9 @@ from cranktopo.design.rod_split import oblique_shortfalls
 from cranktopo.design.schema import Scene
 
 _LEAST_WALL_MM = 0.5
-_BOLT_HINT = 'Change the grip, the bosses or rod.bolt.engagement_mm; rod.bolt.held_in = "nut" is a through bolt.'
+_BOLT_HINT = (
+    'Change the grip, the bosses or rod.bolt.engagement_mm; rod.bolt.held_in = "nut" is a through bolt.'
+)
 _ROUNDING = 1e-9
 """Share of a dimension that may be missing of what it must be at least."""
 _WIDEST_PIN_BORE = 0.8

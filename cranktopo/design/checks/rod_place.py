@@ -1,4 +1,4 @@
-"""Consistency of the rod with what it meets: the crankpin between its fillets, bearings, piston and cylinder."""
+"""Consistency of the rod with what it meets: crankpin between its fillets, bearing, piston and cylinder."""
 
 from __future__ import annotations
 
@@ -36,7 +36,9 @@ def _check_bore(scene: Scene, rod: Rod, throw: Scene) -> None:
     runs_without_shells = clearance > 0 and not rod.shells_kg
     if left < -_ROUNDING_MM or (left <= _ROUNDING_MM and not runs_without_shells):
         beside = f" and the clearance of its bearing, {clearance:g} mm" if clearance else ""
-        allowed = f"must be above the diameter of the crankpin, {pin:g} mm{beside}: the bearing is between them"
+        allowed = (
+            f"must be above the diameter of the crankpin, {pin:g} mm{beside}: the bearing is between them"
+        )
         raise scene.invalid("rod.big_end_bore_mm", allowed, "Usual is a bore 5 to 10 % larger than the pin.")
 
 

@@ -160,8 +160,8 @@ def _no_radius(scene: Scene, percent: float, angle_deg: float) -> CranktopoError
     if barred is not None:
         return CranktopoError(f"{asked}: no counterweight has a place: {barred.message}", hint=barred.hint)
     return CranktopoError(
-        f"{asked}: no outer radius of web.counterweight up to {_LARGEST * scene.throw.radius_mm:.4g} mm gives "
-        "it.",
+        f"{asked}: no outer radius of web.counterweight gives it, "
+        f"up to {_LARGEST * scene.throw.radius_mm:.4g} mm.",
         hint=f"The throw needs {_heavier(scene)}.",
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -140,7 +140,8 @@ def compare_targets(
     given = with_picks(names)
     every = given if baseline in given else [baseline, *given]
     index = every.index(baseline)
-    targets = _like_for_like(resolve_targets(every, design, align=align, whole=True, throw=throw))
+    designed = resolve_targets(every, design, align=align, whole=True, throw=throw)
+    targets = _like_for_like(designed)
     check_same_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)
     bare = tuple(target.name for target in targets if target.run)
     pitches = tuple(pitch_lines(targets, index))
@@ -150,8 +151,8 @@ def compare_targets(
     fatigues: list[FatigueComparison] = []
     loaded = None
     if methods:
-        filleted = resolve_targets(every, design, fillets=True, align=align, whole=True, throw=throw)
-        fatigues, loaded = judge(filleted, methods, index, loads)
+        designed = resolve_targets(every, design, fillets=True, align=align, whole=True, throw=throw)
+        fatigues, loaded = judge(designed, methods, index, loads)
     found = evaluate_targets(targets, wanted)
     judged = (one for by in fatigues for one in by.result.fatigue if isinstance(one, FieldFatigue))
     stresses = {one.target: one.largest_stress_MPa for one in judged}
@@ -172,7 +173,7 @@ def compare_targets(
         bare=bare,
         pitch_mm=tuple(target.scene.pitch_mm for target in targets) if pitches else (),
         pitches=pitches,
-        goals=_evaluated_goals(targets, entries, index),
+        goals=_evaluated_goals(targets, designed, entries, index),
         balanced_kg_mm=balanced_kg_mm(targets[index].scene),
     )
     return ComparedTargets(comparison, tuple(targets), found.missed, loaded)
@@ -229,12 +230,13 @@ def _fillets(target: Target, left_out: bool) -> Fillets:
 
 
 def _evaluated_goals(
-    targets: Sequence[Target], entries: Sequence[Entry], baseline: int
+    targets: Sequence[Target], designed: Sequence[Target], entries: Sequence[Entry], baseline: int
 ) -> dict[str, GoalOutcome]:
-    others = [target for row, target in enumerate(targets) if row != baseline]
-    swings = any(asks_for(target.scene, "natural_frequency") for target in others)
+    """Return what became of each goal, as `designed`: without fillets a design has no safety to limit."""
+    own = {row: target.scene for row, target in enumerate(designed) if row != baseline}
+    swings = any(asks_for(scene, "natural_frequency") for scene in own.values())
     values = [_values(*pair, swings=swings) for pair in zip(targets, entries, strict=True)]
-    goals = {row: wanted_goal(target.scene) for row, target in enumerate(targets) if row != baseline}
+    goals = {row: wanted_goal(scene) for row, scene in own.items()}
     return {
         targets[row].name: goal_outcome(goal, values[row], values[baseline])
         for row, goal in goals.items()
@@ -269,17 +271,35 @@ def comparison_bound(found: ComparedTargets) -> AnyBound | None:
     None where the baseline is no design with an envelope, the targets have other throws or envelopes, the
     halves of one differ, or the design's effects leave the bound out.
     """
-    comparison, base = found.comparison, found.targets[found.comparison.baseline]
-    scene = base.scene
-    alike = all((t.scene.throw, t.scene.envelope) == (scene.throw, scene.envelope) for t in found.targets)
-    alike = alike and not any(difference(t.scene) for t in found.targets)
-    if base.file is not None or not alike or plan(scene)["bound"].state == "off":
+    comparison, scene = found.comparison, found.targets[found.comparison.baseline].scene
+    if why := _no_bound(found):
+        note(f"no bound: {why}")
         return None
     best = comparison.leading(TORSION_PER_MASS)
     reached = {quantity.key: comparison.percent(best, quantity) for quantity in (MASS, TORSION, BENDING)}
     for words in filter(None, [outside_words(outside_envelope(scene))]):
         note(f"{scene.name}: {words}")
     return bounds_for_result(scene, reached, None)
+
+
+def _no_bound(found: ComparedTargets) -> str:
+    """Return why a comparison has no bound; empty where it has one.
+
+    A run has the throw of the design that it was started with, which the planned scenes may have stripped.
+    """
+    base = found.targets[found.comparison.baseline]
+    if base.file is not None:
+        return f"the baseline, {base.name}, is no design with an envelope"
+    own = base.design or base.scene
+    for target in found.targets:
+        scene = target.design or target.scene
+        for name in ("throw", "envelope"):
+            if getattr(scene, name) != getattr(own, name):
+                return f"{target.name} has another {name} than the baseline"
+        if key := difference(target.scene):
+            return f"the halves of {target.name} differ ({key})"
+    effect = plan(base.scene)["bound"]
+    return f"{effect.reason or 'switched off'}" if effect.state == "off" else ""
 
 
 def report_comparison(
@@ -300,6 +320,8 @@ def report_comparison(
     cases = load_cases(scene, effects.enabled)
     if found.comparison.bare:
         effects = _without_fillets(effects)
+    if bound is None and (why := _no_bound(found)):
+        effects = _with_effect(effects, "bound", {"state": "off", "reason": why})
     refused = _no_stresses(found.targets)
     if stresses and refused:
         note(f"no stresses: {refused}")
@@ -346,8 +368,13 @@ def _without_fillets(effects: PhysicsPlan) -> PhysicsPlan:
         "estimate_percent": None,
         "changes": "mass and stiffness of the designs, which have fillets",
     }
+    return _with_effect(effects, "fillets", reported)
+
+
+def _with_effect(effects: PhysicsPlan, name: str, reported: Mapping[str, str | None]) -> PhysicsPlan:
+    """Return the plan with one effect told otherwise."""
     return PhysicsPlan(
-        tuple(one.model_copy(update=reported) if one.name == "fillets" else one for one in effects.effects)
+        tuple(one.model_copy(update=reported) if one.name == name else one for one in effects.effects)
     )
 
 

@@ -65,10 +65,16 @@ def test_a_through_bolt_has_head_and_nut_on_the_bosses(grip_mm: float) -> None:
         ({"throw.crankpin.fillet_mm": 3.1}, "rod.big_end_width_mm = 30.0: must be at most 29.8 mm"),
         ({"throw.crankpin.fillet_axial_mm": 3.1}, "rod.big_end_width_mm = 30.0: must be at most 29.8 mm"),
         ({"shape.free.pin_fillet_mm": [2.5, 3.2]}, "shape.free.pin_fillet_mm .* rod.big_end_width_mm"),
-        ({"bearings": {**BEARINGS, "big_end_width_mm": 30.5}}, "bearings.big_end_width_mm = 30.5: must be at"),
+        (
+            {"bearings": {**BEARINGS, "big_end_width_mm": 30.5}},
+            "bearings.big_end_width_mm = 30.5: must be at",
+        ),
         ({"rod.pin.length_mm": 95.0}, "rod.pin.length_mm = 95.0: must be below engine.bore_mm, 95 mm"),
         ({"rod.boss_above_mm": 150.0}, "rod.boss_above_mm = 150.0: .* small end"),
-        ({"rod.bolt.thread": "M36", "rod.bolt_distance_mm": 90.0, "rod.boss_width_mm": 140.0}, "big_end_width"),
+        (
+            {"rod.bolt.thread": "M36", "rod.bolt_distance_mm": 90.0, "rod.boss_width_mm": 140.0},
+            "big_end_width",
+        ),
     ],
 )
 def test_every_dimension_against_its_neighbour(changes: dict[str, Any], told: str) -> None:
