@@ -6,13 +6,20 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import Field
 
-from cranktopo.base.table import Length, LengthOrZero, SceneTable
+from cranktopo.base.table import SHOWN, Length, LengthOrZero, SceneTable
 from cranktopo.design.bolt import Bolt, least_member_mm
 from cranktopo.design.material import Material
 
 Eye = Literal["small", "big"]
 EYES: tuple[Eye, ...] = get_args(Eye)
 _Ovalisation = Annotated[float, Field(ge=0.01, le=1000, allow_inf_nan=False)]
+
+
+class RodBolt(Bolt):
+    """One of the two bolts of the cap; its head lies on the cap."""
+
+    grip_mm: Length = Field(examples=[14.0])
+    """Length that it clamps: at least the boss of the cap; that of a through bolt is the height of both."""
 
 
 class PistonPin(SceneTable):
@@ -79,9 +86,9 @@ class Rod(SceneTable):
     """Height of the shank in the plane of motion, at the axis of the big end."""
     shank_width_mm: Length = Field(examples=[14.0])
     """Width of the shank along the pins."""
-    flange_mm: Length = Field(default=3.0, examples=[3.0])
+    flange_mm: Length = Field(default=3.0, examples=[3.0], json_schema_extra=SHOWN)
     """Thickness of the flanges of `I` and `H`."""
-    web_mm: Length = Field(default=3.0, examples=[3.0])
+    web_mm: Length = Field(default=3.0, examples=[3.0], json_schema_extra=SHOWN)
     """Thickness of the web of `I` and `H`."""
     shank_fillet_mm: LengthOrZero = 0.0
     """Radius between shank and both eyes in the plane of motion."""
@@ -95,7 +102,7 @@ class Rod(SceneTable):
     `[bearings]`, without that table there is no limit."""
     material: Material | None = None
     """Material of rod and cap; by default that of the crankshaft."""
-    bolt: Bolt | None = None
+    bolt: RodBolt | None = None
     """Each of the two bolts of the cap; its head lies on the cap. Its `member_diameter_mm` is by default that
     of the largest cylinder about it within the joint face: between bore and boss, and across the big end."""
     pin: PistonPin | None = None
@@ -111,7 +118,7 @@ class Rod(SceneTable):
         return self.bolt.hole_mm if self.bolt else 0.0
 
     @property
-    def clamping_bolt(self) -> Bolt | None:
+    def clamping_bolt(self) -> RodBolt | None:
         """Return the bolt with the diameter of the parts that it clamps: its own, or that of its boss."""
         if self.bolt is None or self.bolt.member_diameter_mm is not None:
             return self.bolt

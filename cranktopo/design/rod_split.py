@@ -92,14 +92,3 @@ def oblique_shortfalls(rod: Rod, length_mm: float, neck_deg: float) -> Iterator[
         hole = rod.oil_hole_mm / 2
         why = f"a hole of a bolt meets the oil hole at this rod.split_angle_deg, {angle:g} deg"
         yield "bolt_distance_mm", (hole - inner) / rod.bolt_distance_mm, why
-    if rod.bolt is None:
-        return
-    end = rod.bolt.grip_mm + rod.bolt.engaged_mm - rod.boss_below_mm
-    if rod.bolt.held_in == "nut":
-        inner = (rod.bolt_distance_mm - rod.bolt.head_mm) / 2 * cosine - end * sine
-        shank = max(rod.shank_big_mm, rod.shank_small_mm) / 2
-        why = f"the upper nut meets the shank at this rod.split_angle_deg, {angle:g} deg: take a tapped hole"
-        yield "bolt_distance_mm", (shank - inner) / rod.bolt_distance_mm, why
-    else:
-        why = f"must be at least {end:g} mm: the thread of an oblique bolt ends in its boss"
-        yield "boss_above_mm", end / above - 1, why

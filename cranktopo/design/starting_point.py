@@ -10,6 +10,7 @@ from typing import Any, Literal
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.units import stem_and_unit
 from cranktopo.design.schema import Scene
+from cranktopo.design.starting_rod import starting_rod
 
 LayoutName = Literal["single", "in-line", "V", "boxer"]
 USUAL_CYLINDERS: Mapping[LayoutName, int] = {"single": 1, "in-line": 4, "V": 8, "boxer": 4}
@@ -165,6 +166,8 @@ def _design_space(width_mm: float, radius_mm: float) -> dict[str, Any]:
 def sized_example(values: Mapping[str, Any], path: str, name: str, example: Any) -> Any:
     """Return the example of a key of a table for an engine of the size of starting values."""
     width, unit = values["web.width_mm"], stem_and_unit(name)[1]
+    if (of_rod := starting_rod(values).get(f"{path}.{name}")) is not None:
+        return of_rod
     if (share := _OF_WIDTH.get(f"{path}.{name}")) is not None:
         return _rounded(share * width)
     if unit == "rpm":

@@ -191,8 +191,11 @@ def _check_draft(scene: ThrowView, key: str, arc: BevelArc) -> None:
 
 
 def _over_weight_mm(scene: ThrowView, arc: BevelArc) -> Iterator[Any]:
-    """Yield how far each part of a counterweight reaches over the edge of a bevel with draft."""
-    weight = scene.web.counterweight
+    """Yield how far each part of a counterweight reaches over the edge of a bevel with draft.
+
+    Beside a bevel at its own end of the web a counterweight has no place, whatever the draft: it says so.
+    """
+    weight = scene.web.counterweight if arc.outward > 0 else None
     for part in weight.parts(scene) if weight is not None else ():
         low, high = part.y_range_mm
         y = np.linspace(low, high, _SAMPLES)

@@ -422,3 +422,31 @@ def test_counterweights_for_an_assumed_engine_say_so(capsys, tmp_path):
     told = "one cylinder, which is assumed; without piston and rod, whose masses are not given"
     assert (code, told in out, told in (tmp_path / "b.md").read_text()) == (0, True, True)
     assert "assumed" not in run(capsys, "mikron-iiic-plain")[1]
+
+
+BARRED = """
+[[web.bevel]]
+face = "pin"
+y_mm = 5.0
+depth_mm = 12.0
+draft_deg = 5.0
+"""
+
+
+def test_a_web_that_bars_every_counterweight_is_told_so(capsys, tmp_path):
+    """A bevel at the counterweight's end takes its material, whatever its radius; it was told as too thin."""
+    from cranktopo.design.loading import design_text
+
+    design = tmp_path / "barred.toml"
+    text = design_text("mikron-iiic-plain").replace("[material]", f"{BARRED}\n[material]", 1)
+    design.write_text(text)
+    told = "web.bevel[0]: bevels the main journal's end of the web"
+    for share in ("0%", "50%", "99%"):
+        code, out, err = run(capsys, str(design), "--propose", share)
+        assert (code, told in out + err) in ((0, True), (3, True))
+        assert "draft" not in out + err
+        assert "thicker" not in out + err
+    design.write_text(text.replace(BARRED, "[web.counterweight]\nouter_radius_mm = 70.0\n" + BARRED))
+    code, _, err = run(capsys, str(design))
+    assert code == 3
+    assert f"{told}, where web.counterweight is. Remove web.bevel[0], or leave" in err

@@ -6,7 +6,7 @@ import csv
 import io
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ import pytest
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import design_text, designs_folder, load_scene
+from cranktopo.design.named import with_values
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
@@ -28,7 +29,8 @@ from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
 from cranktopo.tasks.fea.quantities import TORSION
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.fea.stage import MeshRequest
+from cranktopo.tasks.fea.targets import Target, resolve_targets
 from tests.page_text import typed_page
 
 NO_FATIGUE = FatigueResult(
@@ -612,3 +614,41 @@ def test_differing_supports_are_refused_before_the_work(
     assert out == ""
     assert "different [supports]" in err
     assert "bending 'pinned'; torsion 'free', bending 'spring'" in err
+
+
+@pytest.fixture
+def beside_a_run(
+    tmp_path: Path, half_judged: list[str], monkeypatch: pytest.MonkeyPatch
+) -> Callable[[Scene], pages.ComparedTargets]:
+    """Compare the surface of a run of the first design, and another design, with it."""
+    monkeypatch.setattr(pages, "bounds_for_result", lambda *_: NoBound(none="a stand-in"))
+    base = resolve_targets([NAMES[0]])[0]
+    run = replace(base, name="run", file=tmp_path / "web.stl", run=tmp_path)
+    half_judged.append("run")
+    return lambda other: pages.compare_targets([run, other], NAMES[0], MeshRequest(), "m53")
+
+
+def test_goals_beside_a_run_keep_the_limit_of_the_safety(
+    beside_a_run: Callable[[Scene], pages.ComparedTargets],
+) -> None:
+    """All are compared without fillets then, and without fillets a design has no safety to limit."""
+    other = with_values(load_scene(NAMES[1]), {"name": "own", "goal": {"minimise": "mass"}})
+    limits = beside_a_run(other).comparison.goals["own"].limits
+    assert "fatigue_safety" in {limit.quantity for limit in limits}
+
+
+def test_a_run_of_the_baseline_has_a_bound_and_another_throw_is_told(
+    beside_a_run: Callable[[Scene], pages.ComparedTargets], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Planned scenes differ in what is stripped of each; the bound was left out without a word."""
+    told: list[str] = []
+    monkeypatch.setattr(pages, "note", told.append)
+    own = load_scene(NAMES[0])
+    alike = with_values(own, {"name": "alike"})
+    assert pages.comparison_bound(beside_a_run(alike)) is not None
+    assert not any(line.startswith("no bound") for line in told)
+    longer = with_values(
+        own, {"name": "longer", "throw.crankpin.length_mm": own.throw.crankpin.length_mm + 1}
+    )
+    assert pages.comparison_bound(beside_a_run(longer)) is None
+    assert "no bound: longer has another throw than the baseline" in told

@@ -130,7 +130,7 @@ def oblique(tmp_path, angle_deg, *changes):
         (55.0, (), "rod.split_angle_deg = 55.0: must be at most 51.6 deg: beyond, the split cuts the shank"),
         (70.0, (), "rod.split_angle_deg"),
         (45.0, (("shank_fillet_mm", "oil_hole_mm = 2.0\nshank_fillet_mm"),), "rod.bolt_distance_mm"),
-        (45.0, (("grip_mm = 16.0", "grip_mm = 35.0"),), "rod.boss_above_mm"),
+        (45.0, (("grip_mm = 16.0", "grip_mm = 35.0"),), "rod.bolt.grip_mm = 35.0: must be 16 to 32.26 mm"),
         (45.0, (("grip_mm = 16.0", 'grip_mm = 46.26\nheld_in = "nut"'),), "the upper nut meets the shank"),
         (45.0, (("boss_width_mm = 71.9", "boss_width_mm = 360.0"),), "rod.boss_width_mm"),
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 
 from cranktopo.base.errors import CranktopoError
@@ -69,18 +70,25 @@ def _check_viscosity(scene: Scene, bearings: PlainBearings) -> None:
         )
 
 
-def check_room_of_free_dimensions(scene: Scene) -> None:
+def check_bearings_of_free_dimensions(scene: Scene) -> None:
     """Check that the bearings still fit between the greatest fillets, beside the thickest web."""
+    if scene.bearings is not None:
+        hint = "Narrow the range, or leave the width out: then a bearing is as wide as its room."
+        check_room_of_free_dimensions(scene, check_plain_bearings, hint)
+
+
+def check_room_of_free_dimensions(scene: Scene, check: Callable[[Scene], None], hint: str) -> None:
+    """Check what lies between the fillets once more with the greatest of them, and the thickest web."""
     taking = [name for name in DIMENSIONS if name == "web_thickness" or "fillet" in name]
     greatest = {name: found[1] for name in taking if (found := free_range_mm(scene, name))}
-    if scene.bearings is None or not greatest:
+    if not greatest:
         return
     try:
-        check_plain_bearings(with_dimensions(scene, greatest))
+        check(with_dimensions(scene, greatest))
     except CranktopoError as error:
         dimensions = ", ".join(f"{name}_mm = {value:g}" for name, value in greatest.items())
         raise scene.invalid(
             f"shape.free.{next(reversed(greatest))}_mm",
             f"with the greatest, {dimensions}, {error.message.rstrip('.')}",
-            "Narrow the range, or leave the width out: then a bearing is as wide as its room.",
+            hint,
         ) from None

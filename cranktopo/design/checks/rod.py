@@ -5,12 +5,19 @@ from __future__ import annotations
 import math
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.design.checks.rod_place import check_rod_place
 from cranktopo.design.rod import PistonPin, Rod
 from cranktopo.design.rod_body import fillet
+from cranktopo.design.rod_bolts import bolt_shortfalls
 from cranktopo.design.rod_split import oblique_shortfalls
 from cranktopo.design.schema import Scene
 
 _LEAST_WALL_MM = 0.5
+_BOLT_HINT = (
+    'Change the grip, the bosses or rod.bolt.engagement_mm; rod.bolt.held_in = "nut" is a through bolt.'
+)
+_ROUNDING = 1e-9
+"""Share of a dimension that may be missing of what it must be at least."""
 _WIDEST_PIN_BORE = 0.8
 """Bore over diameter of a piston pin up to which its ovalisation in closed form holds."""
 
@@ -37,6 +44,7 @@ def check_rod(scene: Scene) -> None:
     _check_length(scene, rod)
     if rod.pin is not None:
         _check_pin(scene, rod, rod.pin)
+    check_rod_place(scene, rod)
 
 
 def least_dimensions(rod: Rod) -> list[tuple[str, float]]:
@@ -48,6 +56,7 @@ def least_dimensions(rod: Rod) -> list[tuple[str, float]]:
         ("big_end_diameter_mm", rod.big_end_bore_mm + wall),
         ("bolt_distance_mm", rod.big_end_bore_mm + hole),
         ("boss_width_mm", rod.bolt_distance_mm + hole + wall),
+        ("big_end_width_mm", hole + wall),
         ("small_end_diameter_mm", rod.shank_small_mm),
         ("big_end_diameter_mm", rod.shank_big_mm),
         ("small_end_width_mm", rod.shank_width_mm),
@@ -92,14 +101,15 @@ def _check_length(scene: Scene, rod: Rod) -> None:
     if rod.oil_hole_mm and rod.oil_hole_mm > web - 2 * _LEAST_WALL_MM:
         raise scene.invalid("rod.oil_hole_mm", f"must leave {_LEAST_WALL_MM:g} mm of the shank's web")
     for key, missing, why in split_shortfalls(rod, scene.engine.rod_length_mm):
-        if missing > 0:
-            raise scene.invalid(f"rod.{key}", why)
+        if missing > _ROUNDING:
+            raise scene.invalid(f"rod.{key}", why, _BOLT_HINT if key == "bolt.grip_mm" else "")
 
 
 def split_shortfalls(rod: Rod, length_mm: float) -> list[tuple[str, float, str]]:
-    """Return keys of what an oblique split asks of the rod, the share that is missing, and why."""
+    """Return keys of what bolts and an oblique split ask of the rod, the share that is missing, and why."""
     arc, eye = fillet(rod, length_mm, small=False), rod.big_end_diameter_mm / 2
     x, y = rod.shank_big_mm / 2, math.sqrt(max(eye**2 - rod.shank_big_mm**2 / 4, 0.0))
     if arc is not None:
         x, y = arc.eye_x_mm, arc.eye_y_mm
-    return list(oblique_shortfalls(rod, length_mm, math.degrees(math.atan2(y, x))))
+    oblique = oblique_shortfalls(rod, length_mm, math.degrees(math.atan2(y, x)))
+    return [*oblique, *bolt_shortfalls(rod, length_mm)]

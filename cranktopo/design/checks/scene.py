@@ -11,7 +11,7 @@ from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.table import SOFTEST_BEARING_N_PER_MM
 from cranktopo.design.checks.engine import check_engine, check_shaft
 from cranktopo.design.checks.hardening import check_hardening
-from cranktopo.design.checks.plain_bearings import check_plain_bearings, check_room_of_free_dimensions
+from cranktopo.design.checks.plain_bearings import check_bearings_of_free_dimensions, check_plain_bearings
 from cranktopo.design.checks.roller_bearings import check_roller_bearings
 from cranktopo.design.clearance import check_clearance
 from cranktopo.design.free_dimensions import check_free_dimensions
@@ -232,7 +232,7 @@ def _check_half(scene: Scene) -> None:
     _check_optimise(scene)
     _check_tool(scene)
     check_free_dimensions(scene)
-    check_room_of_free_dimensions(scene)
+    check_bearings_of_free_dimensions(scene)
     check_goal(scene)
 
 

@@ -155,13 +155,17 @@ def _free_fact(data: Balance, name: Vector, state: str, fits: bool) -> Fact:
     return Fact(f"Free {name}", f"{number_text(before)} {unit}", f"{note}{other_orders}", status)
 
 
+_ROUNDED = 1e-4
+"""Share of a value within which another one is the same: radii of counterweights are rounded to 0.01 mm."""
+
+
 def _against(state: str, before: float, after: float, unit: str, fits: bool) -> tuple[str, FactStatus]:
     """Return what a state makes of something that is better small, and whether that is good.
 
     Nothing is good with counterweights that do not fit.
     """
     note = f"{state}{'' if fits else ', which do not fit'}: {number_text(after)} {unit}"
-    if number_text(after) == number_text(before):
+    if number_text(after) == number_text(before) or abs(after - before) <= _ROUNDED * before:
         return note, "neutral"
     change = f", {change_text(100 * (after / before - 1))}" if before else ""
     return f"{note}{change}", "bad" if after > before else "good" if fits else "neutral"

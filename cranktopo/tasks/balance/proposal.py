@@ -26,6 +26,8 @@ OTHER_ANGLES_DEG = 20.0, 90.0, 10.0
 _DIGITS = 2
 _OF_A_CUBE = 1e-7
 """Share of the cube of the least radius to which that of the found one is known."""
+_PROBES = 4
+"""Radii at which it is asked for what refuses any counterweight."""
 _LARGEST = 3.0
 """Largest outer radius that is looked at, over the throw radius."""
 
@@ -131,11 +133,17 @@ def _at_angle(scene: Scene, percent: float, angle_deg: float) -> ProposedCounter
 
 
 def _refusal(scene: Scene) -> str | None:
+    error = _error(scene)
+    return error.message if error else pin_in_the_way(scene) or None
+
+
+def _error(scene: Scene) -> CranktopoError | None:
+    """Return the refusal of a scene; None where it is sound."""
     try:
         with_values(scene, {})
     except CranktopoError as error:
-        return error.message
-    return pin_in_the_way(scene) or None
+        return error
+    return None
 
 
 def _factor_percent(scene: Scene) -> float:
@@ -143,11 +151,41 @@ def _factor_percent(scene: Scene) -> float:
 
 
 def _no_radius(scene: Scene, percent: float, angle_deg: float) -> CranktopoError:
-    least = _factor_percent(_weighted(scene, scene.throw.main_journal.radius_mm, angle_deg))
-    side = "already has more without one" if least > percent else "needs a thicker counterweight"
+    """Return the reason for which no counterweight balances a share, and what would help."""
+    asked, least_mm = f"--propose {percent:g}%", scene.throw.main_journal.radius_mm
+    if _factor_percent(_weighted(scene, least_mm, angle_deg)) > percent:
+        hint = "The throw already has more without one."
+        return CranktopoError(f"{asked}: no outer radius of web.counterweight gives it.", hint=hint)
+    barred = _barred(scene)
+    if barred is not None:
+        return CranktopoError(f"{asked}: no counterweight has a place: {barred.message}", hint=barred.hint)
     return CranktopoError(
-        f"--propose {percent:g}%: no outer radius of web.counterweight gives it.", hint=f"The throw {side}."
+        f"{asked}: no outer radius of web.counterweight gives it, "
+        f"up to {_LARGEST * scene.throw.radius_mm:.4g} mm.",
+        hint=f"The throw needs {_heavier(scene)}.",
     )
+
+
+def _barred(scene: Scene) -> CranktopoError | None:
+    """Return what refuses a counterweight of every size that is looked at; None where one of them fits."""
+    least, most = scene.throw.main_journal.radius_mm, _LARGEST * scene.throw.radius_mm
+    first, last, _ = OTHER_ANGLES_DEG
+    refusal: CranktopoError | None = None
+    for angle_deg in (_HALF_ANGLE_DEG, last, first):
+        for radius_mm in np.geomspace(least, most, _PROBES + 2)[1:-1].tolist():
+            told = _error(_weighted(scene, radius_mm, angle_deg))
+            if told is None:
+                return None
+            refusal = refusal or told
+    return refusal
+
+
+def _heavier(scene: Scene) -> str:
+    """Return what gives a counterweight more mass than every radius does."""
+    weight = scene.web.counterweight
+    if weight is not None and weight.thickness_mm and weight.thickness_mm < scene.web.thickness_mm:
+        return f"a thicker counterweight: it may have web.thickness_mm, {scene.web.thickness_mm:g} mm"
+    return "a thicker web, or a heavier counterweight: web.counterweight.plug or its density_kg_m3"
 
 
 def _weighted(scene: Scene, radius_mm: float, angle_deg: float) -> Scene:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -142,7 +142,8 @@ def compare_targets(
     picked = with_picks(names)
     every = picked if baseline in picked else [baseline, *picked]
     index = every.index(baseline)
-    targets = _like_for_like(resolve_targets(every, design, align=align, whole=True, throw=throw))
+    designed = resolve_targets(every, design, align=align, whole=True, throw=throw)
+    targets = _like_for_like(designed)
     check_same_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)
     bare = tuple(target.name for target in targets if target.run)
     pitches = tuple(pitch_lines(targets, index))
@@ -152,8 +153,8 @@ def compare_targets(
     fatigues: list[FatigueComparison] = []
     loaded = None
     if methods:
-        filleted = resolve_targets(every, design, fillets=True, align=align, whole=True, throw=throw)
-        fatigues, loaded = judge(filleted, methods, index, loads, fillet_fraction or RULE_FRACTION)
+        designed = resolve_targets(every, design, fillets=True, align=align, whole=True, throw=throw)
+        fatigues, loaded = judge(designed, methods, index, loads, fillet_fraction or RULE_FRACTION)
     found = evaluate_targets(targets, request)
     judged = (one for by in fatigues for one in by.result.fatigue if isinstance(one, FieldFatigue))
     stresses = {one.target: one.largest_stress_MPa for one in judged}
@@ -174,7 +175,7 @@ def compare_targets(
         bare=bare,
         pitch_mm=tuple(target.scene.pitch_mm for target in targets) if pitches else (),
         pitches=pitches,
-        goals=_evaluated_goals(targets, entries, index),
+        goals=_evaluated_goals(targets, designed, entries, index),
         balanced_kg_mm=balanced_kg_mm(targets[index].scene),
     )
     return ComparedTargets(comparison, tuple(targets), found.missed, loaded)
@@ -231,12 +232,13 @@ def _fillets(target: Target, left_out: bool) -> Fillets:
 
 
 def _evaluated_goals(
-    targets: Sequence[Target], entries: Sequence[Entry], baseline: int
+    targets: Sequence[Target], designed: Sequence[Target], entries: Sequence[Entry], baseline: int
 ) -> dict[str, GoalOutcome]:
-    others = [target for row, target in enumerate(targets) if row != baseline]
-    swings = any(asks_for(target.scene, "natural_frequency") for target in others)
+    """Return what became of each goal, as `designed`: without fillets a design has no safety to limit."""
+    own = {row: target.scene for row, target in enumerate(designed) if row != baseline}
+    swings = any(asks_for(scene, "natural_frequency") for scene in own.values())
     values = [_values(*pair, swings=swings) for pair in zip(targets, entries, strict=True)]
-    goals = {row: goal_of(target.scene) for row, target in enumerate(targets) if row != baseline}
+    goals = {row: goal_of(scene) for row, scene in own.items()}
     return {
         targets[row].name: goal_outcome(goal, values[row], values[baseline])
         for row, goal in goals.items()
@@ -271,17 +273,35 @@ def comparison_bound(compared: ComparedTargets) -> AnyBound | None:
     None where the baseline is no design with an envelope, the targets have other throws or envelopes, the
     halves of one differ, or the design's effects leave the bound out.
     """
-    comparison, base = compared.comparison, compared.targets[compared.comparison.baseline]
-    scene = base.scene
-    alike = all((t.scene.throw, t.scene.envelope) == (scene.throw, scene.envelope) for t in compared.targets)
-    alike = alike and not any(difference(t.scene) for t in compared.targets)
-    if base.file is not None or not alike or plan(scene)["bound"].state == "off":
+    comparison, scene = compared.comparison, compared.targets[compared.comparison.baseline].scene
+    if why := _no_bound(compared):
+        note(f"no bound: {why}")
         return None
     best = comparison.leading(TORSION_PER_MASS)
     reached = {quantity.key: comparison.percent(best, quantity) for quantity in (MASS, TORSION, BENDING)}
     for words in filter(None, [outside_words(outside_envelope(scene))]):
         note(f"{scene.name}: {words}")
     return bounds_for_result(scene, reached, None)
+
+
+def _no_bound(compared: ComparedTargets) -> str:
+    """Return why a comparison has no bound; empty where it has one.
+
+    A run has the throw of the design that it was started with, which the planned scenes may have stripped.
+    """
+    base = compared.targets[compared.comparison.baseline]
+    if base.file is not None:
+        return f"the baseline, {base.name}, is no design with an envelope"
+    own = base.design or base.scene
+    for target in compared.targets:
+        scene = target.design or target.scene
+        for name in ("throw", "envelope"):
+            if getattr(scene, name) != getattr(own, name):
+                return f"{target.name} has another {name} than the baseline"
+        if key := difference(target.scene):
+            return f"the halves of {target.name} differ ({key})"
+    effect = plan(base.scene)["bound"]
+    return f"{effect.reason or 'switched off'}" if effect.state == "off" else ""
 
 
 def report_comparison(
@@ -302,6 +322,8 @@ def report_comparison(
     cases = load_cases(scene, effects.enabled)
     if compared.comparison.bare:
         effects = _without_fillets(effects)
+    if bound is None and (why := _no_bound(compared)):
+        effects = _with_effect(effects, "bound", {"state": "off", "reason": why})
     refused = _no_stresses(compared.targets)
     if stresses and refused:
         note(f"no stresses: {refused}")
@@ -348,8 +370,13 @@ def _without_fillets(effects: PhysicsPlan) -> PhysicsPlan:
         "estimate_percent": None,
         "changes": "mass and stiffness of the designs, which have fillets",
     }
+    return _with_effect(effects, "fillets", off)
+
+
+def _with_effect(effects: PhysicsPlan, name: str, changed: Mapping[str, str | None]) -> PhysicsPlan:
+    """Return the plan with one effect told otherwise."""
     return PhysicsPlan(
-        tuple(one.model_copy(update=off) if one.name == "fillets" else one for one in effects.effects)
+        tuple(one.model_copy(update=changed) if one.name == name else one for one in effects.effects)
     )
 
 

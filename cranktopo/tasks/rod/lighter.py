@@ -16,6 +16,7 @@ from cranktopo.base.notes import at_work
 from cranktopo.design.checks.rod import least_dimensions, rod_of, split_shortfalls
 from cranktopo.design.named import DesignLike, as_scene, with_values
 from cranktopo.design.rod import Eye, Rod
+from cranktopo.design.rod_bolts import thread_end_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
 from cranktopo.numerics.optimisers.gradient_search import central_difference, minimise, remembered
@@ -203,8 +204,10 @@ def _bounds(rod: Rod, names: tuple[str, ...], start: Array, least_wall_mm: float
             low[place] = min((hole_mm + 2 * least_wall_mm) / start[place], 1.0)
         if name == "boss_below_mm" and rod.bolt is not None:  # the grip of the bolt stays
             low[place] = high[place] = 1.0
-        if name == "boss_above_mm" and rod.bolt is not None:
-            low[place] = min(rod.bolt.engaged_mm / start[place], 1.0)
+        if name == "boss_above_mm" and rod.bolt is not None:  # so does where its thread or nut is
+            through = rod.bolt.held_in == "nut"
+            low[place] = 1.0 if through else min(thread_end_mm(rod, rod.bolt) / start[place], 1.0)
+            high[place] = 1.0 if through else _HIGHEST
     return low, high
 
 

@@ -217,7 +217,7 @@ class Counterweight(Feature):
             if bevel.face == "pin":
                 raise CranktopoError(
                     f"web.bevel[{name}]: bevels the main journal's end of the web, where {key} is.",
-                    hint="Remove one of them.",
+                    hint=f"Remove web.bevel[{name}], or leave {key} out.",
                 )
         parts = self.parts(scene, key)
         for path, pocket in scene.web.features():

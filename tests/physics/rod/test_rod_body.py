@@ -16,7 +16,13 @@ SHAPES = {
     "I": {"rod.shank": "I"},
     "H and oil": {"rod.shank": "H", "rod.oil_hole_mm": 3.0, "rod.shank_fillet_mm": 4.0},
     "plain and sharp": {"rod.shank_fillet_mm": 0.0},
-    "low bosses": {"rod.boss_above_mm": 5.0, "rod.shank": "I", "rod.oil_hole_mm": 2.0},
+    "low bosses": {
+        "rod.boss_above_mm": 5.0,
+        "rod.shank": "I",
+        "rod.oil_hole_mm": 2.0,
+        "rod.bolt.held_in": "nut",
+        "rod.bolt.grip_mm": 21.0,
+    },
 }
 
 
