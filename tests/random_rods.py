@@ -10,6 +10,14 @@ from cranktopo.design.bolt import COARSE_PITCH_MM, HOLE_MM
 from tests.random_engines import random_engine
 
 
+def _room_mm(data: dict[str, Any]) -> float:
+    """Length of the crankpin between its fillets that one rod has."""
+    pin = data["throw"]["crankpin"]
+    fillet = pin.get("fillet_axial_mm") or pin.get("fillet_mm", 0.0)
+    rods = 2 if data["engine"].get("arrangement", {}).get("layout") == "V" else 1
+    return float(pin["length_mm"] - 2 * fillet) / rods
+
+
 def random_rod_engine(seed: int) -> dict[str, Any]:
     """A scene as plain data: a random engine with a rod, its piston pin, and bolts where a thread fits."""
     draw, data = np.random.default_rng(seed + 10_000), random_engine(seed)
@@ -21,7 +29,7 @@ def random_rod_engine(seed: int) -> dict[str, Any]:
     shrink = min(1.0, 0.7 * length / ((small + big) / 2))
     small, small_bore = small * shrink, small_bore * shrink
     big, big_bore = big * shrink, big_bore * shrink
-    width = big_bore * draw.uniform(0.45, 0.65)
+    width = min(big_bore * draw.uniform(0.45, 0.65), 0.95 * _room_mm(data))
     fitting = [d for d in COARSE_PITCH_MM if d <= 0.2 * big_bore]
     hole = HOLE_MM.get(fitting[-1], 1.1 * fitting[-1]) if fitting else 0.0
     distance = big_bore + 1.3 * hole + 2

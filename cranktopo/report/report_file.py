@@ -13,7 +13,7 @@ from cranktopo.base.files import write_bytes, write_text
 from cranktopo.report.drafting import INK, STEEL, THIN
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.report.plot import Picture, png, save_figure
-from cranktopo.report.result_table import escaped, escaped_prose, markdown
+from cranktopo.report.result_table import escaped, markdown
 from cranktopo.report.typeset import typeset, unbroken
 from cranktopo.report.viewer.scene3d import SCRIPT, packed
 from cranktopo.runs.destination import check_file
@@ -161,7 +161,7 @@ def _fact(fact: Fact) -> str:
 
 
 def _section(section: Section, folder: str) -> list[str]:
-    blocks = [f"## {escaped(section.title)}", *map(escaped_prose, section.paragraphs)]
+    blocks = [f"## {escaped(section.title)}", *map(escaped, section.paragraphs)]
     for caption, table in section.tables:
         blocks += [f"{escaped(caption)}:", markdown(table)]
     return blocks + [_image(picture, folder) for picture in section.pictures]

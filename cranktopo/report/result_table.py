@@ -304,17 +304,6 @@ def escaped(text: str) -> str:
     return _LIST.sub(r"\1\\\2", _SPECIAL.sub(r"\\\1", " ".join(text.split())))
 
 
-_CODE = re.compile(r"`([^`]+)`")
-"""Code in a text, as pages of HTML show it too."""
-
-
-def escaped_prose(text: str) -> str:
-    """Return the text as `escaped` does, with what stands between backticks as code."""
-    parts = _CODE.split(" ".join(text.split()))
-    shown = (f"`{part}`" if place % 2 else _SPECIAL.sub(r"\\\1", part) for place, part in enumerate(parts))
-    return _LIST.sub(r"\1\\\2", "".join(shown))
-
-
 def no_formula(value: Any) -> Any:
     """Return a cell of a CSV file; a text that a spreadsheet would run as a formula gets an apostrophe first.
 

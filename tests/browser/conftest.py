@@ -18,6 +18,8 @@ NAMES = ("chromium", "chromium-browser", "google-chrome")
 ARGUMENTS = ["--no-sandbox", "--enable-unsafe-swiftshader"]
 
 QUICK_MS = 120_000
+READS = "GPU stall due to ReadPixels"
+"""What the browser says where a test, not the page, reads pixels."""
 NEXT_FRAMES = "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
@@ -36,7 +38,7 @@ class Visit:
         self.page.on("request", lambda request: self.requests.append(request.url))
 
     def _heard(self, text: str) -> None:
-        if "GPU stall due to ReadPixels" not in text:
+        if READS not in text:
             self.complaints.append(text)
 
     def picture(self) -> np.ndarray:

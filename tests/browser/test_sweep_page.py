@@ -26,6 +26,7 @@ from cranktopo.tasks.sweep.page import sweep_html
 from cranktopo.tasks.sweep.result import PointResult, SweepFiles, SweepResult, SweepSeconds
 from cranktopo.tasks.sweep.stages import web_view
 from tests.browser.bench_page import START_MS
+from tests.browser.conftest import READS
 from tests.page_text import typed
 from tests.sweep_cases import point_result
 
@@ -151,7 +152,7 @@ def windows(browser: Any, page_file: Path) -> Iterator[Any]:
     def visit(**window: Any) -> Any:
         contexts.append(browser.new_context(**{"viewport": {"width": 1200, "height": 800}, **window}))
         page = contexts[-1].new_page()
-        page.on("console", lambda message: said.append(message.text))
+        page.on("console", lambda message: said.append(message.text) if READS not in message.text else None)
         page.on("pageerror", lambda error: said.append(str(error)))
         page.on("request", lambda request: said.append(request.url))
         page.set_default_timeout(START_MS)

@@ -446,7 +446,9 @@ def test_a_web_that_bars_every_counterweight_is_told_so(capsys, tmp_path):
         assert (code, told in out + err) in ((0, True), (3, True))
         assert "draft" not in out + err
         assert "thicker" not in out + err
-    design.write_text(text.replace(BARRED, "[web.counterweight]\nouter_radius_mm = 70.0\n" + BARRED))
+    design.write_text(
+        text.replace(BARRED, "[web.counterweight]\nouter_radius_mm = 70.0\nhalf_angle_deg = 60.0\n" + BARRED)
+    )
     code, _, err = run(capsys, str(design))
     assert code == 3
     assert f"{told}, where web.counterweight is. Remove web.bevel[0], or leave" in err

@@ -110,7 +110,7 @@ def test_fatigue_has_it_in_its_result() -> None:
 def told_fatigue() -> FatigueComparison:
     point = CriticalPoint.model_construct(place="pin fillet")
     entries = tuple(
-        FieldFatigue.model_construct(target=name, safety=1.2, critical=point, left_off=line)
+        FieldFatigue.model_construct(target=name, safety=1.2, critical=point, left_off=line, judged_as=None)
         for name, line in (("a", LINE), ("b", None))
     )
     return FatigueComparison((1.2, 1.2), (), NO_FATIGUE.model_copy(update={"fatigue": entries}))

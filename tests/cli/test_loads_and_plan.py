@@ -346,7 +346,7 @@ def test_plan_prints_every_effect(capsys):
     code, out, _ = run(capsys, "plan", "mikron-iiic-plain")
     assert code == 0
     assert re.search(r"^torsion +on +100 %", out, re.MULTILINE)
-    assert re.search(r"^centrifugal +off +5\.46 %", out, re.MULTILINE)
+    assert re.search(r"^centrifugal +off +6\.42 %", out, re.MULTILINE)
     assert max(len(line) for line in out.splitlines()) < 150
 
 

@@ -25,6 +25,7 @@ from cranktopo.tasks.refit.family import Layout, web_of
 from cranktopo.tasks.shape import run as shape
 from cranktopo.tasks.shape.stage import ShapeSettings
 from cranktopo.throw.bevel import FittedBevel
+from cranktopo.throw.fitted_slot import FittedSlot
 from tests.physics.shape.shape_cases import Array, full_web
 
 COARSE = ShapeSettings(cell_mm=9.0, rounds=1, element_size_mm=14.0)
@@ -142,13 +143,18 @@ def test_an_unfinished_run_is_refused(tmp_path: Path, web: Scene, capsys: Any) -
 
 def forged_start() -> tuple[Layout, Array]:
     """The web as a die that parts in x = 0 leaves it: without its last two features, pockets from a face, and
-    with the draft of the die on its bevels."""
+    with the draft of the die on its bevels and its radius along the floor of its groove."""
     _, layout, values = full_web()
     lost = sum(len(part.names) for part in layout.parts[3:])
     first, second, groove = layout.parts[:3]
     assert isinstance(first, FittedBevel)
     assert isinstance(second, FittedBevel)
-    parts = (replace(first, draft_deg=5.0), replace(second, draft_deg=5.0), groove)
+    assert isinstance(groove, FittedSlot)
+    parts = (
+        replace(first, draft_deg=5.0),
+        replace(second, draft_deg=5.0),
+        replace(groove, floor_radius_mm=3.25),
+    )
     return replace(layout, parts=parts), values[:-lost]
 
 

@@ -164,7 +164,11 @@ def _no_work() -> Iterator[None]:
 
 
 @pytest.mark.parametrize(
-    "kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind in ("optimise", "step"))) for kind in QUICK]
+    "kind",
+    [
+        pytest.param(kind, marks=[pytest.mark.slow] * (kind in ("optimise", "step", "bench", "accuracy")))
+        for kind in QUICK
+    ],
 )
 def test_damaged_files(kind: str, tmp_path: Path) -> None:
     faults, codes, _ = faults_of(kind, range(QUICK[kind]), tmp_path)

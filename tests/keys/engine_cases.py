@@ -16,7 +16,7 @@ from tests.keys.bases import (
     roller,
     vee,
 )
-from tests.keys.kinds import Other, Refused, Table
+from tests.keys.kinds import Other, Refused, Shown, Table
 from tests.keys.scenes import builtin, changed, twin
 
 ENGINE_CASES: dict[tuple[str, str], Table] = {
@@ -49,6 +49,10 @@ ENGINE_CASES: dict[tuple[str, str], Table] = {
             "cylinders": Other(2, also={"engine.firing_order": [1, 2]}),
             "firing_order": [1, 2, 4, 3],
             "strokes": 2,
+            "rotation": Shown(
+                "cli/test_dossier_contents.py::"
+                "test_every_value_of_the_gas_is_told_with_its_source_and_the_rated_power"
+            ),
         },
     ),
     ("engine.gas", ""): Table(

@@ -102,7 +102,12 @@ PART_CASES: dict[tuple[str, str], Table] = {
         rod_base,
         "rod.bolt",
         "bolts rod",
-        BOLT | {"thread": "M8", "shank_diameter_mm": Other(7.0, {"rod.bolt.shank_mm": 8.0})},
+        BOLT
+        | {
+            "thread": "M8",
+            "held_in": Other("nut", also={"rod.bolt.grip_mm": 47.2}),
+            "shank_diameter_mm": Other(7.0, {"rod.bolt.shank_mm": 8.0}),
+        },
     ),
     ("rod.pin", ""): Table(rod_base, "rod.pin", "rod"),
     ("balancer", ""): Table(lambda: builtin("balancer-shaft"), "balancer", "balancer"),

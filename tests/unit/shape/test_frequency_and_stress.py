@@ -183,7 +183,7 @@ def test_stress_is_found_with_the_safety_or_alone(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(module, "fatigue_field", lambda *given: told(field, given[-2]))
     monkeypatch.setattr(module, "largest_stress_MPa", lambda *given: told(123.0, given[-2]))
     stressed, cycle = module._stressed, Judging("cycle")
-    least = {"fatigue_safety": 1.2, "fatigue_place": "pin fillet"}
+    least = {"fatigue_safety": 1.2, "fatigue_place": "pin fillet", "fatigue_loads": "cycle"}
     assert stressed(target, {"fatigue_safety", "stress"}, cycle) == {**least, "stress_MPa": 75.0}
     assert stressed(target, {"fatigue_safety"}, cycle) == least
     assert stressed(target, {"stress"}, cycle) == {"stress_MPa": 123.0}
@@ -227,7 +227,7 @@ def test_compare_judges_them_and_says_which_target_has_no_shaft(
     entry = SimpleNamespace(evaluation=SimpleNamespace(result=result), safety=1.5, stress_MPa=260.0)
     targets = [Target(name, scene, Path(name)) for name in ("original", "web", "bare")]
     with redirected(lines.append):
-        found = compare_stage._evaluated_goals(targets, [entry] * 3, 0)
+        found = compare_stage._evaluated_goals(targets, targets, [entry] * 3, 0)
     limits = {name: {one.quantity: one for one in goal.limits} for name, goal in found.items()}
     assert limits["web"]["natural_frequency"].reached_percent == pytest.approx(97.75)
     assert limits["web"]["natural_frequency"].holds is True, "within the half percent of every command"
