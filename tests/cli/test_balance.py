@@ -441,11 +441,10 @@ def test_a_web_that_bars_every_counterweight_is_told_so(capsys, tmp_path):
     text = design_text("mikron-iiic-plain").replace("[material]", f"{BARRED}\n[material]", 1)
     design.write_text(text)
     told = "web.bevel[0]: bevels the main journal's end of the web"
-    for share in ("0%", "50%", "99%"):
-        code, out, err = run(capsys, str(design), "--propose", share)
-        assert (code, told in out + err) in ((0, True), (3, True))
-        assert "draft" not in out + err
-        assert "thicker" not in out + err
+    code, out, err = run(capsys, str(design), "--propose", "50%")
+    assert (code, told in out + err) in ((0, True), (3, True))
+    assert "draft" not in out + err
+    assert "thicker" not in out + err
     design.write_text(
         text.replace(BARRED, "[web.counterweight]\nouter_radius_mm = 70.0\nhalf_angle_deg = 60.0\n" + BARRED)
     )

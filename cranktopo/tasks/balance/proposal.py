@@ -70,7 +70,8 @@ def propose_counterweight(scene: Scene, percent: float) -> ProposedCounterweight
         raise invalid("engine.masses", None, "must be given: without them nothing oscillates")
     own_deg = scene.web.counterweight.half_angle_deg if scene.web.counterweight else _HALF_ANGLE_DEG
     own = found = _at_angle(scene, percent, own_deg)
-    for angle_deg in _other_angles_deg(own_deg):
+    barred = (own is None or own.refused) and _barred(scene)
+    for angle_deg in [] if barred else _other_angles_deg(own_deg):
         if found is not None and not found.refused:
             break
         found = _at_angle(scene, percent, angle_deg)

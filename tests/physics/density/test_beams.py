@@ -30,7 +30,7 @@ def end_deflection(
     return float(compliances(model, solution.displacements)[0])
 
 
-@pytest.mark.parametrize("poisson", [0.0, 0.3])
+@pytest.mark.parametrize("poisson", [pytest.param(0.0, marks=pytest.mark.slow), 0.3])
 def test_axial_bar(float64: None, poisson: float) -> None:
     """P L / (E A); with nu = 0.3 the clamp holds the section and stiffens the last half width of the bar."""
     exact = 64.0 / (MODULUS * 1.0)

@@ -185,6 +185,7 @@ def test_volume_derivative(setting: tuple[ThrowModel, MaterialInterpolation, jax
     assert float(by_x[cell]) == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_mass_and_unbalance(setting: tuple[ThrowModel, MaterialInterpolation, jax.Array]) -> None:
     model, density_chain, x = setting
     direction = jnp.asarray(np.random.default_rng(4).standard_normal(x.shape))

@@ -131,7 +131,9 @@ ACROSS = {
 }
 
 
-@pytest.mark.parametrize(("web", "ends"), [("first", False), ("both", True)])
+@pytest.mark.parametrize(
+    ("web", "ends"), [pytest.param("first", False, marks=pytest.mark.slow), ("both", True)]
+)
 def test_a_drilling_across_the_middle_of_a_journal_goes_on_in_the_neighbour(
     web: str, ends: bool, tmp_path: Path
 ) -> None:
@@ -146,6 +148,7 @@ def test_a_drilling_across_the_middle_of_a_journal_goes_on_in_the_neighbour(
     assert taken > 5 * density, "more than 5 mm3"
 
 
+@pytest.mark.slow
 def test_the_drawing_has_the_hole_in_the_neighbour_too(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bodies that it draws, by their triangles, with the drillings that go on and without."""
     scene = drilled_crank("first", 1.0)

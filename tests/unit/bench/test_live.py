@@ -64,6 +64,7 @@ def test_what_rests_on_a_stiffness_in_closed_form_is_not_called_exact() -> None:
     assert told["rings"]["power"] == "live, combustion model"
 
 
+@pytest.mark.slow
 def test_a_short_shaft_is_told_that_its_disks_swing_too_fast() -> None:
     """With a stiffness in closed form, with that of a settled web, and with one that the design gives."""
     told = f"; disks of so few throws: up to {TOO_HIGH_PERCENT} % too high"

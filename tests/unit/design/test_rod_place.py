@@ -111,7 +111,7 @@ def random_beginnings() -> list[tuple[LayoutName, int, float, float, dict[str, f
     draw = random.Random(7)
     kinds: list[tuple[LayoutName, int]] = [("single", 1), ("in-line", 4), ("V", 8), ("boxer", 4)]
     found: list[tuple[LayoutName, int, float, float, dict[str, float]]] = []
-    for _ in range(40):
+    for _ in range(12):
         bore = round(8.0 * 180 ** draw.random(), 1)
         stroke = round(bore * draw.uniform(0.7, 1.8), 1)
         length = {"rod_length_mm": round(stroke * draw.uniform(1.4, 2.5), 1)} if draw.random() < 0.5 else {}
