@@ -240,7 +240,7 @@ TABLE: dict[str, dict[str, Case]] = {
         **_GOAL,
         "--minimise": Acts(MIKRON, "--minimise inertia"),
         "--resolution-mm": Acts(MIKRON, "--resolution-mm 4"),
-        "--json": Shown("cli/test_bound.py::test_the_bound_as_json_and_as_text"),
+        "--json": Shown("cli/test_bound.py::test_the_bound_as_json"),
     },
     "iterate": {
         **_WEB,

@@ -13,7 +13,7 @@ from cranktopo.base.errors import ExitCode
 COARSE = ["--resolution-mm", "4.5", "--quiet"]
 
 
-def test_the_bound_as_json_and_as_text(capsys: Any) -> None:
+def test_the_bound_as_json(capsys: Any) -> None:
     goal = ["--maximise", "torsion", "--limit", "bending none", "--limit", "unbalance <= 100 %"]
     assert main(["bound", "mikron-iiic-plain", *goal, *COARSE, "--json"]) == ExitCode.DONE
     found = json.loads(capsys.readouterr().out)
@@ -28,6 +28,9 @@ def test_the_bound_as_json_and_as_text(capsys: Any) -> None:
     assert [entry["limit"] for entry in found["goal"]["dropped"]] == ["fatigue_safety >= 100 %"]
     assert set(found["model_error_percent"]) == {"torsion", "bending"}
 
+
+@pytest.mark.slow
+def test_the_bound_as_text(capsys: Any) -> None:
     assert main(["bound", *COARSE]) == ExitCode.DONE
     text = capsys.readouterr().out
     assert "least mass" in text

@@ -145,9 +145,10 @@ def test_a_fillet_elsewhere_is_named(step_of: Callable[..., Path], mikron: Scene
         fillets_of_step(path, other)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("web", "mirrored"),
-    [pytest.param({}, True, marks=pytest.mark.slow), ({"pocket": [LOPSIDED]}, False)],
+    [({}, True), ({"pocket": [LOPSIDED]}, False)],
 )
 def test_symmetric_bodies_are_halved(
     web: dict[str, Any], mirrored: bool, step_of: Callable[..., Path], mikron: Scene

@@ -239,7 +239,14 @@ def test_what_elements_tell(capsys, tmp_path, scene):
         check(found, least=58)
 
 
-@pytest.mark.parametrize("scene", [name for name in SCENES if name != "two different webs"])
+@pytest.mark.parametrize(
+    "scene",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] * (name == "four with a propeller"))
+        for name in SCENES
+        if name != "two different webs"
+    ],
+)
 def test_the_exported_solid_weighs_what_is_told(capsys, tmp_path, scene):
     """Its volume by the CAD kernel; the line has it to 0.1 mm3."""
     path = tmp_path / "engine.toml"

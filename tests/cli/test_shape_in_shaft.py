@@ -116,6 +116,7 @@ def test_where_it_is_off_nothing_is_solved_for_it(
     assert all(said in line for line in told)
 
 
+@pytest.mark.slow
 def test_the_search_has_the_loads_and_a_resumed_one_too(
     solved: list[Scene], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

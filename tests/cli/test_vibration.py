@@ -237,6 +237,7 @@ def test_the_range_is_solved_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert study.mean_response.worst_Nm == pytest.approx(every.worst_Nm, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_a_short_shaft_is_told_that_its_disks_swing_too_fast(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -103,15 +103,12 @@ def test_limits_hold_for_the_web_as_made(mikron: Scene, domain: Domain) -> None:
     assert thin.quantities["torsion"] < 0.95 * own["torsion"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("goal", "active"),
     [
         ({"maximise": "torsion", "limits": {"inertia": "<= 90 %", "bending": "none"}}, "inertia"),
-        pytest.param(
-            {"maximise": "bending", "limits": {"unbalance": "<= 85 %", "mass": "none"}},
-            "unbalance",
-            marks=pytest.mark.slow,
-        ),
+        ({"maximise": "bending", "limits": {"unbalance": "<= 85 %", "mass": "none"}}, "unbalance"),
     ],
 )
 def test_other_goals_and_limits(mikron: Scene, domain: Domain, goal: dict[str, Any], active: str) -> None:

@@ -16,7 +16,8 @@ from tests.studies.own_webs import own_volume_fraction
 COARSE = {"resolution_mm": 4.5, "max_iterations": 2}
 
 
-@pytest.mark.parametrize("name", ["mikron-iiic", pytest.param("car-diesel", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["mikron-iiic", "car-diesel"])
 def test_the_volume_fraction_of_the_own_mass_is_that_of_the_own_web(name: str, tmp_path: Path) -> None:
     """Against the share of the design space that the web itself fills, counted cell by cell."""
     scene = load_scene(name).with_optimise(volume_fraction=0.55, **COARSE).with_effect("bound", "off")
