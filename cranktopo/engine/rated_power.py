@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import plain_number
+from cranktopo.design.engine import Gas
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.performance import power_kW
-from cranktopo.engine.starting_gas import halved, work_J
+from cranktopo.engine.starting_gas import halved, with_gas, work_J
 
 MECHANICAL_EFFICIENCY = 0.9
 """Power at the shaft, as the rated one is, over the indicated one; assumed, 0.85 to 0.93 are usual."""
@@ -18,78 +20,72 @@ _BURN_DEG = tuple(range(20, 121, 10))
 """Burn durations that are tried."""
 
 
-def power_off_percent(scene: Scene) -> float | None:
-    """Return by how much the indicated power is above that of the rated one; None where one is unknown."""
+@dataclass(frozen=True)
+class RatedPower:
+    """The rated power beside that of the cylinder pressure.
+
+    Attributes:
+        off_percent: by how much the indicated power is above that of the rated one.
+        words: both, and the burn duration that joins them.
+    """
+
+    off_percent: float
+    words: str
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The words where the powers are far apart; else nothing."""
+        return (self.words,) if abs(self.off_percent) > WORTH_A_WARNING_PERCENT else ()
+
+
+def rated_power(scene: Scene) -> RatedPower | None:
+    """Return the rated power beside that of the cylinder pressure; None where one is unknown."""
     engine = scene.engine
-    cycle = analyse(scene).cycle if engine else None
-    if engine is None or engine.rated_power_kW is None or cycle is None:
+    if engine is None or engine.rated_power_kW is None:
         return None
-    return 100 * (power_kW(cycle.indicated_work_J, engine) / _wanted_kW(scene) - 1)
-
-
-def rated_power_words(scene: Scene) -> str:
-    """Return the rated power beside that of the cylinder pressure; empty where one is unknown."""
-    off, engine = power_off_percent(scene), scene.engine
-    if off is None or engine is None or engine.rated_power_kW is None:
-        return ""
-    side = "above" if off > 0 else "below"
-    told = (
-        f"rated power {plain_number(engine.rated_power_kW, 5)} kW at the shaft, {_wanted_kW(scene):.0f} kW "
+    cycle = analyse(scene).cycle
+    if cycle is None:
+        return None
+    indicated_kW = engine.rated_power_kW / MECHANICAL_EFFICIENCY
+    off = 100 * (power_kW(cycle.indicated_work_J, engine) / indicated_kW - 1)
+    words = (
+        f"rated power {plain_number(engine.rated_power_kW, 5)} kW at the shaft, {indicated_kW:.0f} kW "
         f"indicated at an assumed mechanical efficiency of {MECHANICAL_EFFICIENCY:g}: the cylinder pressure "
-        f"gives {abs(off):.1f} % {side}"
+        f"gives {abs(off):.1f} % {'above' if off > 0 else 'below'}"
     )
-    return told + _by_burning(scene)
+    return RatedPower(off, words + _by_burning(scene, engine.gas, indicated_kW))
 
 
-def rated_power_warnings(scene: Scene) -> tuple[str, ...]:
-    """Return the same as a warning where the powers are far apart; else nothing."""
-    off = power_off_percent(scene)
-    return () if off is None or abs(off) <= WORTH_A_WARNING_PERCENT else (rated_power_words(scene),)
-
-
-def burn_for_rated_power_deg(scene: Scene) -> float | None:
-    """Return the burn duration with which the combustion model has the rated power; None where none has."""
-    engine = scene.engine
-    if engine is None or engine.gas is None or engine.gas.measured or engine.gas.map:
-        return None
-
-    def at(burn_deg: float) -> float:
-        return _power_kW(scene, burn_deg)
-
-    wanted, powers = _wanted_kW(scene), [(burn, at(burn)) for burn in _BURN_DEG]
-    for (one, low), (other, high) in pairwise(powers):
-        if 0 < low <= wanted <= high:
-            return halved(at, (one, other), wanted)
-    return None
-
-
-def _by_burning(scene: Scene) -> str:
+def _by_burning(scene: Scene, gas: Gas | None, indicated_kW: float) -> str:
     """Return the burn duration that joins both powers, or that none does; nothing of a measured pressure."""
-    engine, burn = scene.engine, burn_for_rated_power_deg(scene)
+    if gas is None or gas.measured or gas.map:
+        return ""
+    burn = burn_duration_deg(scene, indicated_kW)
     if burn is not None:
         return f"; engine.gas.burn_duration_deg = {burn:.3g} gives the rated one"
-    if engine is None or engine.gas is None or engine.gas.measured or engine.gas.map:
-        return ""
     return (
         f"; no engine.gas.burn_duration_deg from {_BURN_DEG[0]} to {_BURN_DEG[-1]} gives the rated one: look "
         "at peak pressure, intake pressure and compression ratio"
     )
 
 
-def _wanted_kW(scene: Scene) -> float:
-    assert scene.engine is not None
-    assert scene.engine.rated_power_kW is not None
-    return scene.engine.rated_power_kW / MECHANICAL_EFFICIENCY
+def burn_duration_deg(scene: Scene, indicated_kW: float) -> float | None:
+    """Return the burn duration that gives the combustion model an indicated power; None where none does."""
+
+    def at(burn_deg: float) -> float:
+        return _power_kW(scene, burn_deg)
+
+    powers = [(burn, at(burn)) for burn in _BURN_DEG]
+    for (one, low), (other, high) in pairwise(powers):
+        if 0 < low <= indicated_kW <= high:
+            return halved(at, (one, other), indicated_kW)
+    return None
 
 
 def _power_kW(scene: Scene, burn_deg: float) -> float:
     """Return the indicated power with a burn duration; 0 where nothing can burn so."""
-    engine = scene.engine
-    assert engine is not None
-    assert engine.gas is not None
-    gas = engine.gas.model_copy(update={"burn_duration_deg": burn_deg})
-    changed = scene.model_copy(update={"engine": engine.model_copy(update={"gas": gas})})
+    assert scene.engine is not None
     try:
-        return power_kW(work_J(changed), engine)
+        return power_kW(work_J(with_gas(scene, {"burn_duration_deg": burn_deg})), scene.engine)
     except CranktopoError:
         return 0.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -93,11 +93,9 @@ def _of_charge_words(scene: Scene) -> str:
         return ""
     if engine.gas.intake_MPa <= _CHARGED * engine.gas.ambient_pressure_MPa:
         return ""
-    uncharged = {"intake_pressure_MPa": None, "exhaust_pressure_MPa": None}
-    gas = engine.gas.model_copy(update=uncharged)
-    plain = scene.model_copy(update={"engine": engine.model_copy(update={"gas": gas})})
+    uncharged = with_gas(scene, {"intake_pressure_MPa": None, "exhaust_pressure_MPa": None})
     try:
-        kW = power_kW(work_J(plain), engine)
+        kW = power_kW(work_J(uncharged), engine)
     except CranktopoError:
         return "; such an intake is that of a charged engine"
     return f"; such an intake is that of a charged engine: without a charge this peak gives {kW:.4g} kW"
@@ -198,15 +196,20 @@ def _ambient(scene: Scene) -> float:
 
 def _mean_MPa(scene: Scene, keys: dict[str, float]) -> float | None:
     """Return the indicated mean pressure with keys of `[engine.gas]`; None where nothing can burn so."""
+    assert scene.engine is not None
+    try:
+        return mean_pressure_MPa(work_J(with_gas(scene, keys)), scene.engine, scene.throw.radius_mm)
+    except CranktopoError:
+        return None
+
+
+def with_gas(scene: Scene, keys: Mapping[str, float | None]) -> Scene:
+    """Return the scene of an engine with other keys of its `[engine.gas]`, which are not checked."""
     engine = scene.engine
     assert engine is not None
     assert engine.gas is not None
-    gas = engine.gas.model_copy(update=keys)
-    changed = scene.model_copy(update={"engine": engine.model_copy(update={"gas": gas})})
-    try:
-        return mean_pressure_MPa(work_J(changed), engine, scene.throw.radius_mm)
-    except CranktopoError:
-        return None
+    gas = engine.gas.model_copy(update=dict(keys))
+    return scene.model_copy(update={"engine": engine.model_copy(update={"gas": gas})})
 
 
 def work_J(scene: Scene) -> float:

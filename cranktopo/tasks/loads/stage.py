@@ -21,7 +21,7 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.performance import mean_pressure_MPa, power_kW, pressure_warnings, pressure_words
 from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import plan
-from cranktopo.engine.rated_power import rated_power_warnings, rated_power_words
+from cranktopo.engine.rated_power import rated_power
 from cranktopo.engine.states import extreme_states, load_cases
 from cranktopo.tasks.loads.plot import plot_loads
 from cranktopo.tasks.loads.result import (
@@ -57,7 +57,7 @@ def loads_at_speeds(scene: DesignLike, speeds_rpm: Sequence[float] | None = None
 def _loads(scene: Scene, effects: PhysicsPlan, assumed: tuple[Assumption, ...]) -> Loads:
     engine, analysis, radius = scene.engine, analyse(scene) if scene.engine else None, scene.throw.radius_mm
     cycle = analysis.cycle if analysis else None
-    work = cycle.indicated_work_J if cycle else 0.0
+    work, rated = cycle.indicated_work_J if cycle else 0.0, rated_power(scene)
     return Loads(
         design=scene.name,
         speed_rpm=engine.speed_rpm if engine else None,
@@ -70,7 +70,7 @@ def _loads(scene: Scene, effects: PhysicsPlan, assumed: tuple[Assumption, ...]) 
         indicated_work_per_cylinder_J=work if cycle else None,
         indicated_mean_pressure_MPa=mean_pressure_MPa(work, engine, radius) if cycle and engine else None,
         indicated_power_kW=power_kW(cycle.mean_work_J, engine) if cycle and engine else None,
-        rated_power=rated_power_words(scene) or None,
+        rated_power=rated.words if rated else None,
         misfire=misfire(scene) or None,
         silent=misfire_words(scene),
         piston=piston_of(analysis) if analysis else None,
@@ -81,7 +81,7 @@ def _loads(scene: Scene, effects: PhysicsPlan, assumed: tuple[Assumption, ...]) 
         load_cases=load_cases(scene, effects.enabled),
         extreme_states=tuple(state_of(state) for state in extreme_states(scene, effects.enabled)),
         effects=effects.effects,
-        warnings=(*pressure_warnings(scene), *rated_power_warnings(scene)),
+        warnings=(*pressure_warnings(scene), *(rated.warnings if rated else ())),
         assumed=assumed,
     )
 

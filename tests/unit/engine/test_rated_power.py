@@ -8,12 +8,7 @@ import pytest
 
 from cranktopo import load_scene, with_values
 from cranktopo.design.schema import Scene
-from cranktopo.engine.rated_power import (
-    MECHANICAL_EFFICIENCY,
-    burn_for_rated_power_deg,
-    rated_power_warnings,
-    rated_power_words,
-)
+from cranktopo.engine.rated_power import MECHANICAL_EFFICIENCY, burn_duration_deg, rated_power
 from cranktopo.tasks.loads.stage import loads_at_speeds
 
 
@@ -31,19 +26,22 @@ def test_the_burn_duration_that_is_told_gives_the_rated_power() -> None:
     """By the loads of a scene that has it: another path than the one that looks for it."""
     own = indicated_kW(load_scene("mikron-iiic-plain"))
     scene = rated(0.95 * own * MECHANICAL_EFFICIENCY)
-    burn = burn_for_rated_power_deg(scene)
+    burn, found = burn_duration_deg(scene, 0.95 * own), rated_power(scene)
     assert burn is not None
+    assert found is not None
     assert indicated_kW(with_values(scene, {"engine.gas.burn_duration_deg": burn})) == pytest.approx(
         0.95 * own, rel=2e-3
     )
-    assert f"engine.gas.burn_duration_deg = {burn:.3g} gives the rated one" in rated_power_words(scene)
+    assert f"engine.gas.burn_duration_deg = {burn:.3g} gives the rated one" in found.words
 
 
 @pytest.mark.parametrize(("share", "warned"), [(0.8, True), (0.9, False), (1.1, False), (1.3, True)])
 def test_a_power_far_off_is_warned_of(share: float, warned: bool) -> None:
     """0.8: the pressure gives 25 % above; 1.3: 23 % below."""
     scene = rated(share * indicated_kW(load_scene("mikron-iiic-plain")) * MECHANICAL_EFFICIENCY)
-    assert bool(rated_power_warnings(scene)) == warned
+    found = rated_power(scene)
+    assert found is not None
+    assert bool(found.warnings) == warned
     (loads,) = loads_at_speeds(scene)
     assert any("rated power" in line for line in loads.warnings) == warned
     assert loads.rated_power is not None
@@ -55,6 +53,6 @@ def test_a_power_far_off_is_warned_of(share: float, warned: bool) -> None:
 
 def test_nothing_is_told_without_a_rated_power() -> None:
     scene = load_scene("mikron-iiic-plain")
-    assert rated_power_words(scene) == ""
+    assert rated_power(scene) is None
     (loads,) = loads_at_speeds(scene)
     assert "rated_power" not in loads.as_json()
