@@ -20,7 +20,6 @@ from cranktopo.throw.fitted import (
     LEAST_MM,
     SIZE_OVER_CORNER,
     Axes,
-    FittedFeature,
     Frame,
     Named,
     Region,
@@ -30,6 +29,7 @@ from cranktopo.throw.fitted import (
     shoulder_rule,
     wall_rule,
 )
+from cranktopo.throw.fitted_floor import FittedFloor
 from cranktopo.throw.floor_rounding import FloorRounding, slope_of
 from cranktopo.throw.hole import FACES
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
@@ -43,7 +43,7 @@ _GIVEN = ("draft_deg", "corner_radius_mm", "floor_radius_mm")
 
 
 @dataclass(frozen=True)
-class FittedPocket(FittedFeature):
+class FittedPocket(FittedFloor):
     """A pocket parallel to the crank axis: the face it starts from, whether there are two.
 
     Sizes and the radius of its corners are those of its floor; draft and radii are the workshop's, not free.
@@ -78,9 +78,9 @@ class FittedPocket(FittedFeature):
         """Return by how much its mouth is wider than its floor, all around."""
         return slope_of(self.draft_deg) * named.get("depth", 0.0)
 
-    @property
-    def _rounding(self) -> FloorRounding:
-        return FloorRounding(self.floor_radius_mm, slope_of(self.draft_deg))
+    @override
+    def slope(self, named: Named) -> float:
+        return slope_of(self.draft_deg)
 
     @property
     @override
@@ -103,7 +103,7 @@ class FittedPocket(FittedFeature):
     def bounds(self, scene: ThrowView, limits: ManufacturingLimits) -> list[tuple[float, float]]:
         far = 4 * scene.throw.radius_mm
         deepest = limits.deepest_mm(scene.web.thickness_mm)
-        rounding = self._rounding
+        rounding = FloorRounding(self.floor_radius_mm, slope_of(self.draft_deg))
         shallowest = max(_LEAST_DEPTH_MM, rounding.top_mm + CLEAR_MM)
         ranges = {"x": (LEAST_MM / 2, far), "y": (-far, far), "depth": (shallowest, deepest)}
         smallest = max(LEAST_MM, SIZE_OVER_CORNER * max(self.corner_radius_mm, rounding.foot_mm))
@@ -118,19 +118,11 @@ class FittedPocket(FittedFeature):
         return replace(self, draft_deg=max(self.draft_deg, shop.draft_deg), floor_radius_mm=floor)
 
     @override
-    def faces_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
-        plain = self._sharp_mm(named, at, web_z_mm)
-        if not self.floor_radius_mm:
-            return plain
-        return [*plain, self._rounding.tube_mm(self._gap_mm(named, at), plain[-1])]
-
-    def _sharp_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
-        """Return its walls and, last, its floor."""
-        x, y, z = at
-        across, along = x - named.get("x", 0.0), y - named["y"]
+    def sharp_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
+        across, along = at[0] - named.get("x", 0.0), at[1] - named["y"]
         if self.face == "through":
             return self.walls_mm(named, across, along, 0.0)
-        floor = depth_mm(self.face, z, web_z_mm) - named["depth"]
+        floor = self.floor_mm(named, at, web_z_mm)
         if self.draft_deg:
             walls = self.walls_mm(named, across, along, -slope_of(self.draft_deg) * floor)
             steep = math.cos(math.radians(self.draft_deg))
@@ -138,23 +130,13 @@ class FittedPocket(FittedFeature):
         return [*self.walls_mm(named, across, along, 0.0), floor]
 
     @override
-    def seams_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
-        if not self.floor_radius_mm:
-            return []
-        floor = depth_mm(self.face, at[2], web_z_mm) - named["depth"]
-        return self._rounding.seams_mm(self._gap_mm(named, at), floor)
+    def floor_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> Array:
+        return np.asarray(depth_mm(self.face, at[2], web_z_mm) - named["depth"])
 
     @override
-    def outside_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> Array:
-        if not self.floor_radius_mm:
-            return super().outside_mm(named, ends, at, web_z_mm)
-        plain = self._sharp_mm(named, at, web_z_mm)
-        return self._rounding.outside_mm(plain, self._gap_mm(named, at), plain[-1])
-
-    def _gap_mm(self, named: Named, at: Axes) -> Array:
-        """Distance in their section from where the walls would meet the floor, negative in the pocket."""
-        (gap,) = self.walls_mm(named, at[0] - named.get("x", 0.0), at[1] - named["y"], 0.0)
-        return gap
+    def growth_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> Array:
+        (growth,) = self.walls_mm(named, at[0] - named.get("x", 0.0), at[1] - named["y"], 0.0)
+        return growth
 
     def rules(self, named: Named, around: Surroundings) -> Iterator[Rule]:
         """Walls toward bores and the outline, between twins, and journals out of the tool's way."""

@@ -26,6 +26,7 @@ from cranktopo.throw.fitted import (
     Surroundings,
     wall_rule,
 )
+from cranktopo.throw.fitted_floor import FittedFloor
 from cranktopo.throw.floor_rounding import FloorRounding
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.side_pocket import SidePocket
@@ -42,7 +43,7 @@ _RADII = "corner_radius_mm", "floor_radius_mm"
 
 
 @dataclass(frozen=True)
-class FittedSlot(FittedToSections):
+class FittedSlot(FittedFloor, FittedToSections):
     """A side pocket of the re-model; `through` makes it a groove through both ends, which has no corners.
 
     The radii of the corners and of the edge of the floor are the workshop's, not free.
@@ -83,29 +84,7 @@ class FittedSlot(FittedToSections):
         return [ranges[name] for name in self.names]
 
     @override
-    def faces_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
-        plain = self._sharp_mm(named, at, web_z_mm)
-        if not self.floor_radius_mm:
-            return plain
-        growth = self._growth_mm(named, at, web_z_mm)
-        return [*plain, self._rounding(named).tube_mm(growth, plain[0])]
-
-    @override
-    def seams_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
-        if not self.floor_radius_mm:
-            return []
-        growth = self._growth_mm(named, at, web_z_mm)
-        return self._rounding(named).seams_mm(growth, named["floor"] - at[0])
-
-    @override
-    def outside_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> Array:
-        if not self.floor_radius_mm:
-            return super().outside_mm(named, ends, at, web_z_mm)
-        plain, growth = self._sharp_mm(named, at, web_z_mm), self._growth_mm(named, at, web_z_mm)
-        return self._rounding(named).outside_mm(plain, growth, plain[0])
-
-    def _sharp_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
-        """Return its floor and its walls."""
+    def sharp_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
         angle, deep = np.deg2rad(named["draft"]), at[0] - named["floor"]
         opening = deep * np.tan(angle)
         walls = [wall - opening for wall in self._walls_mm(named, at, web_z_mm)]
@@ -123,17 +102,22 @@ class FittedSlot(FittedToSections):
             else [above, beyond]
         )
 
-    def _growth_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> Array:
-        """Return the distance from the one wall of a pocket whose floor has a round edge."""
+    @override
+    def floor_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> Array:
+        return named["floor"] - at[0]
+
+    @override
+    def growth_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> Array:
         (growth,) = self._walls_mm(named, at, web_z_mm)
         return growth
 
-    def _rounding(self, named: Named) -> FloorRounding:
-        return FloorRounding(self.floor_radius_mm, float(np.tan(np.deg2rad(named["draft"]))))
+    @override
+    def slope(self, named: Named) -> float:
+        return float(np.tan(np.deg2rad(named["draft"])))
 
     def shallowest_mm(self, draft_deg: float) -> float:
         """Return the least depth, which holds the round edge of the floor."""
-        return max(_LEAST_DEPTH_MM, self._rounding({"draft": draft_deg}).top_mm + CLEAR_MM)
+        return max(_LEAST_DEPTH_MM, self.rounding({"draft": draft_deg}).top_mm + CLEAR_MM)
 
     @override
     def manufactured(self, limits: ManufacturingLimits) -> Self | None:
@@ -156,7 +140,7 @@ class FittedSlot(FittedToSections):
         deep, offset, wall = around.widest_mm - named["floor"], named["offset"], around.wall_mm
         tall = named["height"] / 2 + slope * deep
         least, own = around.limits.min_wall_mm, f"between the {self.title} and"
-        rounding, shallowest = self._rounding(named), self.shallowest_mm(named["draft"])
+        rounding, shallowest = self.rounding(named), self.shallowest_mm(named["draft"])
         yield f"least depth of the {self.title}, {shallowest:.3g} mm", shallowest - deep
         flange = tall + np.abs(offset) + wall - scene.web.thickness_mm / 2
         yield wall_rule(f"beside the {self.title}", least), flange

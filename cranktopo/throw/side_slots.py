@@ -11,6 +11,7 @@ from typing_extensions import override
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.spans import Span
+from cranktopo.throw.element_size import tube_term
 from cranktopo.throw.feature import Body
 from cranktopo.throw.floor_rounding import FloorRounding
 from cranktopo.throw.primitives import Box, Frustum, Solid
@@ -18,8 +19,6 @@ from cranktopo.throw.tapered_hole import rounded_gap_mm
 
 BEYOND_MM = 1.0
 """Reach of the tool of a sloped slot beyond the outline, and of a groove beyond both of its ends."""
-_GROWTH = 0.5
-"""Growth of the element size per mm of distance."""
 _CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 
 
@@ -124,7 +123,7 @@ class SideSlots(Body):
             over = f"({outside}+Min(Max({one},{other}),0)-{self.corner_mm!r})"
         out = f"({over}+{self._rounding.foot_mm!r})"
         up = f"(Fabs(x)-{self.floor_mm + self.floor_radius_mm!r})"
-        return f"{finest_mm!r}+{_GROWTH!r}*Fabs(Sqrt({out}^2+{up}^2)-{self.floor_radius_mm!r})"
+        return tube_term(finest_mm, out, up, self.floor_radius_mm)
 
     @override
     def solids(self) -> tuple[Solid, ...]:

@@ -25,6 +25,7 @@ from cranktopo.numerics.gmsh_session import cad_session, tetrahedra
 from cranktopo.numerics.tetrahedra.mesh import TetMesh, reasons_of, straighten_folded
 from cranktopo.throw.drilling.bore import size_mm, size_terms
 from cranktopo.throw.drilling.table import drill_bores
+from cranktopo.throw.element_size import GROWTH, tube_term
 from cranktopo.throw.journal import FilletSection
 from cranktopo.throw.side_slots import SideSlots
 from cranktopo.throw.web import web_bodies
@@ -42,8 +43,6 @@ _LIGHT = ("", "Relocate3D")
 FITTED_FRACTION = 0.2
 """Element size on a fillet over its radius up to which stresses are those of fitted polynomials: they smooth
 the scatter of irregular elements, and follow a fillet that is not much longer than their two rings."""
-_GROWTH = 0.5
-"""Growth of the element size per mm of distance from a refined ring."""
 _FINEST = 1 / 12
 """Element size at a sharp re-entrant ring over the general one."""
 _FLOOR_FRACTION = 1 / 3
@@ -273,8 +272,8 @@ def _half_rings(scene: Scene) -> list[tuple[float, float, float, FilletSection]]
 
 
 def _ring_size(finest: float, y: float, radius: float, z: float, fillet: FilletSection) -> str:
-    across, height = f"Sqrt(x*x+(y-({y!r}))*(y-({y!r})))-{radius!r}", f"{fillet.flattening!r}*(z-({z!r}))"
-    return f"{finest!r}+{_GROWTH!r}*Fabs(Sqrt(({across})^2+({height})^2)-{fillet.radial_mm!r})"
+    across = f"(Sqrt(x*x+(y-({y!r}))*(y-({y!r})))-{radius!r})"
+    return tube_term(finest, across, f"({fillet.flattening!r}*(z-({z!r})))", fillet.radial_mm)
 
 
 def ring_size_mm(scene: Scene, size: float, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -285,7 +284,7 @@ def ring_size_mm(scene: Scene, size: float, points_mm: NDArray[np.float64]) -> N
         result = np.minimum(result, size_mm(bore, size, points_mm))
     for axis_y, radius, centre_z, fillet in _rings(scene, full=False):
         away = np.abs(fillet.off_mm(np.hypot(x, y - axis_y) - radius, z - centre_z))
-        result = np.minimum(result, _finest(scene, size, fillet) + _GROWTH * away)
+        result = np.minimum(result, _finest(scene, size, fillet) + GROWTH * away)
     return result
 
 

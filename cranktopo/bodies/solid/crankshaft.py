@@ -35,11 +35,15 @@ def _crossing_tools(occ: Any, scene: Scene) -> DimTags:
     """Return the drillings that go on in a neighbour of their throw, each in its place along the crank."""
     tools: DimTags = []
     for one in crank_crossings(scene):
-        bore = add_all(occ, [one.bore])
-        occ.rotate(bore, 0, 0, 0, 0, 0, 1, math.radians(about_z_deg(one.angle_deg)))
-        occ.translate(bore, 0, 0, one.z_mm)
-        tools += bore
+        tools += _in_place(occ, add_all(occ, [one.bore]), one.angle_deg, one.z_mm)
     return tools
+
+
+def _in_place(occ: Any, body: DimTags, angle_deg: float, z_mm: float) -> DimTags:
+    """Turn a body of a throw by the angle of that, and move it along the crank."""
+    occ.rotate(body, 0, 0, 0, 0, 0, 1, math.radians(about_z_deg(angle_deg)))
+    occ.translate(body, 0, 0, z_mm)
+    return body
 
 
 def placed_throws(occ: Any, scene: Scene, add: Callable[[Any, Scene], DimTags]) -> list[DimTags]:
@@ -50,10 +54,7 @@ def placed_throws(occ: Any, scene: Scene, add: Callable[[Any, Scene], DimTags]) 
     for throw, angle, z in places:
         if throw.name not in by_name:
             by_name[throw.name] = add(occ, throw)
-        copy = occ.copy(by_name[throw.name])
-        occ.rotate(copy, 0, 0, 0, 0, 0, 1, math.radians(about_z_deg(angle)))
-        occ.translate(copy, 0, 0, z)
-        bodies.append(copy)
+        bodies.append(_in_place(occ, occ.copy(by_name[throw.name]), angle, z))
     for throw_body in by_name.values():
         occ.remove(throw_body, recursive=True)
     return bodies

@@ -13,6 +13,7 @@ from typing_extensions import override
 from cranktopo.base.arrays import Array
 from cranktopo.base.spans import Section, Span
 from cranktopo.throw.drilling.outlet import DrillOutlet, across
+from cranktopo.throw.element_size import GROWTH
 from cranktopo.throw.feature import Body
 from cranktopo.throw.primitives import Cylinder, Point, RoundedOutlet, Solid
 
@@ -184,8 +185,6 @@ def _point(place: Array) -> Point:
     return cast(Point, tuple(place.tolist()))
 
 
-_GROWTH = 0.5
-"""Growth of the element size per mm of distance."""
 _ALONG, _OUTLET = 1.0, 0.5
 """Element size along a drilling and at its outlets over its radius."""
 
@@ -205,12 +204,12 @@ def size_mm(bore: DrillBore, size: float, points_mm: Array) -> Array:
     """Return the largest element size at points (n, 3) of the half throw, mm, for stiffness."""
     start, direction = np.array(bore.outlets[0].point_mm), bore.direction
     away = np.linalg.norm(np.cross(points_mm - start, direction), axis=1)
-    result = min(size, _ALONG * bore.radius_mm) + _GROWTH * away
+    result = min(size, _ALONG * bore.radius_mm) + GROWTH * away
     for outlet in bore.outlets:
         away = np.linalg.norm(points_mm - np.array(outlet.point_mm), axis=1) - (
             bore.radius_mm + outlet.rounding_mm
         )
-        beside = min(size, _OUTLET * bore.radius_mm) + _GROWTH * np.maximum(away, 0.0)
+        beside = min(size, _OUTLET * bore.radius_mm) + GROWTH * np.maximum(away, 0.0)
         result = np.minimum(result, beside)
     return np.asarray(result)
 
@@ -219,7 +218,7 @@ def _along(bore: DrillBore, size: float, height: str) -> str:
     (px, py, pz), (dx, dy, dz) = bore.outlets[0].point_mm, bore.direction.tolist()
     x, y, z = f"(x-({px!r}))", f"(y-({py!r}))", f"({height}-({pz!r}))"
     cross = f"({y}*({dz!r})-{z}*({dy!r}))^2+({z}*({dx!r})-{x}*({dz!r}))^2+({x}*({dy!r})-{y}*({dx!r}))^2"
-    return f"{min(size, _ALONG * bore.radius_mm)!r}+{_GROWTH!r}*Sqrt({cross})"
+    return f"{min(size, _ALONG * bore.radius_mm)!r}+{GROWTH!r}*Sqrt({cross})"
 
 
 def _at(outlet: DrillOutlet, bore: DrillBore, size: float, fraction: float | None, z: str) -> str:
@@ -227,4 +226,4 @@ def _at(outlet: DrillOutlet, bore: DrillBore, size: float, fraction: float | Non
     notch = outlet.rounding_mm or bore.radius_mm
     finest = min(size, _OUTLET * bore.radius_mm if fraction is None else fraction * notch)
     distance = f"Sqrt((x-({px!r}))^2+(y-({py!r}))^2+({z}-({pz!r}))^2)"
-    return f"{finest!r}+{_GROWTH!r}*Max(0,{distance}-{bore.radius_mm + outlet.rounding_mm!r})"
+    return f"{finest!r}+{GROWTH!r}*Max(0,{distance}-{bore.radius_mm + outlet.rounding_mm!r})"
