@@ -152,6 +152,11 @@ class Gas(SceneTable):
         return self.indicator_csv is not None or any(at.file is not None for at in self.map)
 
     @property
+    def modelled(self) -> bool:
+        """True if the combustion model gives a pressure, at one speed at least."""
+        return not self.measured or any(at.file is None for at in self.map)
+
+    @property
     def intake_MPa(self) -> float:
         """Cylinder pressure during intake (two-stroke: scavenging), MPa; ambient when not given."""
         return self.intake_pressure_MPa or self.ambient_pressure_MPa

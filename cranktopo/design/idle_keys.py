@@ -84,7 +84,7 @@ def _of_engine(scene: Scene) -> Iterator[_Idle]:
     engine = scene.engine
     if engine is None:
         return
-    if engine.gas is not None and engine.gas.measured and all(at.file for at in engine.gas.map):
+    if engine.gas is not None and not engine.gas.modelled:
         for key in _OF_COMBUSTION:
             yield "engine.gas", key, "belongs to the combustion model, and the pressure is measured"
     if scene.rod is not None:

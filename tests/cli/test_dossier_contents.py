@@ -10,6 +10,7 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.base.errors import ExitCode
+from cranktopo.design.engine import Gas
 from cranktopo.design.loading import design_text, designs_folder, load_scene, parse_scene
 from cranktopo.tasks.fatigue.dossier_sections import engine_section
 from cranktopo.tasks.vibration.stage import shaft_vibration
@@ -94,6 +95,27 @@ def test_every_value_of_the_gas_is_told_with_its_source_and_the_rated_power() ->
     }
     told = sum(value.endswith(("(given)", "(assumed)", "(assumed, ambient)")) for value in rows.values())
     assert told == len(counted), "every key of [engine.gas] that counts"
+
+
+@pytest.mark.parametrize(
+    ("keys", "charge"), [({}, "unknown"), ({"intake_pressure_MPa": 0.3}, "0.3 MPa (given)")]
+)
+def test_beside_a_measured_pressure_nothing_of_the_combustion_is_assumed(
+    tmp_path: Path, keys: dict[str, float], charge: str
+) -> None:
+    """A given charge was left out, and a compression ratio of 9 was told as assumed."""
+    trace = tmp_path / "trace.csv"
+    lines = (f"{deg},{1 + 79 * math.exp(-(((deg - 10) / 30) ** 2)):.4f}" for deg in range(-360, 360))
+    trace.write_text("\n".join(["crank_angle_deg,pressure_bar", *lines]))
+    scene = load_scene("mikron-iiic-plain")
+    assert scene.engine is not None
+    gas = Gas(indicator_csv=str(trace), **keys)
+    measured = scene.model_copy(update={"engine": scene.engine.model_copy(update={"gas": gas})})
+    rows = {str(one["what"]): str(one["value"]) for one in engine_section(measured, None).tables[0][1].rows}
+    assert rows["charge-air pressure (intake, absolute)"] == charge
+    assert rows["compression ratio"] == "unknown"
+    assert rows["pressure below the piston (absolute)"] == "0.101325 MPa (assumed)"
+    assert "burn duration" not in rows
 
 
 def test_masses_of_both_webs_where_they_differ() -> None:

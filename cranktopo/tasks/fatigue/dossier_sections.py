@@ -34,8 +34,8 @@ _GAS = {
     "exhaust_opening_deg": "crank angle at which the exhaust opens, after firing top dead centre",
 }
 """Keys of the combustion model in words."""
-_OF_MODEL = set(_GAS) - {"ambient_pressure_MPa", "compression_ratio"}
-"""Those that have no part in a measured pressure."""
+_BESIDE_TRACE = ("intake_pressure_MPa", "compression_ratio")
+"""Those that are asked for beside a measured pressure, too, which does not assume them."""
 _DAMPING_KEYS = {"loss_factor", "damping_Nms_per_rad"}
 """Keys of the parts of the shaft line that stand in the table of damping."""
 
@@ -87,12 +87,20 @@ def _performance_rows(scene: Scene, engine: Engine, cycle: Cycle | None) -> _Row
 
 
 def _gas_rows(gas: Gas | None, cycle: Cycle | None) -> _Rows:
-    """Return every value of `[engine.gas]` that counts, given or assumed, and the source of the pressure."""
+    """Return every value of `[engine.gas]` that counts, given or assumed, and the source of the pressure.
+
+    Beside a measured pressure, or none, what is not given of the engine is unknown.
+    """
     source = ("cylinder pressure over crank angle", cycle.pressure.source if cycle else _UNKNOWN)
-    if gas is None:
-        return [source]
-    used = {name: words for name, words in _GAS.items() if not (gas.measured and name in _OF_MODEL)}
-    return [*((words, _given_or_assumed(gas, name)) for name, words in used.items()), source]
+    if gas is not None and gas.modelled:
+        return [*((words, _given_or_assumed(gas, name)) for name, words in _GAS.items()), source]
+    given = {} if gas is None else gas.model_dump(include=gas.model_fields_set, exclude_none=True)
+    rows = [
+        (_GAS[name], f"{with_unit(name, given[name])} (given)" if name in given else _UNKNOWN)
+        for name in _BESIDE_TRACE
+    ]
+    ambient = "ambient_pressure_MPa"
+    return [*([] if gas is None else [(_GAS[ambient], _given_or_assumed(gas, ambient))]), *rows, source]
 
 
 def _given_or_assumed(gas: Gas, name: str) -> str:
