@@ -189,32 +189,30 @@ AIM_CASES: dict[tuple[str, str], Table] = {
         },
         dear=True,
     ),
-    ("published", ""): Table(
-        lambda: builtin("opposed-piston"),
-        "published",
-        "",
-        dict.fromkeys(
-            ("mass_kg", "torsional_stiffness_kNm_per_rad", "bending_stiffness_kN_per_mm", "source"), PRINTED
-        ),
-    ),
-    ("published.fatigue", ""): Table(
-        lambda: builtin("opposed-piston"),
-        "published.fatigue[0]",
-        "",
-        dict.fromkeys(("method", "printed_method", "safety"), PRINTED_BOTH),
-    ),
-    ("published.variant", ""): Table(
-        lambda: builtin("opposed-piston"),
-        "published.variant[0]",
-        "",
-        dict.fromkeys(
-            ("mass_kg", "torsional_stiffness_kNm_per_rad", "bending_stiffness_kN_per_mm", "name"), PRINTED
-        ),
-    ),
-    ("published.variant.fatigue", ""): Table(
-        lambda: builtin("opposed-piston"),
-        "published.variant[0].fatigue[0]",
-        "",
-        dict.fromkeys(("method", "printed_method", "safety"), PRINTED_BOTH),
-    ),
+    **{
+        (table, ""): Table(
+            lambda: builtin("opposed-piston"),
+            path,
+            "",
+            dict.fromkeys(
+                ("mass_kg", "torsional_stiffness_kNm_per_rad", "bending_stiffness_kN_per_mm", named), PRINTED
+            ),
+        )
+        for table, path, named in (
+            ("published", "published", "source"),
+            ("published.variant", "published.variant[0]", "name"),
+        )
+    },
+    **{
+        (table, ""): Table(
+            lambda: builtin("opposed-piston"),
+            path,
+            "",
+            dict.fromkeys(("method", "printed_method", "safety"), PRINTED_BOTH),
+        )
+        for table, path in (
+            ("published.fatigue", "published.fatigue[0]"),
+            ("published.variant.fatigue", "published.variant[0].fatigue[0]"),
+        )
+    },
 }

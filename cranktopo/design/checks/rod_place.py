@@ -52,8 +52,9 @@ def _check_width(scene: Scene, rod: Rod, throw: Scene) -> None:
     if rod.big_end_width_mm > room + _ROUNDING_MM:
         rods = scene.engine.rods_per_pin if scene.engine else 1
         share = f", over the {rods} rods on it" if rods > 1 else ""
-        told = f"must be at most {room:.4g} mm, the crankpin's length between its fillets{share}"
-        allowed = told if room > 0 else f"the fillets leave the crankpin no length for it{share}"
+        allowed = f"must be at most {room:.4g} mm, the crankpin's length between its fillets{share}"
+        if room <= 0:
+            allowed = f"the fillets leave the crankpin no length for it{share}"
         raise scene.invalid("rod.big_end_width_mm", allowed, "Make it narrower, or the crankpin longer.")
 
 

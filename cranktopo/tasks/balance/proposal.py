@@ -174,10 +174,10 @@ def _barred(scene: Scene) -> CranktopoError | None:
     refusal: CranktopoError | None = None
     for angle_deg in (_HALF_ANGLE_DEG, last, first):
         for radius_mm in np.geomspace(least, most, _PROBES + 2)[1:-1].tolist():
-            told = _error(_weighted(scene, radius_mm, angle_deg))
-            if told is None:
+            error = _error(_weighted(scene, radius_mm, angle_deg))
+            if error is None:
                 return None
-            refusal = refusal or told
+            refusal = refusal or error
     return refusal
 
 

@@ -51,21 +51,24 @@ def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
         return Fact(label, "none", f"the rule judges none of {unrated}", "bad")
     row, level = comparison.leading(quantity), comparison.level(quantity)
     rows = sorted((row, *level))
-    failing = [f"{name} {why}" for name, why in _failing(comparison, rows, quantity).items()]
-    judged_by = _judged_by(comparison) if quantity is SAFETY else ()
+    failing = _failing(comparison, rows, quantity)
     if level:
-        said = "; ".join(
-            f"{comparison.entries[one].name} {_value_told(comparison, one, quantity)}" for one in rows
-        )
-        note, name = f"{said}; they differ by less than the error estimate", "no clear best"
+        name = "no clear best"
+        notes = [
+            *(f"{comparison.entries[one].name} {_value_words(comparison, one, quantity)}" for one in rows),
+            "they differ by less than the error estimate",
+            *(f"{target} {why}" for target, why in failing.items()),
+        ]
     else:
-        note, name = _value_told(comparison, row, quantity), comparison.entries[row].name
-        failing = [why.removeprefix(f"{name} ") for why in failing]
+        name = comparison.entries[row].name
+        notes = [_value_words(comparison, row, quantity), *failing.values()]
+    if quantity is SAFETY and comparison.fatigue is not None:
+        notes.append(method_words(comparison.fatigue))
     status: FactStatus = "neutral" if comparison.baseline in rows else "good"
-    return Fact(label, name, "; ".join([note, *failing, *judged_by]), "bad" if failing else status)
+    return Fact(label, name, "; ".join(notes), "bad" if failing else status)
 
 
-def _value_told(comparison: Comparison, row: int, quantity: Quantity) -> str:
+def _value_words(comparison: Comparison, row: int, quantity: Quantity) -> str:
     """Return a value of an entry, and its change against the baseline's."""
     own = quantity_text(quantity, comparison.entries[row].values[quantity.key])
     if row == comparison.baseline:
@@ -79,12 +82,6 @@ def _failing(comparison: Comparison, rows: Sequence[int], quantity: Quantity) ->
         return {}
     names, failing = [comparison.entries[row].name for row in rows], comparison.fatigue.failing
     return {name: failing[name] for name in names if name in failing}
-
-
-def _judged_by(comparison: Comparison) -> tuple[str, ...]:
-    """Return the method and the load states that the safety is by."""
-    fatigue = comparison.fatigue
-    return () if fatigue is None else (method_words(fatigue),)
 
 
 def method_words(fatigue: FatigueComparison) -> str:

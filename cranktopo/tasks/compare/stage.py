@@ -301,7 +301,7 @@ def _no_bound(compared: ComparedTargets) -> str:
         if key := difference(target.scene):
             return f"the halves of {target.name} differ ({key})"
     effect = plan(base.scene)["bound"]
-    return f"{effect.reason or 'switched off'}" if effect.state == "off" else ""
+    return (effect.reason or "switched off") if effect.state == "off" else ""
 
 
 def report_comparison(

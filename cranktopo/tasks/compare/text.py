@@ -17,7 +17,7 @@ from cranktopo.tasks.compare.result import (
 )
 from cranktopo.tasks.fatigue import criteria
 from cranktopo.tasks.fatigue.result import FieldFatigue
-from cranktopo.tasks.fatigue.text import FatigueComparison, loads_by_target
+from cranktopo.tasks.fatigue.text import FatigueComparison, loads_by_target, web_safety_words
 from cranktopo.tasks.fea.quantities import (
     BENDING,
     COMPARED,
@@ -194,13 +194,12 @@ def safety_places(fatigue: FatigueComparison) -> list[str]:
 
 def _safety_of_webs(fatigue: FatigueComparison) -> list[str]:
     """Return the line with the least safety of either web of each target whose webs differ."""
-    told = [
-        f"{entry.target} "
-        + ", ".join(f"{web} web {safety:.{SAFETY.digits}f}" for web, safety in entry.web_safety.items())
+    targets = [
+        f"{entry.target} {web_safety_words(entry.web_safety)}"
         for entry in fatigue.result.fatigue
         if isinstance(entry, FieldFatigue) and entry.web_safety
     ]
-    return [f"Least safety by web: {'; '.join(told)}."] if told else []
+    return [f"Least safety by web: {'; '.join(targets)}."] if targets else []
 
 
 def star_lines(comparison: Comparison) -> list[str]:

@@ -30,6 +30,7 @@ from cranktopo.tasks.fatigue.spectrum import counts_lives, load_rainflow
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fatigue.taken_keys import assumed_by, note_unused
 from cranktopo.tasks.fatigue.target_safety import fatigue_fields
+from cranktopo.tasks.fatigue.text import web_safety_words
 from cranktopo.tasks.fatigue.vtu import write_fatigue_vtu
 from cranktopo.tasks.fea.stage import print_assumed
 from cranktopo.tasks.fea.targets import USED, Target, TargetLike, resolve_targets
@@ -205,8 +206,7 @@ def _note_fields(target: Target, fields: Sequence[FatigueField]) -> None:
     note_yielding(fields[0], target.scene.material.yield_MPa)
     for field in fields:
         if field.web_safety:
-            safeties = ", ".join(f"{web} web {safety:.3f}" for web, safety in field.web_safety.items())
-            note(f"{target.name}: least safety: {safeties}")
+            note(f"{target.name}: least safety: {web_safety_words(field.web_safety)}")
 
 
 def _by_rule(

@@ -86,6 +86,11 @@ class FatigueComparison:
         }
 
 
+def web_safety_words(web_safety: Mapping[str, float]) -> str:
+    """Return the least safety of either web of a throw whose webs differ."""
+    return ", ".join(f"{web} web {safety:.{SAFETY.digits}f}" for web, safety in web_safety.items())
+
+
 def loads_by_target(found: FatigueResult) -> dict[str, LoadsName]:
     """Return the load states that the safety of each target is over."""
     return {

@@ -10,15 +10,12 @@ import numpy as np
 import pytest
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.bodies.cells.domain import build_domain
-from cranktopo.bodies.solid.files import export_solid
-from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.throw.fitted_slot import FittedSlot
 from cranktopo.throw.side_pocket import SidePocket
-from tests.step_volume import step_volume_mm3
 from tests.unit.refit.remodel_cases import table
+from tests.unit.throw.pocket_volumes import check_volumes
 from tests.unit.throw.test_web_features import RECTANGLE, removed_mm3
 
 SIDE = {"shape": "side", "y_mm": 24.0, "length_mm": 20.0, "height_mm": 9.0, "depth_mm": 6.0, "offset_mm": 0.7}
@@ -65,13 +62,7 @@ def test_the_floor_of_a_side_pocket_leaves_what_pappus_says(mikron: Scene) -> No
     ids=["side", "side without draft", "side where the outline is round", "groove", "groove without draft"],
 )
 def test_solid_cells_and_sections_agree(mikron: Scene, pocket: dict[str, Any], tmp_path: Path) -> None:
-    """The CAD kernel, its STEP file, sections and cells to 1e-6."""
-    scene = scene_with_web(mikron, table(pocket=[pocket]))
-    volume = export_solid(scene, "web", tmp_path / "web.step")
-    assert volume == pytest.approx(web_volume_mm3(scene), rel=1e-6)
-    assert step_volume_mm3(tmp_path / "web.step") == pytest.approx(volume, rel=1e-6)
-    domain = build_domain(scene, 4.0, "web", extent="half")
-    assert float((domain.web * domain.volume_mm3).sum()) == pytest.approx(volume, rel=1e-6)
+    check_volumes(mikron, pocket, tmp_path)
 
 
 @pytest.mark.parametrize("draft_deg", [0.0, DRAFT_DEG])

@@ -10,15 +10,14 @@ import numpy as np
 import pytest
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.solid.files import export_solid
-from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder
 from cranktopo.throw.primitives import Circle, Polyline
 from tests.step_volume import step_volume_mm3
 from tests.unit.refit.remodel_cases import table
+from tests.unit.throw.pocket_volumes import check_volumes
 from tests.unit.throw.test_web_features import removed_mm3
 
 BOX = {"shape": "box", "face": "pin", "x_mm": 0.0, "y_mm": 17.0, "depth_mm": 8.0}
@@ -118,13 +117,7 @@ def test_sharp_corners_stay_sharp_and_a_round_pocket_is_a_cone(mikron: Scene) ->
     ],
 )
 def test_solid_cells_and_sections_agree(mikron: Scene, pocket: dict[str, Any], tmp_path: Path) -> None:
-    """The CAD kernel, its STEP file, sections and cells to 1e-6."""
-    scene = scene_with_web(mikron, table(pocket=[pocket]))
-    volume = export_solid(scene, "web", tmp_path / "web.step")
-    assert volume == pytest.approx(web_volume_mm3(scene), rel=1e-6)
-    assert step_volume_mm3(tmp_path / "web.step") == pytest.approx(volume, rel=1e-6)
-    domain = build_domain(scene, 4.0, "web", extent="half")
-    assert float((domain.web * domain.volume_mm3).sum()) == pytest.approx(volume, rel=1e-6)
+    check_volumes(mikron, pocket, tmp_path)
 
 
 def test_a_round_floor_leaves_what_a_torus_has(mikron: Scene) -> None:
