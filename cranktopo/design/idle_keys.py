@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from cranktopo.design.bolt import Bolt, BoltedJoint
+from cranktopo.design.bolt import BoltedJoint
+from cranktopo.design.checks.bolts import bolts_of
 from cranktopo.design.halves import difference
 from cranktopo.design.rod import Rod
 from cranktopo.design.schema import Scene
@@ -124,17 +125,6 @@ def _of_bolts(scene: Scene) -> Iterator[_Idle]:
     for number, weight in enumerate(scene.balancer.weight if scene.balancer else ()):
         if weight.bolt is None:
             yield f"balancer.weight[{number}]", "bolts", "without [balancer.weight.bolt] none is judged"
-
-
-def bolts_of(scene: Scene) -> Iterator[tuple[str, Bolt]]:
-    """Yield every bolt of a design with the path of its table."""
-    for number, joint in enumerate(scene.bolted_joint):
-        yield f"bolted_joint[{number}]", joint
-    if scene.rod is not None and scene.rod.bolt is not None:
-        yield "rod.bolt", scene.rod.bolt
-    for number, weight in enumerate(scene.balancer.weight if scene.balancer else ()):
-        if weight.bolt is not None:
-            yield f"balancer.weight[{number}].bolt", weight.bolt
 
 
 def _of_rod(rod: Rod) -> Iterator[_Idle]:

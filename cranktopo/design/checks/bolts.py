@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from cranktopo.base.errors import invalid
-from cranktopo.design.bolt import LOST_TURNS, BoltedJoint, least_member_mm
+from cranktopo.design.bolt import LOST_TURNS, Bolt, BoltedJoint, least_member_mm
 from cranktopo.design.halves import halves
-from cranktopo.design.idle_keys import bolts_of
 from cranktopo.design.schema import Scene
 
 
@@ -57,3 +58,14 @@ def _check_held(scene: Scene, path: str, joint: BoltedJoint) -> None:
             "names a counterweight of its own density (web.counterweight.density_kg_m3), and there is none"
         )
         raise scene.invalid(f"{path}.holds", allowed)
+
+
+def bolts_of(scene: Scene) -> Iterator[tuple[str, Bolt]]:
+    """Yield every bolt of a design with the path of its table."""
+    for number, joint in enumerate(scene.bolted_joint):
+        yield f"bolted_joint[{number}]", joint
+    if scene.rod is not None and scene.rod.bolt is not None:
+        yield "rod.bolt", scene.rod.bolt
+    for number, weight in enumerate(scene.balancer.weight if scene.balancer else ()):
+        if weight.bolt is not None:
+            yield f"balancer.weight[{number}].bolt", weight.bolt
