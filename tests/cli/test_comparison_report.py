@@ -24,7 +24,8 @@ from cranktopo.tasks.compare import stage as pages
 from cranktopo.tasks.compare.result import Entry, compare
 from cranktopo.tasks.fatigue import stage
 from cranktopo.tasks.fatigue.m53 import ConcentrationFactors, FilletCheck, Nominal, dimensions
-from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult, RuleQuality
+from cranktopo.tasks.fatigue.mesh_quality import RuleQuality
+from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness

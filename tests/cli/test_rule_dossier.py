@@ -19,7 +19,8 @@ from cranktopo.tasks.fatigue.m53 import (
     outside_validity,
 )
 from cranktopo.tasks.fatigue.m53_material import uncovered_material
-from cranktopo.tasks.fatigue.result import AlternatingLoads, Quality
+from cranktopo.tasks.fatigue.mesh_quality import Quality
+from cranktopo.tasks.fatigue.result import AlternatingLoads
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fea.targets import Target
 

@@ -21,7 +21,8 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import Supports
 from cranktopo.engine.performance import pressure_words
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
-from cranktopo.tasks.fatigue.result import CriticalPoint, JudgedQuality, Quality
+from cranktopo.tasks.fatigue.mesh_quality import JudgedQuality, Quality
+from cranktopo.tasks.fatigue.result import CriticalPoint
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.result import ShaftEvaluation
 from cranktopo.tasks.shaft.stage import shaft_tables

@@ -16,7 +16,7 @@ from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import redirected
 from cranktopo.design.loading import load_scene
-from cranktopo.tasks.compare.stage import with_picks
+from cranktopo.tasks.compare.picks import with_picks
 from cranktopo.tasks.sweep.result import SweepResult
 from cranktopo.tasks.sweep.run import SweptRun
 from tests import sweep_cases

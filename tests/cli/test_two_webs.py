@@ -20,7 +20,7 @@ from cranktopo.tasks.accuracy.study import planned_studies, run_studies
 from cranktopo.tasks.compare import stage as compare
 from cranktopo.tasks.fatigue import rule_check
 from cranktopo.tasks.fatigue.m53 import concentration_factors, dimensions
-from cranktopo.tasks.fatigue.result import Quality
+from cranktopo.tasks.fatigue.mesh_quality import Quality
 from cranktopo.tasks.fea.studies import EVALUATION, FILLET_STRESS
 from cranktopo.tasks.fea.targets import Target, resolve_targets
 from cranktopo.tasks.sweep.fineness import Fineness

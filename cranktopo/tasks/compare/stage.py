@@ -16,7 +16,6 @@ from cranktopo.bodies.undercuts import half_throw_undercuts
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
 from cranktopo.design.goal.scene_goal import asks_for, goal_of
 from cranktopo.design.halves import difference, halves
-from cranktopo.design.loading import builtin_designs
 from cranktopo.design.pitch import SAME_PITCH_MM
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse
@@ -30,13 +29,12 @@ from cranktopo.engine.states import load_cases
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, shell_volumes_mm3
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
-from cranktopo.runs.directories import RunStore, open_run, runs_named
-from cranktopo.runs.kind import SWEEP, kind_of, read_result, reading_results, resume_command
 from cranktopo.runs.manifest import file_hash, settings_hash, timestamp, versions
 from cranktopo.tasks.bound.result import AnyBound
 from cranktopo.tasks.bound.stage import bounds_for_result
 from cranktopo.tasks.compare.judged import judge
 from cranktopo.tasks.compare.page import ComparisonRecord, comparison_page
+from cranktopo.tasks.compare.picks import with_picks
 from cranktopo.tasks.compare.result import Comparison, Entry, Fillets, check_same_supports, compare
 from cranktopo.tasks.compare.text import fillet_lines
 from cranktopo.tasks.extraction.text import DesignUndercuts
@@ -50,53 +48,7 @@ from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_targets
 from cranktopo.tasks.fea.unit_fields import case_stress
 from cranktopo.tasks.importing.imported_body import half_surfaces
 from cranktopo.tasks.shaft.stage import with_throw_stiffness
-from cranktopo.tasks.sweep.result import SweepResult
-from cranktopo.tasks.sweep.text import condition_words
 from cranktopo.tasks.vibration.stage import first_frequency_Hz
-
-
-def with_picks(targets: Sequence[TargetLike]) -> list[TargetLike]:
-    """Return the targets, every sweep replaced by the webs of its picks, each once.
-
-    Raises:
-        CranktopoError: a sweep that is not finished, or has no webs to compare.
-    """
-    found: list[TargetLike] = []
-    for target in targets:
-        run = _sweep(str(target)) if isinstance(target, str | Path) else None
-        for one in _picked(run) if run else [target]:
-            found += [] if one in found else [one]
-    return found
-
-
-def _sweep(text: str) -> RunStore | None:
-    path = Path(text)
-    named = not path.exists() and text not in builtin_designs() and bool(runs_named(text))
-    if not named and not (path / "manifest.json").is_file():
-        return None
-    run = open_run(text)
-    return run if kind_of(run) == SWEEP else None
-
-
-def _picked(run: RunStore) -> list[str]:
-    data = read_result(run)
-    if data is None:
-        raise CranktopoError(
-            f"run '{run.path}': is not finished.", hint=f"Continue it: {resume_command(run)}"
-        )
-    with reading_results(run):
-        result = SweepResult.of_json(data, f"run '{run.path}'")
-        points = {point.id: point for point in result.points}
-        picked = [points[one] for one in result.picks.values()]
-        found = [str(run.path / p.run / target) for p in picked if (target := p.number("target"))]
-    if not found and result.operating_conditions:
-        raise CranktopoError(f"run '{run.path}': picks nothing.", hint=f"{condition_words(result)}.")
-    if not found:
-        raise CranktopoError(
-            f"run '{run.path}': its points have no webs to compare.",
-            hint="Sweep with a stage in place of a function; see its table for what failed.",
-        )
-    return found
 
 
 @dataclass(frozen=True)

@@ -13,12 +13,12 @@ from cranktopo.tasks.fatigue.criteria import strengths_of
 from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, FilletCheck
 from cranktopo.tasks.fatigue.m53_outlet import OutletCheck
+from cranktopo.tasks.fatigue.mesh_quality import JudgedQuality
 from cranktopo.tasks.fatigue.needs import safety_left_off
 from cranktopo.tasks.fatigue.result import (
     FatigueResult,
     FieldFatigue,
     FilletAcceptance,
-    JudgedQuality,
     OutletAcceptance,
     OutletElementsAcceptance,
     RuleFactors,

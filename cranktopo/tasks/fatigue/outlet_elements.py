@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.tetrahedra.stress import principal_stresses, von_mises
 from cranktopo.tasks.fatigue.fillets import at_outlet
-from cranktopo.tasks.fatigue.result import MeshChecks
+from cranktopo.tasks.fatigue.mesh_quality import MeshChecks
 from cranktopo.tasks.fatigue.stress_model import NEAR_PEAK, StressModel, normal_stress
 from cranktopo.tasks.fea.unit_fields import FieldKind
 from cranktopo.throw.drilling.bore import DrillBore

@@ -41,9 +41,10 @@ from cranktopo.tasks.fatigue.m53_outlet import (
     pin_outlets,
     unchecked_journal_outlets,
 )
+from cranktopo.tasks.fatigue.mesh_quality import RuleQuality
 from cranktopo.tasks.fatigue.needs import check_method, load_kinds
 from cranktopo.tasks.fatigue.outlet_elements import off_plane
-from cranktopo.tasks.fatigue.result import AlternatingLoads, RuleQuality
+from cranktopo.tasks.fatigue.result import AlternatingLoads
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, solve_stresses
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind

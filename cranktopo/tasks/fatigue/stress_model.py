@@ -39,7 +39,7 @@ from cranktopo.tasks.fatigue.fillets import (
     outlet_nodes,
     rounded_outlet_nodes,
 )
-from cranktopo.tasks.fatigue.result import EDGE_LIMIT, Quality
+from cranktopo.tasks.fatigue.mesh_quality import EDGE_LIMIT, Quality
 from cranktopo.tasks.fea.evaluation import meshed_throw_kg
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind, UnitField, unit_fields

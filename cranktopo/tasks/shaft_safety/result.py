@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
-from cranktopo.tasks.fatigue.result import CriticalPoint, JudgedQuality
+from cranktopo.tasks.fatigue.mesh_quality import JudgedQuality
+from cranktopo.tasks.fatigue.result import CriticalPoint
 from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftEvaluation
 
 

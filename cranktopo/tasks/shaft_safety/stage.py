@@ -27,9 +27,9 @@ from cranktopo.runs.destination import check_file
 from cranktopo.runs.manifest import timestamp
 from cranktopo.tasks.fatigue.criteria import criterion
 from cranktopo.tasks.fatigue.least import PARTS, Part, least_safeties
+from cranktopo.tasks.fatigue.mesh_quality import JudgedQuality
 from cranktopo.tasks.fatigue.needs import check_method
 from cranktopo.tasks.fatigue.remarks import mesh_shortfall, note_quality, note_yielding
-from cranktopo.tasks.fatigue.result import JudgedQuality
 from cranktopo.tasks.fatigue.safety_field import FatigueField, field_of_states
 from cranktopo.tasks.fatigue.shaft_stress import (
     ShaftStress,

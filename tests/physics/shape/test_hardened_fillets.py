@@ -15,8 +15,8 @@ from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface, surface_stress
 from cranktopo.tasks.fatigue.fillets import fillet_nodes
+from cranktopo.tasks.fatigue.mesh_quality import Quality
 from cranktopo.tasks.fatigue.needs import load_kinds
-from cranktopo.tasks.fatigue.result import Quality
 from cranktopo.tasks.fatigue.safety_field import FatigueField, safety_field
 from cranktopo.tasks.fatigue.stress_model import StressModel, images_of
 from cranktopo.tasks.fatigue.text import field_remarks

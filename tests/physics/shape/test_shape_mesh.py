@@ -19,8 +19,8 @@ from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface, surface_stress
 from cranktopo.tasks.fatigue.fillets import fillet_nodes
 from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa
+from cranktopo.tasks.fatigue.mesh_quality import Quality
 from cranktopo.tasks.fatigue.needs import load_kinds
-from cranktopo.tasks.fatigue.result import Quality
 from cranktopo.tasks.fatigue.safety_field import safety_field
 from cranktopo.tasks.fatigue.stress_model import StressModel, images_of
 from cranktopo.tasks.fatigue.target_safety import least_field

@@ -19,7 +19,8 @@ from cranktopo.tasks.compare.printed import comparison_text
 from cranktopo.tasks.compare.result import Entry, compare
 from cranktopo.tasks.compare.stage import balanced_kg_mm, pitch_lines
 from cranktopo.tasks.compare.text import star_lines
-from cranktopo.tasks.fatigue.result import JudgedAs, MeshChecks
+from cranktopo.tasks.fatigue.mesh_quality import MeshChecks
+from cranktopo.tasks.fatigue.result import JudgedAs
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.text import FatigueComparison
 from cranktopo.tasks.fatigue.verdicts import verdicts

@@ -30,8 +30,9 @@ from cranktopo.tasks.fatigue.m53_outlet import (
     outlet_equivalent_MPa,
     unchecked_journal_outlets,
 )
+from cranktopo.tasks.fatigue.mesh_quality import MeshChecks, RuleQuality
 from cranktopo.tasks.fatigue.outlet_elements import OutletFactors
-from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult, MeshChecks, RuleQuality
+from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult
 from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
 from cranktopo.tasks.fatigue.rule_tables import acceptability_table, quality_table, size_table
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cranktopo.report.result_table import terminal
-from cranktopo.tasks.fatigue.result import Quality
+from cranktopo.tasks.fatigue.mesh_quality import Quality
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.text import field_table
 from cranktopo.tasks.fatigue.verdicts import verdicts

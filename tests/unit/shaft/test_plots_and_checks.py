@@ -11,7 +11,7 @@ import pytest
 from cranktopo import Target, load_scene
 from cranktopo.base.notes import redirected
 from cranktopo.tasks.fatigue import stress_model
-from cranktopo.tasks.fatigue.result import Quality
+from cranktopo.tasks.fatigue.mesh_quality import Quality
 from cranktopo.tasks.shaft.web_sections import WebSections
 from cranktopo.tasks.shaft_safety.plots import web_pictures
 from cranktopo.tasks.shaft_safety.stage import JudgedShaft
