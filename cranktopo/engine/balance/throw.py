@@ -20,8 +20,7 @@ from cranktopo.design.halves import difference, of_halves
 from cranktopo.design.schema import Optimise, Scene
 from cranktopo.throw.drilling.moments import drilled
 from cranktopo.throw.journal import Journal
-from cranktopo.throw.moments import Moments, body_moments
-from cranktopo.throw.web import web_bodies
+from cranktopo.throw.moments import Moments
 
 _AS_NEEDED = 2e-3
 """Share of its counterweights to which a throw is balanced: what a radius in 0.01 mm leaves."""
@@ -185,7 +184,7 @@ def _half_product(scene: Scene) -> complex:
     Main journals are about the axis and add nothing but what is drilled out of them.
     """
     plane_mm, density = scene.pitch_mm / 2, density_kg_per_mm3(scene.material.density_kg_m3)
-    web = (body_moments(web_bodies(scene), plane_mm) - drilled(scene, None, plane_mm)).times(density)
+    web = (web_moments(scene, plane_mm) - drilled(scene, None, plane_mm)).times(density)
     web = web + bolted_mass(scene, plane_mm)
     return complex(web.first_y + density * _crankpin_mm5(scene), web.first_x)
 
