@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from typing import Any, TypeVar
 
@@ -134,10 +135,10 @@ def mesh_throw(
     refuse_flying_web(scene)
     whole = full or bool(difference(scene))
 
-    def make(size: float, adapt: bool) -> MeshedThrow:
+    def make(size: float, adapt: bool, by_tools: bool = False) -> MeshedThrow:
         with cad_session(f"solid of {scene.name}") as gmsh:
             occ = gmsh.model.occ
-            solid = add_full_throw(occ, scene) if whole else add_half_throw(occ, scene)
+            solid = (add_full_throw if whole else add_half_throw)(occ, scene, by_tools=by_tools)
             body = solid_properties(occ, solid)
             mirrored = quarter and may_mirror(scene, web_asymmetry(scene))
             if mirrored:
@@ -149,7 +150,13 @@ def mesh_throw(
         web = web_volume_mm3(halves(scene)[0])
         return MeshedThrow(mesh, body, web, whole=whole, element_size_mm=size)
 
-    return by_smaller_elements(f"solid of {scene.name}", element_size_mm, make)
+    what = f"solid of {scene.name}"
+    try:
+        return by_smaller_elements(what, element_size_mm, make)
+    except CranktopoError:
+        if not scene.throw.drilling:
+            raise
+        return by_smaller_elements(what, element_size_mm, partial(make, by_tools=True))
 
 
 def mesh_body(

@@ -19,13 +19,14 @@ from cranktopo.base.reproducible import time_of_writing
 from cranktopo.bodies.raw_crankshaft import raw_crank_end
 from cranktopo.bodies.solid.checked import VOLUME_TOLERANCE, ClosedForm
 from cranktopo.bodies.solid.crankshaft import add_crankshaft, add_end
+from cranktopo.bodies.solid.drilled import drilled
 from cranktopo.bodies.solid.plugs import add_plugs, plug_names
 from cranktopo.bodies.solid.raw_crankshaft import add_raw_crankshaft, add_raw_end
 from cranktopo.bodies.solid.raw_part import add_raw_throw
 from cranktopo.bodies.solid.rod import add_rod
-from cranktopo.bodies.solid.shapes import DimTags, cut
+from cranktopo.bodies.solid.shapes import DimTags
 from cranktopo.bodies.solid.step import StepLabel, closed_surface, kernel_surface, label_step
-from cranktopo.bodies.solid.throw import add_drillings, add_full_throw, add_half_throw, add_web, built
+from cranktopo.bodies.solid.throw import add_full_throw, add_half_throw, add_web, built
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.checks.scene import check_solid
 from cranktopo.design.crank import Side
@@ -35,6 +36,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout, triangles
 from cranktopo.runs.destination import check_file
 from cranktopo.runs.manifest import versions
+from cranktopo.throw.drilling.table import drill_bores
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -217,7 +219,7 @@ def _web(occ: Any, half: Scene) -> DimTags:
 
 
 def _drilled_web(occ: Any, half: Scene) -> DimTags:
-    return cut(occ, add_web(occ, half), add_drillings(occ, half))
+    return drilled(occ, add_web(occ, half), drill_bores(half))
 
 
 def _remove_loose(occ: Any) -> int:

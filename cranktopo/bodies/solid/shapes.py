@@ -71,7 +71,7 @@ def _rounding(occ: Any, outlet: RoundedOutlet) -> DimTags:
     piece = _piece(occ, outlet)
     bored, _ = occ.cut(occ.copy(piece), add_solid(occ, outlet.hole))
     occ.synchronize()  # curves can be asked for their points only then
-    edges = _edges(bored, outlet)
+    edges = outlet_edges(bored, outlet)
     if not edges:
         raise solver_error(
             f"{outlet.key}: the CAD kernel finds no edge at the outlet on {outlet.on}.",
@@ -91,7 +91,8 @@ def _piece(occ: Any, outlet: RoundedOutlet) -> DimTags:
     return list(occ.intersect([journal], [around])[0])
 
 
-def _edges(body: DimTags, outlet: RoundedOutlet) -> list[int]:
+def outlet_edges(body: DimTags, outlet: RoundedOutlet) -> list[int]:
+    """Return the curves of a synchronized body in which an outlet's hole meets its cylinder."""
     import gmsh
 
     start, along = np.array(outlet.hole.start), np.array(outlet.outward)

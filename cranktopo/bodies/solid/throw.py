@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid.checked import ClosedForm, check_body, misfit
 from cranktopo.bodies.solid.culprit import culprit
+from cranktopo.bodies.solid.drilled import drilled
 from cranktopo.bodies.solid.shapes import DimTags, add_all, add_bodies, add_solid, cut
 from cranktopo.bodies.volume import half_throw_volume_mm3, outlet_roundings_mm3, throw_volume_mm3
 from cranktopo.design.checks.scene import check_solid
@@ -30,18 +32,21 @@ from cranktopo.throw.journal import Journal
 from cranktopo.throw.web import web_bodies
 
 
-def add_half_throw(occ: Any, scene: Scene) -> DimTags:
+def add_half_throw(occ: Any, scene: Scene, *, by_tools: bool = False) -> DimTags:
     """Return the half throw, z from the mid-main-journal plane to the mid-pin plane, as one checked body.
 
     A bore runs through its journal and the web and ends at the web's far face.
+
+    Args:
+        by_tools: as of `drilled`.
     """
     require_equal_halves(scene)
-    return _add_half(occ, scene)
+    return _add_half(occ, scene, by_tools)
 
 
-def _add_half(occ: Any, scene: Scene) -> DimTags:
+def _add_half(occ: Any, scene: Scene, by_tools: bool) -> DimTags:
     check_solid(scene)
-    return built(occ, scene, "half throw", _half, half_form)
+    return built(occ, scene, "half throw", partial(_half, by_tools=by_tools), half_form)
 
 
 def built(
@@ -78,24 +83,27 @@ def throw_form(scene: Scene) -> ClosedForm:
     return ClosedForm(throw_volume_mm3(scene), sum(of_halves(scene, outlet_roundings_mm3)))
 
 
-def _half(occ: Any, scene: Scene) -> DimTags:
+def _half(occ: Any, scene: Scene, by_tools: bool) -> DimTags:
     throw, (start, end) = scene.throw, scene.web_z_mm
-    tools = add_drillings(occ, scene)
     main = _add_journal(occ, scene, throw.main_journal, 0.0, (0.0, start), 1) if start else []
     pin = _add_journal(occ, scene, throw.crankpin, throw.radius_mm, (end, scene.pitch_mm / 2), -1)
     body, _ = occ.fuse(add_web(occ, scene), main + pin)
-    return list(cut(occ, body, tools))
+    return drilled(occ, list(body), drill_bores(scene), by_tools=by_tools)
 
 
-def add_full_throw(occ: Any, scene: Scene) -> DimTags:
+def add_full_throw(occ: Any, scene: Scene, *, by_tools: bool = False) -> DimTags:
     """Return the throw between its two mid-main-journal planes as one checked body.
 
     The second half is a half throw mirrored in x and turned half a revolution about the throw direction:
     gmsh's own mirror approximates every face by a spline and is 0.2 % off in volume. Drillings that reach
     into the other half, which has no mirror image of them, come last: two that end there leave a sliver.
+
+    Args:
+        by_tools: as of `drilled`.
     """
     first, second = halves(scene)
-    half, other = _add_half(occ, _without_late(first, scene)), _add_second(occ, scene, second)
+    half = _add_half(occ, _without_late(first, scene), by_tools)
+    other = _add_second(occ, scene, second, by_tools)
     tools, more = (_add_late(occ, own, scene) for own in (first, mirror_image(second)))
     occ.rotate([*other, *more], 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
     body, _ = occ.fuse(half, other)
@@ -113,10 +121,10 @@ def _without_crumbs(occ: Any, bodies: DimTags, form: ClosedForm) -> DimTags:
     return solids[:1]
 
 
-def _add_second(occ: Any, scene: Scene, second: Scene) -> DimTags:
+def _add_second(occ: Any, scene: Scene, second: Scene, by_tools: bool) -> DimTags:
     """Return the second half in its own frame; what is wrong with it has the keys of the whole scene."""
     try:
-        return _add_half(occ, mirror_image(_without_late(second, scene)))
+        return _add_half(occ, mirror_image(_without_late(second, scene)), by_tools)
     except CranktopoError as error:
         raise (of_second(error, scene) if difference(scene) else error) from None
 
@@ -146,11 +154,6 @@ def _late(bore: DrillBore, half: Scene, scene: Scene) -> bool:
 def add_web(occ: Any, scene: Scene) -> DimTags:
     """Add the web between its two faces, bores and features cut out; return (dimension, tag) pairs."""
     return add_bodies(occ, web_bodies(scene))
-
-
-def add_drillings(occ: Any, scene: Scene) -> DimTags:
-    """Add the tools that drill the half throw."""
-    return add_all(occ, drill_bores(scene))
 
 
 def _add_journal(

@@ -1,0 +1,79 @@
+"""Outlets that the kernel rounds on the body itself: the closed form's ring, and tools where it fails."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gmsh
+import pytest
+
+from cranktopo.base.errors import CranktopoError, solver_error
+from cranktopo.bodies.mesh import solid_mesh
+from cranktopo.bodies.solid import drilled as drilled_module
+from cranktopo.bodies.solid.checked import volume_mm3
+from cranktopo.bodies.solid.throw import add_half_throw
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.throw.drilling.moments import drilled
+from tests.physics.throw.test_drillings import LEANING, STRAIGHT, mikron
+
+
+def kernel_mm3(scene: Scene, **how: Any) -> float:
+    with cad_session("half") as session:
+        occ = session.model.occ
+        return volume_mm3(occ, add_half_throw(occ, scene, **how))
+
+
+def ring_mm3(drilling: dict[str, Any], rounding_mm: float, **how: Any) -> tuple[float, float]:
+    """What the roundings of a half throw take by the kernel, and by the closed form."""
+    scenes = [mikron({**drilling, "outlet_radius_mm": radius}) for radius in (0.0, rounding_mm)]
+    sharp, rounded = (kernel_mm3(scene, **how) for scene in scenes)
+    less, more = (drilled(scene).volume for scene in scenes)
+    return sharp - rounded, more - less
+
+
+@pytest.mark.parametrize("rounding_mm", [1.0, 2.0])
+@pytest.mark.parametrize("drilling", [STRAIGHT, LEANING], ids=["straight", "leaning"])
+def test_they_take_the_ring_of_a_rolled_ball(drilling: dict[str, Any], rounding_mm: float) -> None:
+    by_kernel, closed = ring_mm3(drilling, rounding_mm)
+    assert by_kernel == pytest.approx(closed, rel=0.06)
+
+
+def test_a_tool_takes_the_same_where_the_kernel_cannot_round(monkeypatch: pytest.MonkeyPatch) -> None:
+    on_body, _ = ring_mm3(STRAIGHT, 1.0)
+    original = gmsh.model.occ.fillet
+
+    def fails_on_bodies(*arguments: Any, **options: Any) -> Any:
+        if options:
+            raise Exception("Could not compute fillet")
+        return original(*arguments)
+
+    monkeypatch.setattr(gmsh.model.occ, "fillet", fails_on_bodies)
+    by_tool, closed = ring_mm3(STRAIGHT, 1.0)
+    assert by_tool == pytest.approx(closed, rel=0.06)
+    assert by_tool != on_body
+    monkeypatch.undo()
+    assert ring_mm3(STRAIGHT, 1.0, by_tools=True)[0] == pytest.approx(by_tool)
+
+
+def test_a_rounding_that_took_too_much_is_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(drilled_module, "_PLAUSIBLE", 1.0)  # nothing is then
+    by_tool, closed = ring_mm3(STRAIGHT, 1.0)
+    assert by_tool == pytest.approx(closed, rel=0.06)
+
+
+def test_a_body_that_cannot_be_cut_is_meshed_with_tools(monkeypatch: pytest.MonkeyPatch) -> None:
+    original, calls = solid_mesh.positive_x, []
+
+    def fails_first(*arguments: Any, **options: Any) -> Any:
+        calls.append(arguments)
+        if len(calls) == 1:
+            raise solver_error("the CAD kernel cannot cut this body", "")
+        return original(*arguments, **options)
+
+    monkeypatch.setattr(solid_mesh, "positive_x", fails_first)
+    assert solid_mesh.mesh_throw(mikron(STRAIGHT), 8.0).mesh.mirrored
+    assert len(calls) == 2
+    calls.clear()
+    with pytest.raises(CranktopoError, match="cannot cut"):
+        solid_mesh.mesh_throw(mikron(), 8.0)
