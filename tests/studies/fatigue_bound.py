@@ -64,8 +64,8 @@ def gradient_table() -> str:
 def equilibrium_line() -> str:
     factor, wider, lost = lost_by_equilibrium(load_scene(DESIGN))
     return (
-        f"The factor {lost:.1f} is the concentration factor {factor:.2f}, times 1.5 for a section that is fully "
-        f"plastic, times {wider:.2f} for an envelope that is wider than the web."
+        f"The factor {lost:.1f} is the concentration factor {factor:.2f}, times 1.5 for a section that is "
+        f"fully plastic, times {wider:.2f} for an envelope that is wider than the web."
     )
 
 
