@@ -160,11 +160,12 @@ def libraries() -> str:
 
 
 def goal_quantities() -> str:
-    """What a goal or a limit may speak of, with its units and its default limit."""
-    head = "| quantity | meaning | wanted | units | load case |\n|---|---|---|---|---|"
+    """Return a table of the quantities of goals and limits: meaning, better sense, units, load case."""
+    head = "| quantity | meaning | better | units | load case |\n|---|---|---|---|---|"
     rows = (
         f"| `{q.name}` | {q.label} | {q.better if q.as_goal else f'{q.better}, as a limit only'} "
-        f"| {', '.join([*filter(None, q.units), '%'])} | {q.load_case or '-'} |"
+        f"| {', '.join(dict.fromkeys([*(name or 'no unit' for name in q.units), '%']))} "
+        f"| {q.load_case or '-'} |"
         for q in QUANTITIES.values()
     )
     return "\n".join([head, *rows])

@@ -126,7 +126,7 @@ class BalancerPart(SceneTable):
     """
 
     max_speed_rpm: TurningSpeed = Field(examples=[2460.0])
-    """Highest speed of the shaft, at which forces and deflections are told."""
+    """Highest speed of the shaft, at which forces and deflections are given."""
     treatment_factor: float = Field(default=1.0, ge=0.5, le=3, allow_inf_nan=False)
     """Strength of its surface over that of an untreated one, such as hardened, by tests or a standard."""
     material: Material | None = None

@@ -202,7 +202,7 @@ class Engine(SceneTable):
     rated_power_kW: float | None = Field(
         default=None, ge=1e-3, le=2e5, allow_inf_nan=False, examples=[46.0], exclude_if=is_unset
     )
-    """Rated power at the shaft at `speed_rpm`: `loads` tells how far that of the cylinder pressure is off."""
+    """Rated power at the shaft at `speed_rpm`: `loads` gives how far that of the cylinder pressure is off."""
     rotation: Literal["clockwise", "counter-clockwise"] | None = Field(
         default=None, examples=["clockwise"], exclude_if=is_unset
     )

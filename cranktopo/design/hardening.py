@@ -59,7 +59,7 @@ class CaseHardening(SceneTable):
     process."""
     residual_scatter_MPa: float = Field(default=0.0, ge=0, le=2000)
     """Scatter of the residual stress, measured or by the process: added at every depth, to the safe side. The
-    safety at its other end is told beside."""
+    safety at its other end is shown beside it."""
     source: str = Field(default="", max_length=500, examples=["hardness run of the forge, 12/2025"])
     """Origin of depth, hardness and residual stress."""
 

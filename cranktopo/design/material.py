@@ -186,7 +186,7 @@ class Fatigue(SceneTable):
     surface_treatment_source: str = Field(
         default="", max_length=500, examples=["rolled, component tests of the forge, report 12/2025"]
     )
-    """The treatment and where its factor comes from; told beside every safety that holds it."""
+    """The treatment and where its factor comes from; shown beside every safety that holds it."""
     size_factor: float = Field(default=0.89, ge=0.01, le=1.0)
     """Strength of the part over that of the specimen for its size."""
     survival_factor: float = Field(default=0.75, ge=0.01, le=1.0)

@@ -169,7 +169,7 @@ class Effects(_LoadSwitches):
     fatigue: _EffectState = "auto"
     """Fatigue safety in the plan and in `compare`."""
     bound: _EffectState = "auto"
-    """Bound that no web of the envelope can beat, proven and told beside a result."""
+    """Bound that no web of the envelope can beat, proven and shown beside a result."""
 
 
 class Weights(_LoadWeights):

@@ -87,7 +87,7 @@ class ShapeTable(SceneTable):
     """Settings of the shape optimisation."""
 
     tolerance_mm: Length = 0.5
-    """Tolerance of every dimension of the web, mm, of angles in degrees; the table of sensitivities tells the
+    """Tolerance of every dimension of the web, mm, of angles in degrees; the table of sensitivities has the
     worst case within it."""
     same_webs: WebGroups = Field(default=(), examples=[[[1, 8], [2, 4, 5, 7]]])
     """Webs that `shape --each-web` makes equal, such as those of one die: lists of their numbers from the

@@ -15,7 +15,7 @@ from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.fkm import FKM
-from cranktopo.tasks.fatigue.lsa import LSA
+from cranktopo.tasks.fatigue.lsa import LSA, lsa_strength, point_strength_MPa
 from cranktopo.tasks.fatigue.m53 import concentration_factors, dimensions
 from tests.validation.table import lines_of
 
@@ -25,14 +25,19 @@ DESIGN = "mikron-iiic"
 
 
 def strengths(scene: Scene, gradient_per_mm: Array) -> dict[str, Array]:
-    """Fully reversed strength by both criteria that know the gradient, over that without one."""
+    """Fully reversed strength over that without a gradient, by every criterion of local stresses."""
     one = np.ones(len(gradient_per_mm))
     stress, flat = LocalStress(one, 0 * one, gradient_per_mm), LocalStress(one, 0 * one, 0 * one)
     return {
         criterion.name: criterion.point_safety(scene, stress).safety
         / criterion.point_safety(scene, flat).safety
         for criterion in (LSA, FKM)
-    }
+    } | {"critical planes": _reversed(scene, gradient_per_mm) / _reversed(scene, 0 * gradient_per_mm)}
+
+
+def _reversed(scene: Scene, gradient_per_mm: Array) -> Array:
+    """Return the strength that `findley` and `dang_van` give to a point."""
+    return point_strength_MPa(gradient_per_mm, lsa_strength(scene))[0]
 
 
 def lost_by_equilibrium(scene: Scene) -> tuple[float, float, float]:
@@ -49,18 +54,18 @@ def lost_by_equilibrium(scene: Scene) -> tuple[float, float, float]:
 
 def gradient_table() -> str:
     found = strengths(load_scene(DESIGN), GRADIENTS_PER_MM)
-    rows = zip(GRADIENTS_PER_MM, found["lsa"], found["fkm"], strict=True)
+    rows = zip(GRADIENTS_PER_MM, found["lsa"], found["critical planes"], found["fkm"], strict=True)
     return lines_of(
-        ("gradient, 1/mm", "`lsa`", "`fkm`", "`findley`, `dang_van`"),
-        [(f"{chi:.4g}", f"{lsa:.3g}", f"{fkm:.3g}", "1") for chi, lsa, fkm in rows],
+        ("gradient, 1/mm", "`lsa`", "`findley`, `dang_van`", "`fkm`"),
+        [(f"{chi:.4g}", *(f"{value:.3g}" for value in values)) for chi, *values in rows],
     )
 
 
 def equilibrium_line() -> str:
     factor, wider, lost = lost_by_equilibrium(load_scene(DESIGN))
     return (
-        f"Its concentration factor {factor:.2f}, times 1.5 of a section that is plastic, times {wider:.2f} "
-        f"of an envelope that is wider than the web: {lost:.1f}."
+        f"The factor {lost:.1f} is the concentration factor {factor:.2f}, times 1.5 for a section that is "
+        f"fully plastic, times {wider:.2f} for an envelope that is wider than the web."
     )
 
 

@@ -320,7 +320,7 @@ class LimitsTable(SceneTable):
     twist: _LimitText | None = Field(default=None, examples=["<= 0.3 deg"])
     """Twist between the mid-journal planes under the engine's largest torque."""
     natural_frequency: _LimitText | None = Field(default=None, examples=[">= 300 Hz"])
-    """First natural frequency of the shaft in torsion, as `vibration` tells it; of `shape`."""
+    """First natural frequency of the shaft in torsion, as `vibration` computes it; of `shape`."""
     fatigue_safety: _LimitText | None = Field(default=None, examples=[">= 100 %"])
     """Least safety against fatigue; the density optimisation leaves it to the evaluation."""
     stress: _LimitText | None = Field(default=None, examples=["<= 250 MPa"])

@@ -129,7 +129,7 @@ _OF_TRIANGLES = "optimise"
 def worth_refining(looks: _Looks, full: Mapping[str, PointResult], original: PointResult) -> list[SweepPoint]:
     """Return points that may be on the front at full accuracy and lack it, those that matter most first.
 
-    A point is left out where another one beats it by more than the bound of the error of their difference, or
+    A point is left out where another one beats it by more than the bound of the error of their difference, and
     by more than differences were seen to change between the first look and full accuracy. What has no numbers
     in the first look may have them at full accuracy.
     """
