@@ -23,7 +23,9 @@ from cranktopo.cli.options import designs_and_runs
     help="Address of this machine where others reach it; asks for a password.",
 )
 @click.option(
-    "--i-know", is_flag=True, help="With --host: others reach the bench, and what is said is not encrypted."
+    "--i-know",
+    is_flag=True,
+    help="Confirm with --host: others reach the bench, and the connection is not encrypted.",
 )
 @click.option("--no-browser", is_flag=True, help="Print the address alone.")
 def command(

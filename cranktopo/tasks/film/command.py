@@ -1,6 +1,6 @@
 """`cranktopo film`
 
-Least oil film and largest film pressure of the plain bearings over the cycle.
+Minimum oil film and largest film pressure of the plain bearings over the cycle.
 """
 
 from __future__ import annotations

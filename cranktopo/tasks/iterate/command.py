@@ -56,7 +56,7 @@ if TYPE_CHECKING:
 @limit_options
 @click.option("--no-shape", is_flag=True, help="End with the loop: leave the shape optimisation out.")
 @bound_option
-@click.option("--element-size-mm", type=CELL_MM, help="Of the evaluation.")
+@click.option("--element-size-mm", type=CELL_MM, help="Element size of the evaluation.")
 @click.option("--out", type=click.Path(path_type=Path), help="Directory; default: a new one in runs/.")
 @click.option("--resume", metavar="DIR", help="Continue an interrupted loop; finished steps are kept.")
 @click.option("--json", "as_json", is_flag=True, help="Print the steps as one JSON object.")

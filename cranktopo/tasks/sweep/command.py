@@ -53,14 +53,20 @@ _BESIDE_FILE = ("target", "workers", "scheduler", "out", "as_json")
     type=Choice(["grid", "latin", "sobol"]),
     help="All combinations, a Latin hypercube or a Sobol sequence.  [default: grid]",
 )
-@click.option("--samples", type=click.IntRange(1, 100_000), help="Points of such a sampling.")
-@click.option("--element-size-mm", type=CELL_MM, help="Of evaluations; by default that of `evaluate`.")
+@click.option(
+    "--samples",
+    type=click.IntRange(1, 100_000),
+    help="Number of points of a Latin hypercube or a Sobol sequence.",
+)
+@click.option(
+    "--element-size-mm", type=CELL_MM, help="Element size of evaluations; by default that of `evaluate`."
+)
 @click.option(
     "--accuracy",
     "accuracy_percent",
     metavar="PERCENT",
     callback=percent,
-    help="Wanted error of evaluations, such as 1%.",
+    help="Largest permitted error of evaluations, such as 1%.",
 )
 @click.option(
     "--refine",
