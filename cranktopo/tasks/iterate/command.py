@@ -83,9 +83,9 @@ def command(
     Every step leaves a parametric web (TOML, STEP, STL). The loop ends when a step no longer improves the
     torsional stiffness per mass, or when the web beside a journal becomes too thin.
 
-    What topology says is then handed over: the dimensions of the best step's web are optimised for the
-    design's goal, else for the most torsional stiffness per mass of a web that is no heavier, no softer in
-    bending and no less safe, as by `cranktopo shape`; that web is the last row, "shape".
+    Then the dimensions of the best step's web are optimised, as by `cranktopo shape`: for the design's goal,
+    else for the largest torsional stiffness per mass of a web that is no heavier, no softer in bending and
+    no less safe. That web is the last row, "shape".
 
     Example: cranktopo iterate mikron-iiic --steps 6
     """

@@ -105,7 +105,7 @@ def command(
 ) -> ExitCode:
     """Compute many variants of DESIGN, or those that a TOML FILE describes.
 
-    Points are computed side by side on this machine, or on a Dask cluster. A web that cannot be is a row with
+    Points are computed side by side on this machine, or on a Dask cluster. An impossible web is a row with
     its reason. Writes table.csv, table.parquet, sweep.json, a page that opens from disk, and a directory for
     each point. After Ctrl-C or a crash --resume goes on; no finished point is computed twice.
 
