@@ -143,8 +143,8 @@ def goal_options(function: Any) -> Any:
         "limits",
         metavar="LIMIT",
         multiple=True,
-        help='Such as "bending >= 100 %" or "unbalance <= 40 kg mm"; repeatable. It replaces what the '
-        'design, or the goal by default, says of that quantity; "bending none" takes that away.',
+        help='Such as "bending >= 100 %" or "unbalance <= 40 kg mm"; repeatable. It replaces the '
+        'limit of that quantity in the design, or the default of the goal; "bending none" removes it.',
     )(function)
     for name, end in (("--maximise", "high"), ("--minimise", "low")):
         text = f"Make it as {end} as the limits allow, in place of the design's goal and limits."
@@ -182,14 +182,14 @@ def bearings_option(*more: str) -> Callable[[Any], Any]:
 web_option = click.option(
     "--web",
     type=Choice(["first", "second"]),
-    help="Of a throw with two different webs, which one to take; needed there, but for shape: the worse one.",
+    help="Web to take where a throw has two different ones: required; shape takes the worse one by default.",
 )
 
 throw_option = click.option(
     "--throw",
     type=click.IntRange(1, 48),
     metavar="N",
-    help="Of a crank with different throws, which one to take, from the free end.  [default: worst loaded]",
+    help="Throw to take where throws differ, counted from the free end.  [default: worst loaded]",
 )
 
 bound_option = click.option(
@@ -202,8 +202,8 @@ loads_option = click.option(
     type=Choice(["extremes", "cycle"]),
     default="extremes",
     show_default=True,
-    help="Of fatigue: extremes of radial force and torque joined, which bounds these, beside few states that "
-    "bound each cycle where the plan has a tangential force; or every angle of the cycle.",
+    help="Load states of fatigue. extremes: of radial force and torque combined, and a few states that "
+    "bound the cycle where the plan has a tangential force. cycle: every angle of the cycle.",
 )
 
 
@@ -268,7 +268,9 @@ def mesh_options(function: Any) -> Any:
     """Add --element-size-mm, --accuracy, --budget, --design and --align to a command."""
     for option in (
         body_options,
-        click.option("--accuracy", metavar="PERCENT", callback=percent, help="Wanted error, such as 1%."),
+        click.option(
+            "--accuracy", metavar="PERCENT", callback=percent, help="Largest permitted error, such as 1%."
+        ),
         click.option(
             "--budget", metavar="TIME", callback=seconds, help="Time for each target, such as 30s or 2min."
         ),
@@ -293,9 +295,9 @@ def limit_options(function: Any) -> Any:
             Number(0.01, 50),
             "Cells of the final fit: half the size is closer to the body and takes eight times as long.",
         ),
-        (("--draft-deg", "min_draft_deg"), Number(0, 30), "Least draft of the walls of pockets."),
-        (("--min-radius-mm",), Number(0.05, 1000), "Least radius of curvature of the outline."),
-        (("--min-wall-mm",), Number(0.05, 1000), "Least wall."),
+        (("--draft-deg", "min_draft_deg"), Number(0, 30), "Minimum draft of the walls of pockets."),
+        (("--min-radius-mm",), Number(0.05, 1000), "Minimum radius of curvature of the outline."),
+        (("--min-wall-mm",), Number(0.05, 1000), "Minimum wall thickness."),
     ):
         field = names[-1].removeprefix("--").replace("-", "_")
         usual = f"{getattr(ManufacturingLimits, field):g}"

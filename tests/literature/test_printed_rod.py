@@ -105,7 +105,7 @@ def goodman(material, largest_MPa, smallest_MPa):
 def test_fatigue_safeties_with_the_pull_taken_as_a_push(rods, name, section, place):
     """Printed values follow where the largest pull has the sign of the push, at the speed of the push.
 
-    With its own sign, and the mean stress in tension as it is taken there, each is 2 to 7 % lower. The
+    With its own sign, and the mean stress in tension as it is taken there, each is 3 to 5 % lower. The
     allowance for buckling is in the printed safety against yield of section III, not in that for fatigue.
     """
     found, printed = of(rods[name], section), PRINTED[name][place]
@@ -113,7 +113,7 @@ def test_fatigue_safeties_with_the_pull_taken_as_a_push(rods, name, section, pla
     push, pull = found.push_N / found.area_mm2, found.pull_N / found.area_mm2
     slower = pull * (2100 / 2800) ** 2
     assert goodman(material, push, slower) == pytest.approx(printed, rel=0.02)
-    assert goodman(material, push, -slower) / printed == pytest.approx(0.945, abs=0.03)
+    assert goodman(material, push, -slower) / printed == pytest.approx(0.964, abs=0.011)
 
 
 @pytest.mark.parametrize("name", PRINTED)

@@ -41,7 +41,7 @@ class SizedShaft:
         z_mm: place of the mass of a shaft that balances a force, from the middle of the shaft.
         distance_mm: of the two masses of a shaft that balances a moment.
         force_N: centrifugal force of each mass.
-        gear: forces of the gear that drives it; None where the scene tells none.
+        gear: forces of the gear that drives it; None where the scene has none.
     """
 
     order: int

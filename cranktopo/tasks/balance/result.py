@@ -108,7 +108,7 @@ class Balance(Result):
     """Percent of the oscillating mass that each throw balances as it is; null where nothing oscillates."""
     counterweights: tuple[NeededCounterweight, ...]
     proposal: ProposedCounterweight | None = UNLESS_NONE
-    """The counterweight of each web for the share that `--propose` asks for."""
+    """The counterweight of each web for the share of `--propose`."""
     inner_moment: tuple[StateMoment, ...]
     balancer_shafts: tuple[SizedShaft, ...]
     gas_in_bearing_loads: bool

@@ -42,11 +42,11 @@ _DESIGN = "balancer-shaft"
 def command(design: str, redesign: Path | None, drawing: Path | None, as_json: bool) -> None:
     """Balancer shaft of DESIGN on its bearings: forces, life, deflection, tilt, fatigue of grooves and holes.
 
-    The shaft is [balancer]: its steps, the masses on it, its bearings, the gear that drives it. What an
-    engine needs of balancer shafts is told by 'cranktopo balance'.
+    The shaft is [balancer]: its steps, the masses on it, its bearings, the gear that drives it. 'cranktopo
+    balance' finds the balancer shafts that an engine needs.
 
     --redesign changes what has a range (free_diameter_mm, free_bore_mm, free_z_mm) and adds the bearings of
-    [balancer.redesign]: least mass with the deflection that is wanted, no shorter life, no less safe notches.
+    [balancer.redesign]: least mass within the permitted deflection, no shorter life, no less safe notches.
 
     Example: cranktopo balancer balancer-shaft --redesign new-shaft.toml
     """

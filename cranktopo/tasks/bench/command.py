@@ -23,7 +23,9 @@ from cranktopo.cli.options import designs_and_runs
     help="Address of this machine where others reach it; asks for a password.",
 )
 @click.option(
-    "--i-know", is_flag=True, help="With --host: others reach the bench, and what is said is not encrypted."
+    "--i-know",
+    is_flag=True,
+    help="Confirm with --host: others reach the bench, and the connection is not encrypted.",
 )
 @click.option("--no-browser", is_flag=True, help="Print the address alone.")
 def command(
@@ -32,7 +34,7 @@ def command(
     """Open a page on this machine: drag a dimension, see what it does, keep variants, export.
 
     A DESIGN, the web of a RUN, or a crank from CAD (BODY, .step) is put on the bench; without one the page
-    asks six questions. All that is done is kept in the folder `bench` and shown as commands. The page is for
+    asks six questions. Every step is kept in the folder `bench` and shown as a command. The page is for
     this machine alone, unless --host names an address that others reach: nothing is loaded from elsewhere,
     and the address holds a secret. Ctrl-C ends the bench; jobs go on.
 

@@ -96,7 +96,7 @@ class Vdi:
 
     Attributes:
         load_factor: Phi, share of the load that the bolt feels.
-        needed_preload_N: largest preload that the scatter asks for, F_Mmax.
+        needed_preload_N: needed preload with its scatter, as the largest of it, F_Mmax.
         residual_clamp_N: force left on the split under the largest load with the smallest preload.
         clamp_safety: smallest preload after settling over what load and clamp force need.
         thread_safety: force that strips the engaged thread over that which breaks the bolt in its thread.

@@ -47,8 +47,8 @@ def command(
     """Prove what no web of DESIGN's envelope can beat, whatever its topology, for a goal and limits.
 
     The proof is about the optimiser's cells: every density between 0 and 1 in each of them counts as a web.
-    Limits that it cannot hold, such as fatigue safety, are left out, which is said and only makes the bound
-    looser. Without a goal it is the least mass at both stiffnesses of the original.
+    Limits that it cannot hold, such as fatigue safety, are left out; a line says so. This
+    only makes the bound looser. Without a goal it is that of the smallest mass at both original stiffnesses.
 
     Example: cranktopo bound mikron-iiic --maximise torsion --limit "mass <= 95 %"
     """

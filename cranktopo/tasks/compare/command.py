@@ -92,11 +92,11 @@ def command(
 ) -> None:
     """Compare TARGETs with a baseline: mass, stiffness, stiffness per mass, inertia, unbalance, safety.
 
-    The stiffnesses are those of the supports in the designs, each with a bound of its error, and their
-    changes with smaller ones, since errors of like meshes cancel. A star marks the best of each column,
-    unless another is within that bound. The baseline is evaluated too when it is not among the targets. Of a
-    design with a [goal] it tells which limits hold; --fatigue tells its safety. Of a sweep its picks count.
-    What designs have in [published] stands beside the computed percentages.
+    Stiffnesses are those of the supports in the designs, each with a bound of its error. Bounds of changes
+    are smaller, since errors of like meshes cancel. A star marks the best of each column, unless another is
+    within that bound. The baseline is evaluated too when it is not among the targets. For a design with a
+    [goal] the result says which limits hold; --fatigue adds the safety. A sweep counts by its picks. Values
+    of [published] stand beside the computed percentages.
 
     Example: cranktopo compare opposed-piston-variant-2 --baseline opposed-piston --report variants.html
     """

@@ -65,7 +65,7 @@ class ComparisonResult(Result):
     safety_by_method: dict[str, dict[str, float | None]] | None = UNLESS_NONE
     """Least safety by method and target; null where it was not judged."""
     verdicts: dict[str, RuleAnswer] | None = UNLESS_NONE
-    """Answers of the crankshaft rule by target, where it was asked: the worst of a throw's webs."""
+    """Answers of the crankshaft rule by target, where requested: the worst of a throw's webs."""
     not_judged: dict[str, dict[str, str]] | None = UNLESS_NONE
     """Why a method did not judge a target, by method and target."""
     goals: dict[str, GoalOutcome] | None = UNLESS_NONE

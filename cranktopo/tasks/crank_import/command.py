@@ -30,10 +30,14 @@ from cranktopo.tasks.crank_import.choices import DEFAULT_MATERIAL, END_JOURNALS,
     help="The outermost main journals: whole, or cut in their middle where a throw repeats.",
 )
 @click.option(
-    "--material", metavar="NAME", default=DEFAULT_MATERIAL, show_default=True, help="CAD does not tell it."
+    "--material",
+    metavar="NAME",
+    default=DEFAULT_MATERIAL,
+    show_default=True,
+    help="Material, which a CAD file does not contain.",
 )
 @click.option(
-    "--unit", type=Choice(UNITS), help="Unit of the numbers where the file tells none, or a wrong one."
+    "--unit", type=Choice(UNITS), help="Unit of the numbers where the file has none, or a wrong one."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @verbosity_options

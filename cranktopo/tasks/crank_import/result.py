@@ -13,7 +13,7 @@ class ImportSource(Result):
     solid: str
     """The solid of it that was taken."""
     unit: str
-    """Unit of its numbers: of --unit, else `file`, as the file tells it, or mm where it tells none."""
+    """Unit of its numbers: that of --unit, else `file` (the unit in the file), or mm where it has none."""
     faces: int
     """Number of its faces; of triangles, of the faces fitted to them."""
     triangles: int
@@ -191,7 +191,7 @@ class CrankImport(Result):
     halves: tuple[ImportedHalf, ...]
     """Distinct half throws, those of most webs first; the first is the design."""
     material: str
-    """Material of the design: CAD does not tell it."""
+    """Material of the design, which a CAD file does not contain."""
     assumed: tuple[str, ...]
     """Assumptions where the faces leave something open, in words."""
     volume_mm3: float

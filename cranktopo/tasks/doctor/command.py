@@ -26,7 +26,7 @@ _STATE = re.compile(rf"(?m)^(\S.*?  +)({'|'.join(_COLOURS)})\b")
 def command(as_json: bool) -> int:
     """Check Python, JAX, gmsh, cores, memory, extras and optional tools.
 
-    Says for whatever is missing what that costs and which line installs it. Exit code 7 when something
+    For each missing one it prints the consequence and the line that installs it. Exit code 7 when something
     needed is missing, 3 when this process may not have the memory for it ("short"); without an extra or an
     optional tool ("absent") everything else works.
 

@@ -14,7 +14,7 @@ class WebSensitivities(SensitivityTable):
 
 
 class TargetEvaluation(EvaluationResult):
-    """All that is told about one evaluated target, and its sensitivities where they are asked for."""
+    """The evaluation of one target, with its sensitivities where requested."""
 
     sensitivities: WebSensitivities | None = UNLESS_NONE
 

@@ -50,7 +50,7 @@ class ShapedUndercuts(UndercutMeasures):
     """Voids of the web that its process cannot leave, by rays through the solid that was written."""
 
     process: Process
-    """Of a `free` one a die that parts in x = 0 is looked at, but nobody asked for it."""
+    """The process of the design; for `free` a die that parts in x = 0 is checked, although not required."""
     held_by: str | None
     """Feature of the web at the deepest of them; None where none is held, or where no feature is."""
     without_draft: tuple[str, ...] = ()

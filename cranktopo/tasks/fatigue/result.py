@@ -282,7 +282,7 @@ class RuleFatigue(_TargetFatigue):
     process_remark: str | None = UNLESS_NONE
     """Remark where the factor K does not fit the way the crank is made."""
     least_acceptability: float
-    """Acceptability factor that the rule asks for."""
+    """Acceptability factor that the rule requires."""
     alternating: AlternatingLoads
     """Alternating loads."""
     outside_validity: tuple[str, ...]

@@ -19,7 +19,7 @@ class EvaluatedMass(Result):
 
 
 class SupportNames(Result):
-    """The supports that the scene asks for."""
+    """The supports that the scene defines."""
 
     torsion: str
     bending: str
@@ -59,7 +59,7 @@ class EvaluationSeconds(Result):
 
 
 class EvaluationResult(Result):
-    """All that is told about one evaluated target."""
+    """The evaluation of one target."""
 
     target: str
     mass_kg: EvaluatedMass
@@ -81,15 +81,15 @@ class EvaluationResult(Result):
     assumed: tuple[Assumption, ...]
     """Values that the design does not say and the stiffnesses depend on."""
     natural_frequency_Hz: float | None = UNLESS_NONE
-    """First of the shaft in torsion, where it was asked for."""
+    """First torsional natural frequency of the shaft, where requested."""
     fatigue_safety: float | None = UNLESS_NONE
-    """Minimum by local stress analysis, where it was asked for."""
+    """Minimum by local stress analysis, where requested."""
     fatigue_place: str | None = UNLESS_NONE
     """Place of that minimum in words; None in results of an earlier version too."""
     fatigue_loads: LoadsName | None = UNLESS_NONE
     """Load states of that minimum: "extremes", "cycle" or "shaft"; None in earlier versions too."""
     stress_MPa: float | None = UNLESS_NONE
-    """Largest von Mises stress over the same load states, where it was asked for."""
+    """Largest von Mises stress over the same load states, where requested."""
 
     @property
     def torsion_Nm_per_rad(self) -> float:

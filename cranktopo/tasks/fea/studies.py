@@ -165,7 +165,7 @@ class LevelResult(Result):
     model_errors_percent: dict[str, float]
     orders: dict[str, float | None]
     own_bounds_percent: dict[str, float] = Field(default_factory=dict)
-    """Error bounds of the evaluation on this mesh; empty where the mesh tells none."""
+    """Error bounds of the evaluation on this mesh; empty where the mesh gives none."""
     error_percent: float | None
     """Largest of all errors, without sign; None where there is no limit."""
     uncertainty_percent: float | None

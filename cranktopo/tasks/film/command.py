@@ -1,6 +1,6 @@
 """`cranktopo film`
 
-Least oil film and largest film pressure of the plain bearings over the cycle.
+Minimum oil film and largest film pressure of the plain bearings over the cycle.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ from cranktopo.cli.verbosity import verbosity_options
 def command(
     design: str, speeds: list[float] | None, throw: int | None, plot_path: Path | None, as_json: bool
 ) -> None:
-    """Oil film of main and big-end bearings over the cycle: least thickness, largest pressure, friction.
+    """Oil film of main and big-end bearings over the cycle: minimum thickness, largest pressure, friction.
 
-    DESIGN is a TOML file with `[bearings]` (clearance and oil), or the name of a built-in design. Journals
-    move as the mobility method has it, for bearings of finite width; loads are those of throws that stand
+    DESIGN is a TOML file with `[bearings]` (clearance and oil), or the name of a built-in design. The
+    mobility method for bearings of finite width moves the journals; loads are those of throws that stand
     alone between two bearings.
 
     Example: cranktopo film car-diesel --speed 1000:4000:500

@@ -56,7 +56,7 @@ if TYPE_CHECKING:
 @limit_options
 @click.option("--no-shape", is_flag=True, help="End with the loop: leave the shape optimisation out.")
 @bound_option
-@click.option("--element-size-mm", type=CELL_MM, help="Of the evaluation.")
+@click.option("--element-size-mm", type=CELL_MM, help="Element size of the evaluation.")
 @click.option("--out", type=click.Path(path_type=Path), help="Directory; default: a new one in runs/.")
 @click.option("--resume", metavar="DIR", help="Continue an interrupted loop; finished steps are kept.")
 @click.option("--json", "as_json", is_flag=True, help="Print the steps as one JSON object.")
@@ -83,9 +83,9 @@ def command(
     Every step leaves a parametric web (TOML, STEP, STL). The loop ends when a step no longer improves the
     torsional stiffness per mass, or when the web beside a journal becomes too thin.
 
-    What topology says is then handed over: the dimensions of the best step's web are optimised for the
-    design's goal, else for the most torsional stiffness per mass of a web that is no heavier, no softer in
-    bending and no less safe, as by `cranktopo shape`; that web is the last row, "shape".
+    Then the dimensions of the best step's web are optimised, as by `cranktopo shape`: for the design's goal,
+    else for the largest torsional stiffness per mass of a web that is no heavier, no softer in bending and
+    no less safe. That web is the last row, "shape".
 
     Example: cranktopo iterate mikron-iiic --steps 6
     """

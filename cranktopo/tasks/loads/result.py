@@ -35,7 +35,7 @@ _EXTREMES = (
 
 
 class At(Result):
-    """A value and the crank angle where it occurs; null where the scene does not tell."""
+    """A value and the crank angle where it occurs; null where the scene does not give it."""
 
     value: float | None = None
     deg: float | None = None
@@ -118,7 +118,7 @@ class LoadState(Result):
 
 
 class LoadsAtSpeed(Result):
-    """The loads of a scene at one speed; values that the scene does not tell are null."""
+    """The loads of a scene at one speed; values that the scene does not give are null."""
 
     schema_version: int = 1
     design: str

@@ -61,7 +61,7 @@ if TYPE_CHECKING:
 @click.option(
     "--process",
     type=Choice(["free", "forged", "cast", "milled"]),
-    help="How the web is made: by a die, in a mould, by a mill, or anyhow; default: the design's.",
+    help="How the web is made: in a die, a mould, by a mill, or without their rules; default: the design's.",
 )
 @click.option(
     "--draft-deg", type=Number(0, 20), help="Draft of forged and cast walls, degrees; default: the design's."
@@ -69,15 +69,18 @@ if TYPE_CHECKING:
 @click.option(
     "--min-member-mm",
     type=Number(0.05, 1000),
-    help="Least thickness of a member, mm; at least 2 cells; default: the design's.",
+    help="Minimum thickness of a member, mm; at least 2 cells; default: the design's.",
 )
 @click.option(
     "--min-gap-mm",
     type=Number(0.05, 1000),
-    help="Least width of a gap, mm; at least 2 cells; default: the design's.",
+    help="Minimum width of a gap, mm; at least 2 cells; default: the design's.",
 )
 @click.option(
-    "--accuracy", metavar="PERCENT", callback=percent, help="Wanted error of the stiffnesses, such as 5%."
+    "--accuracy",
+    metavar="PERCENT",
+    callback=percent,
+    help="Largest permitted error of the stiffnesses, such as 5%.",
 )
 @click.option("--budget", metavar="TIME", callback=seconds, help="Time for the run, such as 30s or 2min.")
 @click.option(

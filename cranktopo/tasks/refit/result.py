@@ -87,7 +87,7 @@ class RefitResult(Result):
     overlap_by_start: list[float]
     not_represented: list[UnrepresentedRegion]
     rules: ProcessLimits
-    """Limits of the fit, with what the design's process asks of its features; a `free` one asks nothing."""
+    """Limits of the fit, with what the design's process requires of its features; `free` requires nothing."""
     undercuts: ShapedUndercuts | None = UNLESS_NONE
     """The check by rays through the solid that was written; None in results of an earlier version."""
     files: dict[str, FileName]

@@ -41,9 +41,13 @@ _DESIGN = "mikron-iiic-rod"
     metavar="FILE",
     help="Write the workshop drawing, of the lighter rod with --lighter (.pdf, .svg, .png or .dxf).",
 )
-@click.option("--fea", is_flag=True, help="With stresses, safeties and ovalisation by finite elements.")
+@click.option(
+    "--fea", is_flag=True, help="Also compute stresses, safeties and ovalisation by finite elements."
+)
 @click.option("--element-size-mm", type=CELL_MM, help="With --fea: element size; by default by the volume.")
-@click.option("--contact", is_flag=True, help="With --fea: rigid pins touch the bores; else by the cosine.")
+@click.option(
+    "--contact", is_flag=True, help="With --fea: rigid pins touch the bores; else pressure is by the cosine."
+)
 @click.option(
     "--out",
     type=click.Path(path_type=Path),

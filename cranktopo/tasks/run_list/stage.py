@@ -20,7 +20,7 @@ from cranktopo.tasks.sweep.result import SweepResult
 
 
 class RunEntry(Result):
-    """A run in the list; keys are there as far as its files tell them."""
+    """A run in the list; keys are present as far as its files contain them."""
 
     run: str
     path: str

@@ -137,7 +137,7 @@ class ShaftEvaluation(Result):
     on_bearings: tuple[ContinuousShaft, ...] = ()
     """Moments and forces on all bearings, by speed; empty without pressures or with free bearings."""
     added_speed_rpm: float | None = UNLESS_NONE
-    """Speed among them at which the torque of the vibrating shaft swings most, where none asked for it."""
+    """Speed among them at which the torque of the vibrating shaft varies most; only where it was added."""
     permitted_film_um: float | None = UNLESS_NONE
     """Least film that `[bearings]` permits, where the main bearings have films."""
     permitted_pressure_MPa: float | None = UNLESS_NONE

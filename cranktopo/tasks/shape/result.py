@@ -175,7 +175,7 @@ class ShapeResult(Result):
     status: str
     stop_reason: str
     original: EvaluationResult
-    """With the fatigue safety where it was asked for."""
+    """The evaluation of the original web, with the fatigue safety where requested."""
     result: EvaluationResult
     values: ShapeValues
     change_percent: dict[str, float]

@@ -53,14 +53,20 @@ _BESIDE_FILE = ("target", "workers", "scheduler", "out", "as_json")
     type=Choice(["grid", "latin", "sobol"]),
     help="All combinations, a Latin hypercube or a Sobol sequence.  [default: grid]",
 )
-@click.option("--samples", type=click.IntRange(1, 100_000), help="Points of such a sampling.")
-@click.option("--element-size-mm", type=CELL_MM, help="Of evaluations; by default that of `evaluate`.")
+@click.option(
+    "--samples",
+    type=click.IntRange(1, 100_000),
+    help="Number of points of a Latin hypercube or a Sobol sequence.",
+)
+@click.option(
+    "--element-size-mm", type=CELL_MM, help="Element size of evaluations; by default that of `evaluate`."
+)
 @click.option(
     "--accuracy",
     "accuracy_percent",
     metavar="PERCENT",
     callback=percent,
-    help="Wanted error of evaluations, such as 1%.",
+    help="Largest permitted error of evaluations, such as 1%.",
 )
 @click.option(
     "--refine",
@@ -99,7 +105,7 @@ def command(
 ) -> ExitCode:
     """Compute many variants of DESIGN, or those that a TOML FILE describes.
 
-    Points are computed side by side on this machine, or on a Dask cluster. A web that cannot be is a row with
+    Points are computed side by side on this machine, or on a Dask cluster. An impossible web is a row with
     its reason. Writes table.csv, table.parquet, sweep.json, a page that opens from disk, and a directory for
     each point. After Ctrl-C or a crash --resume goes on; no finished point is computed twice.
 
