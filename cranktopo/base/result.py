@@ -10,6 +10,7 @@ from pydantic import AfterValidator, ConfigDict, Field, ValidationError
 
 from cranktopo.base.described import Described
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.faults import faults_of
 from cranktopo.base.files import is_inside, read_json
 
 
@@ -62,10 +63,8 @@ class Result(Described):
         try:
             return cls.model_validate(data)
         except ValidationError as error:
-            first = error.errors(include_url=False)[0]
-            key = ".".join(str(part) for part in first["loc"])
             raise CranktopoError(
-                f"{where}: {key}: {first['msg'].lower()}.",
+                f"{where}: {faults_of(error)[0]}.",
                 hint="It was written by another version or damaged; make it again.",
             ) from None
 

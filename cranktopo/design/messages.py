@@ -6,15 +6,16 @@ import operator
 import types
 import typing
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from difflib import get_close_matches
 from functools import reduce
-from typing import Any, cast
+from typing import Any
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
-from pydantic_core import ErrorDetails
 
 from cranktopo.base.errors import CranktopoError, quoted, suggest
+from cranktopo.base.faults import MISSING, UNKNOWN_KEY, Fault, faults_of
 from cranktopo.base.table import UNSHOWN_TEXT
 
 _MOST = 20
@@ -57,12 +58,12 @@ def explain(error: ValidationError, source: str, table: tuple[str, ...] = ()) ->
     Args:
         table: where in the scene the validated table is.
     """
-    return listed(_problems(error.errors(include_url=False), table), source)
+    return listed(_problems(faults_of(error), table), source)
 
 
 def explain_unknown(error: ValidationError, source: str) -> CranktopoError | None:
     """The unknown keys among the problems of a validation error, as `explain`; None where there are none."""
-    found = [d for d in error.errors(include_url=False) if d["type"] == "extra_forbidden"]
+    found = [fault for fault in faults_of(error) if fault.kind == UNKNOWN_KEY]
     return listed(_problems(found, ()), source) if found else None
 
 
@@ -76,59 +77,56 @@ def listed(problems: Sequence[tuple[str, str]], source: str) -> CranktopoError:
     return CranktopoError("\n".join([f"{source}: {len(problems)} errors.", *lines, *more]))
 
 
-def _problems(found: list[ErrorDetails], table: tuple[str, ...]) -> list[tuple[str, str]]:
+def _problems(found: list[Fault], table: tuple[str, ...]) -> list[tuple[str, str]]:
     """Message and next step of each problem, unknown keys first; a misspelt key is not missing too."""
-    details = [cast(ErrorDetails, {**_of_text(d), "loc": (*table, *_of_text(d)["loc"])}) for d in found]
-    unknown = [d for d in details if d["type"] == "extra_forbidden"]
-    meant = {(d["loc"][:-1], _nearest(d["loc"])) for d in unknown}
-    missing = [d for d in details if d["type"] == "missing" and (d["loc"][:-1], d["loc"][-1]) not in meant]
-    values = [d for d in details if d["type"] not in ("extra_forbidden", "missing")]
-    return [_describe(d, _dotted(d["loc"])) for d in (*unknown, *missing, *values)]
+    faults = [replace(fault, place=(*table, *fault.place)) for fault in map(_of_text, found)]
+    unknown = [fault for fault in faults if fault.kind == UNKNOWN_KEY]
+    meant = {(*fault.place[:-1], _nearest(fault.place)) for fault in unknown}
+    missing = [fault for fault in faults if fault.kind == MISSING and fault.place not in meant]
+    values = [fault for fault in faults if fault.kind not in (UNKNOWN_KEY, MISSING)]
+    return [_describe(fault, _dotted(fault.place)) for fault in (*unknown, *missing, *values)]
 
 
-def _of_text(detail: ErrorDetails) -> ErrorDetails:
+def _of_text(fault: Fault) -> Fault:
     """Return a problem of a text as one of its own place: its table, which found it, tells itself."""
-    if detail["type"] != UNSHOWN_TEXT:
-        return detail
-    place = detail["ctx"]["place"]
-    text = reduce(operator.getitem, place, detail["input"])
-    return {**detail, "loc": (*detail["loc"], *place), "input": text}
+    if fault.kind != UNSHOWN_TEXT:
+        return fault
+    place = fault.context["place"]
+    return replace(fault, place=(*fault.place, *place), value=reduce(operator.getitem, place, fault.value))
 
 
-def _describe(detail: ErrorDetails, path: str) -> tuple[str, str]:
-    kind, loc = detail["type"], detail["loc"]
-    if not loc:
-        return f"{quoted(detail['input'])}: must be a table", "Give the tables of a scene."
-    if kind == "extra_forbidden":
-        return f"unknown key {path}", _instead(loc)
-    if kind == "missing":
+def _describe(fault: Fault, path: str) -> tuple[str, str]:
+    if not fault.place:
+        return f"{quoted(fault.value)}: must be a table", "Give the tables of a scene."
+    if fault.kind == UNKNOWN_KEY:
+        return f"unknown key {path}", _instead(fault.place)
+    if fault.kind == MISSING:
         table, _, key = path.rpartition(".")
         return f"{path} is missing", f"Add {key} to {f'[{table}]' if table else 'the scene'}."
-    if kind in ("union_tag_invalid", "union_tag_not_found"):
-        return _choice(detail, path)
-    if kind == "library":
-        context = detail["ctx"]
-        return f"{path}.name = {quoted(detail['input']['name'])}: {detail['msg']}", context["hint"]
-    if kind == "statement":
-        value = "" if isinstance(detail["input"], dict) else f" = {quoted(detail['input'])}"
-        return f"{path}{value}: {detail['msg']}", detail["ctx"]["hint"]
-    limits = _limits(loc)
-    value = f"{path} = {quoted(detail['input'])}"
-    if kind in _NUMBERS:
+    if fault.kind in ("union_tag_invalid", "union_tag_not_found"):
+        return _choice(fault, path)
+    value = f"{path} = {quoted(fault.value)}"
+    if fault.kind == "library":
+        value = f"{path}.name = {quoted(fault.value['name'])}"
+        return f"{value}: {fault.message}", fault.context["hint"]
+    if fault.kind == "statement":
+        value = path if isinstance(fault.value, dict) else value
+        return f"{value}: {fault.message}", fault.context["hint"]
+    limits = _limits(fault.place)
+    if fault.kind in _NUMBERS:
         bounds = f" {limits}" if limits else ""
-        unquoted = " without quotes" if isinstance(detail["input"], str) else ""
-        return f"{value}: must be {_NUMBERS[kind]}{bounds}{unquoted}", "Correct that value."
-    if kind in _BOUNDS:
+        unquoted = " without quotes" if isinstance(fault.value, str) else ""
+        return f"{value}: must be {_NUMBERS[fault.kind]}{bounds}{unquoted}", "Correct that value."
+    if fault.kind in _BOUNDS:
         return f"{value}: must be {limits}", "Correct that value, or its unit."
-    text = detail["msg"].replace("Input should be", "must be")
+    text = fault.message.replace("Input should be", "must be")
     return f"{value}: {text}", "Correct that value."
 
 
-def _choice(detail: ErrorDetails, path: str) -> tuple[str, str]:
-    context = detail["ctx"]
-    tag = str(context["discriminator"]).strip("'")
-    table = detail["input"] if isinstance(detail["input"], dict) else {}
-    valid = sorted(name for model in _models(_annotation(detail["loc"])) for name in _tags(model))
+def _choice(fault: Fault, path: str) -> tuple[str, str]:
+    tag = str(fault.context["discriminator"]).strip("'")
+    table = fault.value if isinstance(fault.value, dict) else {}
+    valid = sorted(name for model in _models(_annotation(fault.place)) for name in _tags(model))
     if tag not in table:
         return f"{path}.{tag} is missing", f"Valid: {', '.join(valid)}."
     return f"{path}.{tag} = {quoted(table[tag])}: unknown choice", suggest(str(table[tag])[:100], valid)

@@ -12,6 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.faults import faults_of
 from cranktopo.base.files import json_text
 
 ARRAY_FIELDS = ("x", "evaluated", "displacements")
@@ -160,41 +161,30 @@ def damaged(fault: str) -> CranktopoError:
     return CranktopoError(f"checkpoint/state.npz: damaged, {fault}.", hint="Start a new run of the design.")
 
 
-def _fault(arrays: Mapping[str, Array], data: Mapping[str, Any]) -> str:
-    """Return what is wrong with stored data, empty where nothing is."""
-    missing = [name for name in ARRAY_FIELDS if name not in arrays]
-    if missing:
-        return f"{', '.join(missing)} missing"
-    wrong = [name for name, array in arrays.items() if array.dtype.kind not in "fiu" or np.isnan(array).any()]
-    if wrong:
-        return f"{', '.join(wrong)} without numbers"
+def _sound(data: Mapping[str, Any]) -> _Plain:
+    """Return the plain data of a checkpoint; raises CranktopoError where they are damaged."""
     try:
         plain = TypeAdapter(_Plain).validate_json(json_text(data, "state"), strict=True)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        return f"{'.'.join(map(str, first['loc']))}: {first['msg'].lower()}"
+        raise damaged(str(faults_of(error)[0])) from None
     counted = [row.iteration for row in plain.history] == list(range(1, len(plain.history) + 1))
-    within = plain.stage_start >= 0 and plain.beta > 0
-    return "" if counted and within else "its history does not add up"
+    if not counted or plain.stage_start < 0 or plain.beta <= 0:
+        raise damaged("its history does not add up")
+    return plain
+
+
+def _check_arrays(arrays: Mapping[str, Array]) -> None:
+    missing = [name for name in ARRAY_FIELDS if name not in arrays]
+    if missing:
+        raise damaged(f"{', '.join(missing)} missing")
+    wrong = [name for name, array in arrays.items() if array.dtype.kind not in "fiu" or np.isnan(array).any()]
+    if wrong:
+        raise damaged(f"{', '.join(wrong)} without numbers")
 
 
 def from_checkpoint(arrays: dict[str, Array], data: dict[str, Any]) -> State:
     """Return the state from what `to_checkpoint` returned, exactly; raises CranktopoError."""
-    fault = _fault(arrays, data)
-    if fault:
-        raise damaged(fault)
-    records: list[dict[str, Any]] = [
-        {name: tuple(value) if isinstance(value, list) else value for name, value in row.items()}
-        for row in data["history"]
-    ]
-    return State(
-        x=arrays["x"],
-        evaluated=arrays["evaluated"],
-        displacements=arrays["displacements"],
-        initial_N_mm=tuple(data["initial_N_mm"]),
-        history=tuple(Record(**row) for row in records),
-        **{name: data[name] for name in ("beta", "stage_start", "status", "reason")},
-        rounds=tuple(MovedBounds(row["iteration"], tuple(row["bounds"])) for row in data.get("rounds", ())),
-        coarse_start=CoarseStart(**data["coarse_start"]) if data.get("coarse_start") else None,
-        memory={name[len(MEMORY) :]: value for name, value in arrays.items() if name.startswith(MEMORY)},
-    )
+    _check_arrays(arrays)
+    memory = {name[len(MEMORY) :]: value for name, value in arrays.items() if name.startswith(MEMORY)}
+    own: dict[str, Any] = {name: arrays[name] for name in ARRAY_FIELDS}
+    return State(**own, **vars(_sound(data)), memory=memory)
