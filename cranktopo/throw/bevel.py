@@ -297,8 +297,7 @@ class FittedBevel(FittedToSections):
 
     @override
     def arc(self, named: Named, ends: Array) -> BevelArc:
-        y, depth, crown = (named[name] for name in self.names)
-        return _arc(self.face, y, depth, crown, (ends[0], ends[1]), self.draft_deg)
+        return _arc(self.face, named.y, named.depth, named.crown, (ends[0], ends[1]), self.draft_deg)
 
     @override
     def faces_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
@@ -331,7 +330,7 @@ class FittedBevel(FittedToSections):
     @override
     def tables(self, named: Named, frame_mm: Frame) -> list[dict[str, Any]]:
         draft = {"draft_deg": self.draft_deg} if self.draft_deg else {}
-        return [{"face": self.face, **{f"{name}_mm": value for name, value in named.items()}, **draft}]
+        return [{"face": self.face, **{f"{name}_mm": getattr(named, name) for name in self.names}, **draft}]
 
     @classmethod
     @override

@@ -15,8 +15,6 @@ from cranktopo.throw.bevel_arc import BevelArc
 from cranktopo.throw.feature import Face, Feature, ThrowView
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
-Named = dict[str, Any]
-"""Values of a feature's parameters by name, mm or degrees."""
 Frame = tuple[float, float, float]
 """Of an outline: least and largest y, largest half-width, mm."""
 Rule = tuple[str, Any]
@@ -34,6 +32,24 @@ SIZE_OVER_CORNER = 2.2
 """Least size of a pocket over the radius of its corners."""
 _STEP = 1e-6
 """Step of the derivatives by the parameters, mm or degrees."""
+
+
+@dataclass(frozen=True)
+class Named:
+    """Values of a feature's parameters by name, mm or degrees; 0 for those that its kind has not."""
+
+    x: Any = 0.0
+    y: Any = 0.0
+    length: Any = 0.0
+    height: Any = 0.0
+    size_x: Any = 0.0
+    size_y: Any = 0.0
+    diameter: Any = 0.0
+    depth: Any = 0.0
+    floor: Any = 0.0
+    offset: Any = 0.0
+    crown: Any = 0.0
+    draft: Any = 0.0
 
 
 class BodyCells(Protocol):
@@ -132,6 +148,10 @@ class FittedFeature(ABC):
     def names(self) -> tuple[str, ...]:
         """Names of its parameters: mm, draft in degrees."""
 
+    def named(self, values: Array) -> Named:
+        """Return values in the order of `names`, each by its name."""
+        return Named(**dict(zip(self.names, values, strict=True)))
+
     @abstractmethod
     def bounds(self, scene: ThrowView, limits: ManufacturingLimits) -> list[tuple[float, float]]:
         """Lower and upper bound of each parameter."""
@@ -188,9 +208,8 @@ class FittedFeature(ABC):
 
     def field_mm(self, values: Array, ends: Array, axes: Axes, web_z_mm: tuple[float, float]) -> Array:
         """Signed distance of the cells for values in the order of `names`, positive in material."""
-        named = dict(zip(self.names, values, strict=True))
         at = axes[0][:, None, None], axes[1][None, :, None], axes[2][None, None, :]
-        return self.outside_mm(named, ends, at, web_z_mm)
+        return self.outside_mm(self.named(values), ends, at, web_z_mm)
 
     def vjp(
         self, values: Array, ends: Array, axes: Axes, web_z_mm: tuple[float, float], weight: Array

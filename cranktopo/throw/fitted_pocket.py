@@ -76,7 +76,7 @@ class FittedPocket(FittedFloor):
 
     def mouth_mm(self, named: Named) -> Any:
         """Return by how much its mouth is wider than its floor, all around."""
-        return slope_of(self.draft_deg) * named.get("depth", 0.0)
+        return slope_of(self.draft_deg) * named.depth
 
     @override
     def slope(self, named: Named) -> float:
@@ -119,7 +119,7 @@ class FittedPocket(FittedFloor):
 
     @override
     def sharp_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
-        across, along = at[0] - named.get("x", 0.0), at[1] - named["y"]
+        across, along = at[0] - named.x, at[1] - named.y
         if self.face == "through":
             return self.walls_mm(named, across, along, 0.0)
         floor = self.floor_mm(named, at, web_z_mm)
@@ -131,11 +131,11 @@ class FittedPocket(FittedFloor):
 
     @override
     def floor_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> Array:
-        return np.asarray(depth_mm(self.face, at[2], web_z_mm) - named["depth"])
+        return np.asarray(depth_mm(self.face, at[2], web_z_mm) - named.depth)
 
     @override
     def growth_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> Array:
-        (growth,) = self.walls_mm(named, at[0] - named.get("x", 0.0), at[1] - named["y"], 0.0)
+        (growth,) = self.walls_mm(named, at[0] - named.x, at[1] - named.y, 0.0)
         return growth
 
     def rules(self, named: Named, around: Surroundings) -> Iterator[Rule]:
@@ -149,7 +149,7 @@ class FittedPocket(FittedFloor):
             yield wall_rule(f"between the {self.title} and the counterweight's edge", least), wall - edge
         if self.pair:
             between = wall_rule(f"between the {self.title} and its twin", least)
-            yield between, wall / 2 + named[self.sizes[0]] / 2 + self.mouth_mm(named) - named["x"]
+            yield between, wall / 2 + getattr(named, self.sizes[0]) / 2 + self.mouth_mm(named) - named.x
         for face, name, (journal, axis) in zip(FACES, JOURNALS, throw.journals, strict=True):
             gap = self.gap_mm(named, 0.0, axis)
             beside = wall_rule(f"between the {self.title} and the bore of the {name}", least)
@@ -163,19 +163,19 @@ class FittedPocket(FittedFloor):
     @override
     def box_mm(self, named: Named, around: Surroundings) -> Array:
         thickness = around.scene.web.thickness_mm
-        centre = np.array([named.get("x", 0.0), named["y"]])
-        half = np.array([named[self.sizes[0]], named[self.sizes[-1]]]) / 2 + self.mouth_mm(named)
-        depth = named.get("depth", thickness)
+        centre = np.array([named.x, named.y])
+        half = np.array([getattr(named, self.sizes[k]) for k in (0, -1)]) / 2 + self.mouth_mm(named)
+        depth = thickness if self.face == "through" else named.depth
         low = thickness - depth if self.face == "pin" else 0.0
         return np.array([[*(centre - half), low], [*(centre + half), low + depth]])
 
     @override
     def tables(self, named: Named, frame_mm: Frame) -> list[dict[str, Any]]:
-        values = {f"{name}_mm": value for name, value in named.items()}
+        values = {f"{name}_mm": getattr(named, name) for name in self.names}
         table = {"shape": self.shape, "face": self.face, **values, **self._process_values}
         if not self.pair:
             return [{**table, "x_mm": 0.0}]
-        return [{**table, "x_mm": side * values["x_mm"]} for side in (1, -1)]
+        return [{**table, "x_mm": side * named.x} for side in (1, -1)]
 
     @property
     def _process_values(self) -> dict[str, float]:
@@ -225,7 +225,7 @@ class FittedBox(FittedPocket):
 
     @override
     def walls_mm(self, named: Named, across: Array, along: Array, growth: Any) -> list[Array]:
-        over = np.abs(across) - named["size_x"] / 2, np.abs(along) - named["size_y"] / 2
+        over = np.abs(across) - named.size_x / 2, np.abs(along) - named.size_y / 2
         if not self.corner_radius_mm:
             return [side - growth for side in over]
         return [rounded_gap_mm(*over, self.corner_radius_mm) - growth]
@@ -233,8 +233,8 @@ class FittedBox(FittedPocket):
     @override
     def gap_mm(self, named: Named, x_mm: Any, y_mm: Any) -> Any:
         growth = self.mouth_mm(named)
-        over_x = np.abs(x_mm - named.get("x", 0.0)) - named["size_x"] / 2 - growth
-        over_y = np.abs(y_mm - named["y"]) - named["size_y"] / 2 - growth
+        over_x = np.abs(x_mm - named.x) - named.size_x / 2 - growth
+        over_y = np.abs(y_mm - named.y) - named.size_y / 2 - growth
         corner = self.corner_radius_mm + growth if self.corner_radius_mm else 0.0
         return rounded_gap_mm(over_x, over_y, corner)
 
@@ -258,12 +258,12 @@ class FittedCylinder(FittedPocket):
 
     @override
     def walls_mm(self, named: Named, across: Array, along: Array, growth: Any) -> list[Array]:
-        return [np.sqrt(across**2 + along**2 + _TINY) - named["diameter"] / 2 - growth]
+        return [np.sqrt(across**2 + along**2 + _TINY) - named.diameter / 2 - growth]
 
     @override
     def gap_mm(self, named: Named, x_mm: Any, y_mm: Any) -> Any:
-        across, along = x_mm - named.get("x", 0.0), y_mm - named["y"]
-        return np.sqrt(across**2 + along**2 + _TINY) - named["diameter"] / 2 - self.mouth_mm(named)
+        across, along = x_mm - named.x, y_mm - named.y
+        return np.sqrt(across**2 + along**2 + _TINY) - named.diameter / 2 - self.mouth_mm(named)
 
     @override
     def size_guess(self, area_mm2: float, across_mm: float, along_mm: float) -> list[float]:

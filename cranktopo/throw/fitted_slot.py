@@ -85,17 +85,17 @@ class FittedSlot(FittedFloor, FittedToSections):
 
     @override
     def sharp_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
-        angle, deep = np.deg2rad(named["draft"]), at[0] - named["floor"]
+        angle, deep = np.deg2rad(named.draft), at[0] - named.floor
         opening = deep * np.tan(angle)
         walls = [wall - opening for wall in self._walls_mm(named, at, web_z_mm)]
         return [-deep, *(wall * np.cos(angle) for wall in walls)]
 
     def _walls_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
         """Distances in the plane of its floor from where its walls meet it, negative in the pocket."""
-        above = np.abs(at[2] - (web_z_mm[0] + web_z_mm[1]) / 2 - named["offset"]) - named["height"] / 2
+        above = np.abs(at[2] - (web_z_mm[0] + web_z_mm[1]) / 2 - named.offset) - named.height / 2
         if self.through:
             return [above]
-        beyond = np.abs(at[1] - named["y"]) - named["length"] / 2
+        beyond = np.abs(at[1] - named.y) - named.length / 2
         return (
             [rounded_gap_mm(above, beyond, self.corner_radius_mm)]
             if self.corner_radius_mm
@@ -104,7 +104,7 @@ class FittedSlot(FittedFloor, FittedToSections):
 
     @override
     def floor_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> Array:
-        return named["floor"] - at[0]
+        return named.floor - at[0]
 
     @override
     def growth_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> Array:
@@ -113,11 +113,11 @@ class FittedSlot(FittedFloor, FittedToSections):
 
     @override
     def slope(self, named: Named) -> float:
-        return float(np.tan(np.deg2rad(named["draft"])))
+        return float(np.tan(np.deg2rad(named.draft)))
 
     def shallowest_mm(self, draft_deg: float) -> float:
         """Return the least depth, which holds the round edge of the floor."""
-        return max(_LEAST_DEPTH_MM, self.rounding({"draft": draft_deg}).top_mm + CLEAR_MM)
+        return max(_LEAST_DEPTH_MM, self.rounding(Named(draft=draft_deg)).top_mm + CLEAR_MM)
 
     @override
     def manufactured(self, limits: ManufacturingLimits) -> Self | None:
@@ -136,52 +136,58 @@ class FittedSlot(FittedFloor, FittedToSections):
 
     def rules(self, named: Named, around: Surroundings) -> Iterator[Rule]:
         """Flanges on both sides, walls toward bores and, unless it runs through them, bevels."""
-        scene, slope = around.scene, np.tan(np.deg2rad(named["draft"]))
-        deep, offset, wall = around.widest_mm - named["floor"], named["offset"], around.wall_mm
-        tall = named["height"] / 2 + slope * deep
+        scene, slope = around.scene, np.tan(np.deg2rad(named.draft))
+        deep, offset, wall = around.widest_mm - named.floor, named.offset, around.wall_mm
+        tall = named.height / 2 + slope * deep
         least, own = around.limits.min_wall_mm, f"between the {self.title} and"
-        rounding, shallowest = self.rounding(named), self.shallowest_mm(named["draft"])
+        rounding, shallowest = self.rounding(named), self.shallowest_mm(named.draft)
         yield f"least depth of the {self.title}, {shallowest:.3g} mm", shallowest - deep
         flange = tall + np.abs(offset) + wall - scene.web.thickness_mm / 2
         yield wall_rule(f"beside the {self.title}", least), flange
         if not self.through and scene.web.counterweight is not None:
-            low = named["y"] - named["length"] / 2 - slope * (deep + BEYOND_MM)
+            low = named.y - named.length / 2 - slope * (deep + BEYOND_MM)
             # No fillet rises above the crank axis by more than twice its radius.
             rise = 2 * (scene.web.counterweight.fillet_mm or 0.0)
             yield f"the {self.title} stays clear of the counterweight", rise + CLEAR_MM - low
         for name, (journal, y) in zip(JOURNALS, scene.throw.journals, strict=True):
             if journal.bore_radius_mm:
-                beyond = 0.0 if self.through else max(abs(y - named["y"]) - named["length"] / 2, 0.0)
-                gap = np.hypot(named["floor"], beyond)
+                beyond = 0.0 if self.through else max(abs(y - named.y) - named.length / 2, 0.0)
+                gap = np.hypot(named.floor, beyond)
                 yield wall_rule(f"{own} the bore of the {name}", least), journal.bore_radius_mm + wall - gap
         for arc in () if self.through else around.arcs:
-            reach = arc.outward * named["y"] + named["length"] / 2 + slope * deep
+            reach = arc.outward * named.y + named.length / 2 + slope * deep
             depth = scene.web.thickness_mm / 2 + offset * arc.outward
             away = arc.distance_mm(depth - tall, reach, around.widest_mm)
             yield wall_rule(f"{own} the {arc.title}", least), wall - away
         for arc in around.arcs if self.through else ():
-            flat = named["height"] / 2 - rounding.foot_mm
+            flat = named.height / 2 - rounding.foot_mm
             bottom = scene.web.thickness_mm / 2 + offset * arc.outward + flat
-            for sunk in _sunk_mm(arc, bottom, named["floor"], around.points_mm):
+            for sunk in _sunk_mm(arc, bottom, named.floor, around.points_mm):
                 yield f"the {arc.title} leaves a part of the groove's floor", sunk
 
     @override
     def box_mm(self, named: Named, around: Surroundings) -> Array:
-        opening = np.tan(np.deg2rad(named["draft"])) * (around.widest_mm - named["floor"])
-        length, height = named.get("length", _ENDLESS_MM) / 2 + opening, named["height"] / 2 + opening
-        y, z = named.get("y", 0.0), around.scene.web.thickness_mm / 2 + named["offset"]
-        return np.array([[named["floor"], y - length, z - height], [_ENDLESS_MM, y + length, z + height]])
+        opening = np.tan(np.deg2rad(named.draft)) * (around.widest_mm - named.floor)
+        length = (_ENDLESS_MM if self.through else named.length) / 2 + opening
+        height = named.height / 2 + opening
+        y, z = named.y, around.scene.web.thickness_mm / 2 + named.offset
+        return np.array([[named.floor, y - length, z - height], [_ENDLESS_MM, y + length, z + height]])
 
     @override
     def tables(self, named: Named, frame_mm: Frame) -> list[dict[str, Any]]:
         low, high, widest = frame_mm
-        values = dict(named)
-        draft, depth = values.pop("draft"), widest - values.pop("floor")
-        if self.through:
-            values |= {"y": (low + high) / 2, "length": high - low + 2 * BEYOND_MM}
-        lengths = {f"{name}_mm": value for name, value in values.items()}
-        radii = {name: radius for name in _RADII if (radius := getattr(self, name))}
-        return [{"shape": "side", **lengths, "depth_mm": depth, "draft_deg": draft, **radii}]
+        whole = (low + high) / 2, high - low + 2 * BEYOND_MM
+        y, length = whole if self.through else (named.y, named.length)
+        table = {
+            "shape": "side",
+            "y_mm": y,
+            "length_mm": length,
+            "height_mm": named.height,
+            "offset_mm": named.offset,
+            "depth_mm": widest - named.floor,
+            "draft_deg": named.draft,
+        }
+        return [table | {name: radius for name in _RADII if (radius := getattr(self, name))}]
 
     @classmethod
     @override

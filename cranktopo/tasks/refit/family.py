@@ -81,7 +81,7 @@ def own_values(parts: tuple[FittedFeature, ...], values: Array) -> Iterator[tupl
 def named_parts(parts: tuple[FittedFeature, ...], values: Array) -> Iterator[tuple[FittedFeature, Named]]:
     """Return each feature with its values by name."""
     for part, own in own_values(parts, values):
-        yield part, dict(zip(part.names, own, strict=True))
+        yield part, part.named(own)
 
 
 def station_shares(stations: int) -> Array:

@@ -58,7 +58,7 @@ def bevel_start(scene: Scene, bevel: FittedBevel) -> Array:
     values = np.array([axis + outward * clear, _BEVEL_SHARE * scene.web.thickness_mm, 0.0])
     ends = np.array(scene.web.y_range_mm(scene.throw.radius_mm))
     for _ in range(_PASSES if bevel.draft_deg else 0):
-        arc = bevel.arc(dict(zip(bevel.names, values, strict=True)), ends)
+        arc = bevel.arc(bevel.named(values), ends)
         values[0] = axis + outward * clear * np.hypot(1.0, arc.inward)
     return values
 

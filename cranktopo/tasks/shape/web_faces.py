@@ -69,7 +69,7 @@ class _FeatureFace(WebFace):
         return (scene_at(self.scene, self.layout, values) if moves else self.scene).web_z_mm
 
     def _distance(self, values: Array, web_z_mm: tuple[float, float], points_mm: Array) -> Array:
-        named = dict(zip(self.part.names, values[self.first :], strict=False))
+        named = self.part.named(values[self.first : self.first + len(self.part.names)])
         x, y, z = points_mm
         at = np.abs(x), y, z
         seams, faces = self.part.seams_mm, self.part.faces_mm
@@ -168,7 +168,7 @@ def _feature_faces(scene: Scene, layout: Layout) -> Iterator[WebFace]:
     first = layout.stations
     one = (np.ones(1),) * 3
     for part in layout.parts:
-        named = dict.fromkeys(part.names, 1.0)
+        named = part.named(np.ones(len(part.names)))
         count = len(part.faces_mm(named, np.array([-1.0, 9.0]), one, scene.web_z_mm))
         for number in range(count):
             yield _FeatureFace(scene, layout, part, number, first)

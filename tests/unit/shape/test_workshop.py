@@ -84,7 +84,7 @@ def test_a_pocket_has_draft_and_radii_of_the_process(
     assert box == FittedBox("pin", False, draft, corner, floor)
     least = max(1.0, floor * (1 - np.sin(np.deg2rad(draft))))
     assert box.bounds(scene, limits)[3][0] == pytest.approx(least, abs=0.03)
-    named = dict(zip(box.names, [20.0, 30.0, 14.0, 5.0], strict=True))
+    named = box.named(np.array([20.0, 30.0, 14.0, 5.0]))
     (written,) = box.tables(named, (-25.0, 73.0, 30.0))
     assert written.get("draft_deg", 0.0) == draft
     assert written["corner_radius_mm"] == corner
@@ -107,7 +107,7 @@ def test_a_side_pocket_has_corners_and_floor_of_the_process_and_a_groove_its_flo
     scene, limits = made_by(mikron, **process)
     side, groove = (KINDS[name].manufactured(limits) for name in ("side", "groove"))
     assert (side, groove) == (FittedSlot(False, radius, radius), FittedSlot(True, 0.0, 3.25))
-    named = dict(zip(side.names, [24.0, 20.0, 14.0, 20.0, 0.0, 5.0], strict=True))
+    named = side.named(np.array([24.0, 20.0, 14.0, 20.0, 0.0, 5.0]))
     (written,) = side.tables(named, (-25.0, 73.0, 25.0))
     assert written["corner_radius_mm"] == written["floor_radius_mm"] == radius
     assert FittedSlot.read(SidePocket(**written), False, (-25.0, 73.0, 25.0))[0] == side

@@ -27,6 +27,7 @@ from cranktopo.tasks.shape.start import outline_start, scene_start
 from cranktopo.throw.bevel import EndBevel, FittedBevel
 from cranktopo.throw.bevel_arc import BevelArc
 from cranktopo.throw.bevel_tool import DraftedBevelTool
+from cranktopo.throw.fitted import Named
 from cranktopo.throw.fitted_slot import FittedSlot
 from cranktopo.throw.primitives import Polyline
 from tests.unit.refit.remodel_cases import table
@@ -217,7 +218,7 @@ def test_signed_distance_is_that_of_the_solid(throw: Scene, face: Any, crown_mm:
     assert read is not None
     part, values = read
     assert part == FittedBevel(face, hollow=True, draft_deg=DRAFT_DEG)
-    named, ends = dict(zip(part.names, values, strict=True)), np.array(scene.web.y_range_mm(43.0))
+    named, ends = part.named(values), np.array(scene.web.y_range_mm(43.0))
     (low, high), random = scene.web_z_mm, np.random.default_rng(3)
     at = random.uniform([0, ends[0], low], [35, ends[1], high], (4000, 3)).T
 
@@ -344,7 +345,7 @@ def test_a_start_keeps_its_draft_or_gets_that_of_the_die(throw: Scene, own: floa
     scene = scene_with_web(throw, table(bevel=[{**BEVEL, "draft_deg": own}])).with_optimise(**DIE)
     found = scene_start(scene, process_limits(scene, usual_limits(scene)))
     assert found.layout.parts == (FittedBevel("journal", True, kept),)
-    (written,) = found.layout.parts[0].tables({"y": 52.0, "depth": 8.0, "crown": 0.0}, (0.0, 0.0, 0.0))
+    (written,) = found.layout.parts[0].tables(Named(y=52.0, depth=8.0), (0.0, 0.0, 0.0))
     assert EndBevel(**written).draft_deg == kept
 
 
