@@ -50,8 +50,8 @@ def row(engine: str, fraction: float, lengths: dict[str, float]) -> list[str]:
         surface = checked_surface(ready.scene, ready.domain, found.design)
         result = assess(found.problem, ready.scene, ready.domain, found.design.physical).quantities
     walls = surface.walls(ready.scene)
-    sizes = [lengths.get("min_member_mm"), walls["least_member_mm"]]
-    sizes += [lengths.get("min_gap_mm"), walls["least_gap_mm"]]
+    sizes = [lengths.get("min_member_mm"), walls.least_member_mm]
+    sizes += [lengths.get("min_gap_mm"), walls.least_gap_mm]
     return [
         engine,
         f"{fraction:g}",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError
@@ -14,17 +15,27 @@ Tell = Callable[[dict[str, Any]], None]
 Data = dict[str, Any]
 
 
+@dataclass(frozen=True)
+class Processes:
+    """The processes that answer: exact numbers, the picture, stiffness on cells, settled numbers."""
+
+    live: Worker = field(default_factory=Worker)
+    picture: Worker = field(default_factory=Worker)
+    coarse: Worker = field(default_factory=lambda: Worker(background=True))
+    settled: Worker = field(default_factory=lambda: Worker(background=True))
+
+    def close(self) -> None:
+        """End all of them."""
+        for worker in vars(self).values():
+            worker.close()
+
+
 class Answers:
     """Questions to the processes that answer, and what was settled so far, by the text of the design."""
 
     def __init__(self, tell_all: Tell) -> None:
         self._tell_all = tell_all
-        self._workers = {
-            "live": Worker(),
-            "picture": Worker(),
-            "coarse": Worker(background=True),
-            "settled": Worker(background=True),
-        }
+        self._workers = Processes()
         self._live, self._coarse = Newest(self._answer_live), Newest(self._answer_coarse)
         self._settle, self._originals = Newest(self._answer_settled), Newest(self._answer_original)
         self._settled: dict[str, dict[str, Any]] = {}
@@ -39,8 +50,7 @@ class Answers:
 
     def close(self) -> None:
         """End the processes."""
-        for worker in self._workers.values():
-            worker.close()
+        self._workers.close()
 
     def live(self, data: Data, seq: int | None, tell: Tell, text: str = "") -> None:
         """Ask for exact numbers and the picture; `seq` is the drag's, None after a release.
@@ -69,23 +79,23 @@ class Answers:
 
     async def checked(self, data: Data) -> list[dict[str, str]]:
         """Return the rules that a design breaks, each with its key; none where it is sound."""
-        found: list[dict[str, str]] = await self._workers["live"].ask("live.violated_rules_of", data)
+        found: list[dict[str, str]] = await self._workers.live.ask("live.violated_rules_of", data)
         return found
 
     async def proposed(self, name: str, data: Data, argument: Any) -> dict[str, Any]:
         """Return changes that a function of `proposals` finds for what is wanted."""
-        found: dict[str, Any] = await self._workers["live"].ask(f"proposals.{name}", data, argument)
+        found: dict[str, Any] = await self._workers.live.ask(f"proposals.{name}", data, argument)
         return found
 
     async def exact(self, data: Data) -> dict[str, float]:
         """Return the exact numbers of a design; none where it is broken."""
-        found = await self._workers["live"].ask("live.live_numbers", data, self._factors)
+        found = await self._workers.live.ask("live.live_numbers", data, self._factors)
         return _known_gauges(found)
 
     async def outlines(self, data: Data) -> list[Any]:
         """Return the outlines of the web of a design; none where it is broken."""
         try:
-            found: list[Any] = await self._workers["live"].ask("front_view.web_outlines", data)
+            found: list[Any] = await self._workers.live.ask("front_view.web_outlines", data)
         except CranktopoError:
             return []
         return found
@@ -107,8 +117,8 @@ class Answers:
         factors = self._settled.get(text, {}).get("stiffness_factors", self._factors)
         try:
             parts = await asyncio.gather(
-                self._workers["live"].ask("live.live_numbers", data, factors),
-                self._workers["picture"].ask("live.live_picture", data),
+                self._workers.live.ask("live.live_numbers", data, factors),
+                self._workers.picture.ask("live.live_picture", data),
             )
         except CranktopoError as error:
             return {"broken": [{"key": "", "message": str(error)}]}
@@ -132,7 +142,7 @@ class Answers:
         tell({"type": "coarse", "seq": seq, "gauges": gauges, "error_percent": errors})
 
     async def _coarse_values(self, data: Data) -> dict[str, float]:
-        found: dict[str, float] = await self._workers["coarse"].ask("coarse.coarse_stiffness", data)
+        found: dict[str, float] = await self._workers.coarse.ask("coarse.coarse_stiffness", data)
         return found
 
     async def _answer_settled(self, question: tuple[Callable[[str], Data], str, str]) -> None:
@@ -145,9 +155,7 @@ class Answers:
                 stiffness = so_far.get("throw_stiffnesses_Nm_per_rad", ()), so_far.get("gauges", {})
                 known = stiffness if part == "safety" else ()
                 try:
-                    found = await self._workers["settled"].ask(
-                        f"settled.settled_{part}", data_of(text), *known
-                    )
+                    found = await self._workers.settled.ask(f"settled.settled_{part}", data_of(text), *known)
                 except CranktopoError as error:
                     found = {"gauges": {}, **({} if part in ("film", "shaft") else {"missing": str(error)})}
                 self._keep(text, part, found)

@@ -21,7 +21,7 @@ from cranktopo.numerics.surfaces.mesh import (
 )
 from cranktopo.tasks.density.loop import WebDensities
 from cranktopo.tasks.extraction.half_throw import WebSurface, extract_half_throw
-from cranktopo.tasks.extraction.walls import measure
+from cranktopo.tasks.extraction.walls import LeastWalls, measure
 
 _VOLUME_TOLERANCE_PERCENT = 0.5
 
@@ -97,8 +97,8 @@ class CheckedSurface:
         """Return what the scene's process cannot leave, to half a cell."""
         return undercuts(self.surface.web, scene, self.cell_mm / 2)
 
-    def walls(self, scene: Scene) -> dict[str, float | None]:
-        """Return the minimum draft (deg), member and gap (mm) of the shaped walls; None for none."""
+    def walls(self, scene: Scene) -> LeastWalls:
+        """Return what the shaped walls measure."""
         return measure(self.surface.half_throw, envelope_solid(scene, self.grid), scene, self.cell_mm)
 
 

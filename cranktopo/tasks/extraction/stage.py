@@ -90,7 +90,7 @@ def _masses(scene: Scene, report: SurfaceReport) -> ThrowMasses:
 def _measured(scene: Scene, checked: CheckedSurface) -> ExtractedSurface:
     distances = iso_distance_mm(checked.surface, checked.grid, scene, checked.usable, checked.smooth)
     walls = checked.walls(scene)
-    member, gap = walls["least_member_mm"], walls["least_gap_mm"]
+    member, gap = walls.least_member_mm, walls.least_gap_mm
     return ExtractedSurface(
         **vars(quality(checked.surface, checked.report)),
         vertices=checked.report.vertices,

@@ -127,10 +127,17 @@ def least(values: Array, areas_mm2: Array, share: float = _LEAST_SHARE) -> float
     return float(values[order][np.searchsorted(covered, share * covered[-1])])
 
 
-def measure(
-    half_throw: SurfaceMesh, envelope: Manifold, scene: Scene, cell_mm: float
-) -> dict[str, float | None]:
-    """Return the minimum draft (deg), member and gap (mm) of the shaped walls; None where there is none.
+@dataclass(frozen=True)
+class LeastWalls:
+    """The minimum draft, member and gap of walls; None where there is none."""
+
+    least_draft_deg: float | None
+    least_member_mm: float | None
+    least_gap_mm: float | None
+
+
+def measure(half_throw: SurfaceMesh, envelope: Manifold, scene: Scene, cell_mm: float) -> LeastWalls:
+    """Return what the shaped walls measure.
 
     Draft is that of a die's or a mould's halves and leaves out the walls nearest to where they part, whose
     edge is rounded; of a mill or of a free web there is none.
@@ -140,15 +147,10 @@ def measure(
     way = withdrawal_of(scene)
     drafted = walls.where(from_parting_mm(walls, way) > _PARTING_CELLS * cell_mm)
     leaves = _is_manufactured(scene) and way.axis is not None
-    draft = least(drafts_deg(drafted, way), drafted.areas_mm2) if leaves else None
-    found = {
-        "least_draft_deg": draft,
-        "least_member_mm": least(members_mm(walls, body), walls.areas_mm2),
-        "least_gap_mm": least(gaps_mm(walls, body), walls.areas_mm2),
-    }
-    return {
-        name: value if value is not None and math.isfinite(value) else None for name, value in found.items()
-    }
+    draft = least(drafts_deg(drafted, way), drafted.areas_mm2) if leaves else math.inf
+    member = least(members_mm(walls, body), walls.areas_mm2)
+    gap = least(gaps_mm(walls, body), walls.areas_mm2)
+    return LeastWalls(*(value if math.isfinite(value) else None for value in (draft, member, gap)))
 
 
 def members_mm(walls: Walls, body: Walls) -> Array:

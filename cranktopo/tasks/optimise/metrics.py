@@ -189,10 +189,11 @@ def run_surface(surface: CheckedSurface | str, scene: Scene) -> RunSurface | NoS
         "asked_member_mm": scene.optimise.min_member_mm,
         "asked_gap_mm": scene.optimise.min_gap_mm,
     }
+    walls = surface.walls(scene) if measures_walls(scene) else None
     return RunSurface(
         **vars(quality(surface.surface, surface.report)),
         undercuts=UndercutMeasures.of(surface.undercuts(scene)),
-        walls=WallMeasures(**surface.walls(scene), **minimum_lengths) if measures_walls(scene) else None,
+        walls=WallMeasures(**vars(walls), **minimum_lengths) if walls else None,
     )
 
 

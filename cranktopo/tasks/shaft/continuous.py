@@ -31,6 +31,8 @@ from cranktopo.tasks.shaft.web_sections import web_sections
 _UM_PER_MM = 1000.0
 _MRAD_PER_RAD = 1000.0
 
+_MOMENTS_AND_SHEARS = ("bending_Nm", "side_bending_Nm", "torque_Nm", "shear_N", "side_shear_N")
+
 
 def continuous_shaft(
     throws: Sequence[tuple[LoadedThrow, Scene]],
@@ -79,8 +81,7 @@ def _at_speed(
         for index, (throw, _) in enumerate(throws)
     ]
     sections = web_sections(cycle, scenes)
-    ranges = {name: sections.range_of(name) for name in sections.curves()}
-    bending = ranges["bending_Nm"]
+    bending, aside, torque, shear, shear_aside = (sections.range_of(name) for name in _MOMENTS_AND_SHEARS)
     alone = [
         web_sections(one, [own]).range_of("bending_Nm")[0] for one, own in zip(single, scenes, strict=True)
     ]
@@ -91,10 +92,10 @@ def _at_speed(
             range_Nm=float(bending[index, side]),
             alone_Nm=float(alone[index][side]),
             share=float(bending[index, side] / alone[index][side]),
-            side_range_Nm=float(ranges["side_bending_Nm"][index, side]),
-            torque_range_Nm=float(ranges["torque_Nm"][index, side]),
-            shear_range_N=float(ranges["shear_N"][index, side]),
-            side_shear_range_N=float(ranges["side_shear_N"][index, side]),
+            side_range_Nm=float(aside[index, side]),
+            torque_range_Nm=float(torque[index, side]),
+            shear_range_N=float(shear[index, side]),
+            side_shear_range_N=float(shear_aside[index, side]),
         )
         for index in range(len(angles))
         for side in (0, 1)

@@ -19,13 +19,14 @@ from cranktopo.tasks.density import stage
 from cranktopo.tasks.density.assess import assess
 from cranktopo.tasks.density.problem import Assessment
 from cranktopo.tasks.extraction.checked_surface import CheckedSurface, checked_surface
+from cranktopo.tasks.extraction.walls import LeastWalls
 
 
 @dataclass(frozen=True)
 class Web:
     surface: CheckedSurface
     undercuts: Undercuts
-    walls: dict[str, float | None]
+    walls: LeastWalls
     assessment: Assessment
 
 
@@ -88,7 +89,7 @@ def test_a_die_releases_the_forged_web_and_not_the_free_one(webs: dict[str, Web]
 @pytest.mark.slow
 def test_the_forged_web_has_its_draft(webs: dict[str, Web]) -> None:
     """5 deg less what a surface on such cells scatters; a free web has no draft to measure."""
-    free, forged = (webs[process].walls["least_draft_deg"] for process in ("free", "forged"))
+    free, forged = (webs[process].walls.least_draft_deg for process in ("free", "forged"))
     assert free is None
     assert forged is not None
     assert forged > 4
@@ -110,8 +111,8 @@ def test_what_the_die_costs(webs: dict[str, Web]) -> None:
 def test_members_are_as_thick_as_asked(webs: dict[str, Web], mikron: Scene) -> None:
     """Two cells; without asking, the same web has members of less than half of it."""
     asked = optimised(mikron, "free", min_member_mm=9.0)
-    least = asked.surface.walls(mikron)["least_member_mm"]
-    usual = webs["free"].surface.walls(mikron)["least_member_mm"]
+    least = asked.surface.walls(mikron).least_member_mm
+    usual = webs["free"].surface.walls(mikron).least_member_mm
     assert least is not None
     assert usual is not None
     assert usual < 4.5

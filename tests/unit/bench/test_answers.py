@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 pytest.importorskip("tornado")
-from cranktopo.tasks.bench.answers import Answers
+from cranktopo.tasks.bench.answers import Answers, Processes
 from cranktopo.tasks.bench.workers import Worker
 
 
@@ -33,7 +33,8 @@ def told(asked: list[tuple[int | None, int]], turns: list[int]) -> list[dict[str
 
     async def talk() -> None:
         answers = Answers(found.append)
-        answers._workers.update({name: SlowWorker(turns) for name in ("live", "picture")})
+        slow = SlowWorker(turns)
+        answers._workers = Processes(live=slow, picture=slow)
         for step, (seq, pause) in enumerate(asked):
             answers.live({"step": step}, seq, found.append)
             for _ in range(pause):

@@ -73,7 +73,7 @@ def test_walls_keep_their_draft_up_to_the_sides() -> None:
     scene = scene_of(settings)
     grid, web = made(lambda x, y, z: 38.0 - SLOPE * np.abs(x) - np.abs(y - 24.0), settings)
     found = measure(web.half_throw, envelope_solid(scene, grid), scene, CELL_MM)
-    assert found["least_draft_deg"] == pytest.approx(DRAFT_DEG, abs=0.5)
+    assert found.least_draft_deg == pytest.approx(DRAFT_DEG, abs=0.5)
 
 
 @pytest.mark.parametrize("settings", [{"process": "forged", "draft_deg": DRAFT_DEG}, FACES])
