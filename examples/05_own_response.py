@@ -8,7 +8,9 @@ import jax.numpy as jnp
 import matplotlib.pyplot as plt
 import numpy as np
 
-from cranktopo import double_precision, load_scene, optimise_density, prepare
+from cranktopo import double_precision, load_scene, prepare
+from cranktopo.tasks.density.build import build_problem
+from cranktopo.tasks.density.loop import init
 from cranktopo.tasks.density.material import physical_density, relative_moduli
 from cranktopo.tasks.density.model import pin_weights
 from cranktopo.tasks.density.response import displacements
@@ -16,11 +18,11 @@ from cranktopo.tasks.density.response import displacements
 out = Path(sys.argv[1] if sys.argv[1:] else "examples/out")
 out.mkdir(parents=True, exist_ok=True)
 
-scene = load_scene("mikron-iiic").with_optimise(resolution_mm=4.5, max_iterations=2)
+scene = load_scene("mikron-iiic").with_optimise(resolution_mm=4.5)
 ready = prepare(scene.with_optimise(process="free", draft_deg=0))  # a die would tie cells to each other
 with double_precision():
-    optimum = optimise_density(ready)
-    problem, state = optimum.problem, optimum.state
+    problem = build_problem(ready.scene, ready.domain, ready.cases)
+    state = init(problem)  # the uniform density that an optimisation begins with
     crankpin = pin_weights(ready.domain)  # displacements mean something at material alone
     torsion = [case.name for case in problem.model.cases].index("torsion")
 
@@ -30,8 +32,7 @@ with double_precision():
         moved = displacements(problem.model, relative_moduli(problem.density_chain, density))
         return jnp.sum(crankpin * moved[torsion, 0])
 
-    found, slopes = jax.value_and_grad(shift_mm)(jnp.asarray(state.x))
-value, gradient = float(found), np.asarray(slopes)
+    value, gradient = map(np.asarray, jax.value_and_grad(shift_mm)(jnp.asarray(state.x)))
 print(f"{value:.4f} mm; one derivative for each of the {gradient.size} design variables")
 
 middle = 1000 * gradient.mean(axis=2)  # over the thickness; the half x >= 0 is computed

@@ -11,7 +11,7 @@ from cranktopo import double_precision, load_scene, optimise_density, prepare, w
 out = Path(sys.argv[1] if sys.argv[1:] else "examples/out")
 out.mkdir(parents=True, exist_ok=True)
 
-scene = load_scene("mikron-iiic").with_optimise(resolution_mm=4.5, max_iterations=16)
+scene = load_scene("mikron-iiic").with_optimise(resolution_mm=4.5, max_iterations=10)
 scene = with_goal(scene, minimise="mass", limits=["torsion >= 110 %", "bending >= 100 %"])
 for limit in wanted(scene).limits:
     print(f"{limit}{', by default' if limit.assumed else ''}")
@@ -21,7 +21,7 @@ with double_precision():
 history = optimum.state.history
 figure, (left, right) = plt.subplots(1, 2, figsize=(8, 4), layout="constrained")
 left.plot([row.iteration for row in history], [row.goals[0] for row in history])
-left.set(xlabel="iteration", xticks=range(0, len(history) + 1, 4))
+left.set(xlabel="iteration", xticks=range(0, len(history) + 1, 2))
 left.set_ylabel("mass of the throw, kg", color="tab:blue")
 broken = left.twinx()
 broken.plot(
