@@ -25,7 +25,7 @@ def late(row: Row) -> None:
 @dataclass(frozen=True)
 class Case:
     'A case.'
-def solve(progress): row["c"]
+def solve(progress: Literal["c"]): row["c"]
 """,
     "tasks/any.py": "def f(unbalance, balancer, balance, balanced, left_balance): ...\n",
     "app.py": "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from cranktopo.tasks import any\n",
