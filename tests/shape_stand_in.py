@@ -63,7 +63,7 @@ class ShapeStandIn:
         )
         return self._ended(run, scene)
 
-    def resume(self, reference: str) -> ShapedRun:
+    def resume(self, reference: str | Path, loads: Any = None) -> ShapedRun:
         run = open_run(reference)
         self.asked.append(run.path)
         return self._ended(run, self.asked[0][0])

@@ -7,13 +7,15 @@ import json
 from collections.abc import Callable, Iterator, MutableMapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import json_text, read_json, write_json
 from cranktopo.base.notes import note
+from cranktopo.base.result import Result
 
 Json = dict[str, Any]
+Kept = TypeVar("Kept", bound=Result)
 
 
 _RESULT = "result"
@@ -45,6 +47,10 @@ class StageMemory:
             self.kept[name] = make()
             self.check()
         return self.kept[name]
+
+    def once_as(self, kind: type[Kept], name: str, make: Callable[[], Kept]) -> Kept:
+        """Return the result of a part as `once`, as what is its own JSON."""
+        return kind.of_json(self.once(name, lambda: make().as_json()), f"part '{name}'")
 
 
 class StageCache(MutableMapping[str, Json]):

@@ -54,7 +54,7 @@ class Assumption:
     """A key that the scene does not give, the value taken for it, and what that means."""
 
     key: str
-    value: float | int | str
+    value: bool | float | int | str
     meaning: str
 
     def __str__(self) -> str:

@@ -55,8 +55,7 @@ def design_from_run(run: RunStore) -> Scene:
     The design.toml of a run is the user's text: it lacks those options, and its relative paths are relative
     to where it came from.
     """
-    manifest = run.manifest()
-    return scene_from_dict(manifest["scene"], str(run.path / "manifest.json"))
+    return scene_from_dict(run.manifest().scene, str(run.path / "manifest.json"))
 
 
 def toml_text(scene: Scene, heading: str, *, with_defaults: bool = False) -> str:

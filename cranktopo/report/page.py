@@ -11,7 +11,9 @@ from cranktopo.report.plot import Picture
 from cranktopo.report.result_table import ResultTable
 
 if TYPE_CHECKING:
+    from cranktopo.design.assumed import Assumption
     from cranktopo.report.viewer.scene3d import Scene3D
+    from cranktopo.runs.manifest import Manifest
 
 
 FactStatus = Literal["good", "bad", "neutral", "unknown"]
@@ -81,14 +83,13 @@ def sentence(words: str) -> str:
     return f"{words[0].upper()}{words[1:]}."
 
 
-def origin_rows(manifest: Mapping[str, Any]) -> list[tuple[str, Any]]:
+def origin_rows(manifest: Manifest) -> list[tuple[str, Any]]:
     """Return where a run comes from, for `pairs`: its command, start, settings and input files."""
-    inputs = manifest.get("inputs", {}).items()
     return [
-        ("command", " ".join(manifest["command"])),
-        ("started", clock_words(manifest["started"])),
-        ("settings, SHA-256", manifest["settings_sha256"]),
-        *((f"{role}, SHA-256", entry["sha256"]) for role, entry in inputs),
+        ("command", " ".join(manifest.command)),
+        ("started", clock_words(manifest.started)),
+        ("settings, SHA-256", manifest.settings_sha256),
+        *((f"{role}, SHA-256", file.sha256) for role, file in manifest.inputs.items()),
     ]
 
 
@@ -103,15 +104,15 @@ def clock_words(written: str) -> str:
     return f"{day}, {time[:5]} UTC{time[8:].removesuffix('+00:00')}" if time else written
 
 
-def assumed_tables(entries: Sequence[Mapping[str, Any]]) -> list[tuple[str, ResultTable]]:
+def assumed_tables(entries: Sequence[Assumption]) -> list[tuple[str, ResultTable]]:
     """Return `assumed` of metrics.json as one table with its caption; none where the design says all."""
-    rows = [(entry["key"], assumed_words(entry)) for entry in entries]
+    rows = [(entry.key, assumed_words(entry)) for entry in entries]
     return [("Assumed, because the design does not say it", pairs(rows))] if rows else []
 
 
-def assumed_words(entry: Mapping[str, Any]) -> str:
+def assumed_words(entry: Assumption) -> str:
     """Return the value of an entry of `assumed` with the unit that its key ends in, and what it means."""
-    return f"{with_unit(entry['key'], entry['value'])} {entry['meaning']}".strip()
+    return f"{with_unit(entry.key, entry.value)} {entry.meaning}".strip()
 
 
 def quantity_words(key: str, value: Any) -> str:

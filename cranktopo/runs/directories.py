@@ -25,10 +25,11 @@ from cranktopo.base.files import (
 )
 from cranktopo.runs.destination import LOCK, check_folder, locked, moved, unfinished_folder
 from cranktopo.runs.manifest import (
+    Manifest,
     RunStatus,
-    check_manifest,
     file_hash,
     new_manifest,
+    read_manifest,
     settings_hash,
     timestamp,
 )
@@ -70,16 +71,13 @@ class RunStore:
         """Path of the checkpoint of the run."""
         return self.path / _CHECKPOINT
 
-    def manifest(self) -> dict[str, Any]:
+    def manifest(self) -> Manifest:
         """Return the manifest; raises CranktopoError when it is missing, corrupted or of another version."""
-        path = self.path / _MANIFEST
-        manifest = read_json(path)
-        check_manifest(manifest, path)
-        return manifest
+        return read_manifest(self.path / _MANIFEST)
 
     def started(self) -> datetime:
         """Return when the run was started; raises CranktopoError when the manifest does not say."""
-        text = self.manifest()["started"]
+        text = self.manifest().started
         try:
             return datetime.fromisoformat(text)
         except ValueError:
@@ -89,26 +87,22 @@ class RunStore:
 
     def set_status(self, status: RunStatus) -> None:
         """Record the status; every status but "running" also records the time as the end of the run."""
-        manifest = self.manifest()
-        manifest["status"] = status
-        manifest["ended"] = None if status == "running" else timestamp()
-        write_json(self.path / _MANIFEST, manifest)
+        self._record(status=status, ended=None if status == "running" else timestamp())
 
     def resume(self) -> None:
         """Mark the run as running again, with the time, and clear what a killed process left unfinished."""
         sweep_temporaries(self.path)
-        manifest = self.manifest()
-        resumed = [*manifest.get("resumed", []), timestamp()]
-        write_json(
-            self.path / _MANIFEST, {**manifest, "status": "running", "ended": None, "resumed": resumed}
-        )
+        self._record(status="running", ended=None, resumed=(*self.manifest().resumed, timestamp()))
+
+    def _record(self, **changes: Any) -> None:
+        write_json(self.path / _MANIFEST, self.manifest().model_copy(update=changes).as_json())
 
     def require_same_inputs(self) -> None:
         """Check that the input files are those the run was started with; raises CranktopoError."""
-        for role, entry in self.manifest().get("inputs", {}).items():
-            if file_hash(Path(entry["path"])) != entry["sha256"]:
+        for role, file in self.manifest().inputs.items():
+            if file_hash(Path(file.path)) != file.sha256:
                 raise CranktopoError(
-                    f"run '{self.path}': {role} '{entry['path']}' changed since it was started.",
+                    f"run '{self.path}': {role} '{file.path}' changed since it was started.",
                     hint="Restore that file, or start a new run.",
                 )
 
@@ -191,7 +185,7 @@ def create_run(
     )
     with unfinished_folder(root if out is None else out.parent) as folder:
         write_text(folder / _DESIGN, design_toml)
-        write_json(folder / _MANIFEST, manifest)
+        write_json(folder / _MANIFEST, manifest.as_json())
         RunStore(folder).log(f"started: {shlex.join(command)}")
         return RunStore(_published(folder, root / stem) if out is None else moved(folder, out))
 
@@ -212,6 +206,11 @@ def open_run(reference: str | Path, root: Path = RUNS) -> RunStore:
     run = RunStore(path)
     run.manifest()
     return run
+
+
+def status_of(folder: Path) -> RunStatus | None:
+    """Return the status of the run in a folder, None where none was begun; raises CranktopoError."""
+    return open_run(folder).manifest().status if (folder / _MANIFEST).is_file() else None
 
 
 def runs_named(reference: str, root: Path = RUNS) -> list[str]:

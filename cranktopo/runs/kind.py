@@ -36,7 +36,7 @@ RESULT_FILES: dict[RunKind, str] = {
 
 def kind_of(run: RunStore) -> RunKind:
     """Return the command that made a run; raises CranktopoError when its manifest cannot be used."""
-    options = run.manifest()["options"]
+    options = run.manifest().options
     return next((kind for kind in (LOOP, SHAPE, SWEEP, EACH_WEB) if kind in options), "optimise")
 
 

@@ -8,11 +8,15 @@ from collections.abc import Mapping, Sequence
 from datetime import datetime
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, Literal
+
+from pydantic import ConfigDict, Field, ValidationError
 
 from cranktopo.base.errors import CranktopoError, quoted
-from cranktopo.base.files import GEOMETRY_LIMIT_MIB, check_input, json_text
+from cranktopo.base.faults import MISSING, faults_of
+from cranktopo.base.files import GEOMETRY_LIMIT_MIB, check_input, json_text, read_json
 from cranktopo.base.reproducible import SEED
+from cranktopo.base.result import Result
 
 SCHEMA_VERSION = 1
 RunStatus = Literal["running", "done", "interrupted", "failed"]
@@ -30,16 +34,38 @@ _PACKAGES = (
     "gmsh",
     "scikit-fem",
 )
-_KEYS: dict[str, type] = {
-    "run": str,
-    "design": str,
-    "scene": dict,
-    "options": dict,
-    "settings_sha256": str,
-    "status": str,
-    "started": str,
-}
-_LISTS: dict[str, type] = {"command": str, "resumed": str, "assumed": dict}
+
+
+class InputFile(Result):
+    """A file that a run read, with its SHA-256 (hex) at the start."""
+
+    path: str
+    sha256: str
+
+
+class Manifest(Result):
+    """Origin of a run, as its manifest.json holds it; keys that a newer version added stay in it."""
+
+    model_config = ConfigDict(extra="allow")
+
+    schema_version: int
+    run: str
+    design: str
+    command: tuple[str, ...]
+    status: RunStatus
+    started: str
+    """Local time with its offset from UTC, ISO 8601, as of the times that follow."""
+    ended: str | None = None
+    resumed: tuple[str, ...] = ()
+    seed: int
+    settings_sha256: str
+    inputs: dict[str, InputFile] = Field(default_factory=dict)
+    """By their roles."""
+    versions: dict[str, str | None]
+    options: dict[str, Any]
+    """Additions of the command line to the scene, plain values."""
+    scene: dict[str, Any]
+    assumed: tuple[dict[str, Any], ...] = ()
 
 
 def new_manifest(
@@ -51,25 +77,23 @@ def new_manifest(
     options: Mapping[str, Any],
     inputs: Mapping[str, Path],
     assumed: Sequence[Mapping[str, Any]] = (),
-) -> dict[str, Any]:
+) -> Manifest:
     """Return the manifest of a run that starts now; raises CranktopoError for an unreadable input."""
-    return {
-        "schema_version": SCHEMA_VERSION,
-        "run": run,
-        "design": design,
-        "command": list(command),
-        "status": "running",
-        "started": timestamp(),
-        "ended": None,
-        "resumed": [],
-        "seed": SEED,
-        "settings_sha256": settings_hash(scene, options),
-        "inputs": {role: {"path": str(path), "sha256": file_hash(path)} for role, path in inputs.items()},
-        "versions": versions(),
-        "options": dict(options),
-        "scene": dict(scene),
-        "assumed": [dict(entry) for entry in assumed],
-    }
+    return Manifest(
+        schema_version=SCHEMA_VERSION,
+        run=run,
+        design=design,
+        command=tuple(command),
+        status="running",
+        started=timestamp(),
+        seed=SEED,
+        settings_sha256=settings_hash(scene, options),
+        inputs={role: InputFile(path=str(path), sha256=file_hash(path)) for role, path in inputs.items()},
+        versions=versions(),
+        options=dict(options),
+        scene=dict(scene),
+        assumed=tuple(dict(entry) for entry in assumed),
+    )
 
 
 def settings_hash(scene: Mapping[str, Any], options: Mapping[str, Any]) -> str:
@@ -106,41 +130,35 @@ def timestamp() -> str:
     return datetime.now().astimezone().isoformat(timespec="seconds")
 
 
-def check_manifest(manifest: Mapping[str, Any], path: Path) -> None:
-    """Check that a manifest is one this program can use; raises CranktopoError."""
-    version = manifest.get("schema_version")
+def read_manifest(path: Path) -> Manifest:
+    """Return the manifest in a file; raises CranktopoError where it is none that this program can use."""
+    data = read_json(path)
+    version = data.get("schema_version")
     if version != SCHEMA_VERSION:
         raise CranktopoError(
             f"'{path}': schema_version {quoted(version)}, this program reads {SCHEMA_VERSION}.",
             hint="Use the version of cranktopo that made the run, or start a new one.",
         )
-    missing = [key for key in (*_KEYS, "command") if key not in manifest]
-    if missing:
-        raise CranktopoError(f"'{path}': incomplete, {', '.join(missing)} missing.", hint="Start a new run.")
-    wrong = [key for key, kind in _KEYS.items() if not isinstance(manifest[key], kind)]
-    wrong += [] if manifest["status"] in get_args(RunStatus) or "status" in wrong else ["status"]
-    wrong += [] if _is_inputs(manifest.get("inputs", {})) else ["inputs"]
-    wrong += [key for key, kind in _LISTS.items() if not _is_list(manifest.get(key, []), kind)]
-    if wrong:
-        raise CranktopoError(
-            f"'{path}': damaged, {', '.join(wrong)} not as written.", hint="Start a new run."
-        )
-    if settings_hash(manifest["scene"], manifest["options"]) != manifest["settings_sha256"]:
+    try:
+        manifest = Manifest.model_validate(data)
+    except ValidationError as error:
+        raise CranktopoError(f"'{path}': {_wrong(error)}.", hint="Start a new run.") from None
+    if settings_hash(manifest.scene, manifest.options) != manifest.settings_sha256:
         raise CranktopoError(
             f"'{path}': changed by hand, its scene and options do not match settings_sha256.",
             hint="Restore it; to change settings, edit the design and start a new run.",
         )
+    return manifest
 
 
-def _is_list(value: Any, kind: type) -> bool:
-    return isinstance(value, list) and all(isinstance(item, kind) for item in value)
-
-
-def _is_inputs(inputs: Any) -> bool:
-    return isinstance(inputs, dict) and all(
-        isinstance(entry, dict) and all(isinstance(entry.get(key), str) for key in ("path", "sha256"))
-        for entry in inputs.values()
-    )
+def _wrong(error: ValidationError) -> str:
+    """Return which keys are missing; where none is, which are not as written."""
+    faults = faults_of(error)
+    missing = [str(fault.place[0]) for fault in faults if fault.kind == MISSING and len(fault.place) == 1]
+    if missing:
+        return f"incomplete, {', '.join(missing)} missing"
+    wrong = dict.fromkeys(str(fault.place[0]) for fault in faults)
+    return f"damaged, {', '.join(wrong)} not as written"
 
 
 def _ordered(value: Any) -> Any:

@@ -56,7 +56,7 @@ def chain(limits: list[str], folder: Path) -> list[float]:
         scene = with_goal(plain, minimise="mass", limits=[f"torsion >= {limit} %"])
         done = shape_design(scene, out=folder / limit, begun=begun)
         found.append(done.result.result.mass_kg.throw)
-        begun = load_scene(str(done.folder / done.result.files["design"]))
+        begun = load_scene(str(done.folder / done.result.files.design))
     return found
 
 

@@ -16,6 +16,8 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.loading import design_text, load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.runs.directories import create_run
+from cranktopo.tasks.shape import evaluated_web
+from cranktopo.tasks.shape import run as shape_run
 from cranktopo.tasks.shape.each_web import rounds, run
 from cranktopo.tasks.shape.run import resume_shape, shape_settings
 from tests import shape_stand_in
@@ -37,9 +39,9 @@ def stand_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ShapeStandIn:
     after: Iterator[Any] = iter([told_shaft(HALF, 5.6), told_shaft(HALF, 5.32)])
     monkeypatch.setattr(run, "loaded_shaft", lambda scene, fraction: told_shaft(DESIGN, 6.0))
     monkeypatch.setattr(rounds, "loaded_shaft", lambda design, fraction: next(after))
-    monkeypatch.setattr(rounds, "web_safety", lambda scene, judging: 2.0)
-    monkeypatch.setattr(rounds, "shape_design", found.design)
-    monkeypatch.setattr(rounds, "resume_shape", lambda path, loads: found.resume(path))
+    monkeypatch.setattr(evaluated_web, "web_safety", lambda scene, judging: 2.0)
+    monkeypatch.setattr(shape_run, "shape_design", found.design)
+    monkeypatch.setattr(shape_run, "resume_shape", found.resume)
     return found
 
 

@@ -12,7 +12,8 @@ from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.tasks.bound.result import NoBound
 from cranktopo.tasks.designs.run_webs import web_target
-from cranktopo.tasks.iterate import loop, shape_step
+from cranktopo.tasks.iterate import loop
+from cranktopo.tasks.shape import run as shape_run
 from tests.cli.test_iterate import with_stand_ins
 from tests.shape_stand_in import ShapeStandIn
 
@@ -23,8 +24,8 @@ ARGUMENTS = ["iterate", "--steps", "1", "--resolution-mm", "4.5", "--volume-frac
 def stand_in(monkeypatch: pytest.MonkeyPatch) -> ShapeStandIn:
     with_stand_ins(monkeypatch)
     found = ShapeStandIn({"torsion": 118.0, "bending": 102.0})
-    monkeypatch.setattr(shape_step, "shape_design", found.design)
-    monkeypatch.setattr(shape_step, "resume_shape", found.resume)
+    monkeypatch.setattr(shape_run, "shape_design", found.design)
+    monkeypatch.setattr(shape_run, "resume_shape", found.resume)
     # The bound itself is no subject here, only what it is asked to stand beside.
     monkeypatch.setattr(
         loop, "bounds_for_result", lambda _, reached, *__: NoBound(none=f"beside {reached['torsion']} %")

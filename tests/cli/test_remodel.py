@@ -40,17 +40,17 @@ def test_files_of_a_fitted_web(mikron: Scene, tmp_path: Path) -> None:
     fitted = FittedWeb(scene, WHOLE.names, tuple(values_of(WHOLE)), trials, (0.8,), ())
     near, half_throw = shape_error(scene, body), surface_of(scene, "half")
     files = write_refit(fitted, near, half_throw, body, tmp_path)
-    assert load_scene(str(tmp_path / files["design"])) == scene
+    assert load_scene(str(tmp_path / files.design)) == scene
     volume = half_throw_volume_mm3(scene)
-    assert step_volume_mm3(tmp_path / files["step"]) == pytest.approx(volume, rel=1e-6)
-    stl = trimesh.load_mesh(tmp_path / files["stl"])
+    assert step_volume_mm3(tmp_path / files.step) == pytest.approx(volume, rel=1e-6)
+    stl = trimesh.load_mesh(tmp_path / files.stl)
     assert stl.is_watertight
     assert stl.volume == pytest.approx(volume, rel=2e-3)
-    picture = imread(tmp_path / files["drawing"])[..., :3]
+    picture = imread(tmp_path / files.drawing)[..., :3]
     ink = picture.min(axis=-1) < 0.9
     quarters = [part for half in np.array_split(ink, 2) for part in np.array_split(half, 2, axis=1)]
     assert all(0.005 < part.mean() < 0.5 for part in quarters)
-    svg = (tmp_path / files["drawing_svg"]).read_text()
+    svg = (tmp_path / files.drawing_svg).read_text()
     assert "<svg" in svg
 
 

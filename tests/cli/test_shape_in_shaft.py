@@ -16,7 +16,7 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import WebLoads
 from cranktopo.engine.plan.planning import plan_for_stress
-from cranktopo.tasks.shape import in_shaft, run
+from cranktopo.tasks.shape import evaluated_web, in_shaft, run
 from cranktopo.tasks.shape.evaluated_web import Judging, web_safety
 from cranktopo.tasks.shape.in_shaft import search_in_shaft
 from cranktopo.tasks.shape.result import SafetyInShaft
@@ -50,7 +50,7 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> list[Scene]:
         return told_shaft(SAFETIES)
 
     monkeypatch.setattr(in_shaft, "loaded_shaft", shaft)
-    monkeypatch.setattr(in_shaft, "web_safety", lambda *_: 0.98 * min(SAFETIES))
+    monkeypatch.setattr(evaluated_web, "web_safety", lambda *_: 0.98 * min(SAFETIES))
     return asked
 
 

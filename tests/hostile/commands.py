@@ -142,7 +142,7 @@ def _run(r: random.Random) -> Case:
         scene=scene.model_dump(mode="json"),
         options=r.choice([{}, {"iterate": {}}, {"iterate": {"steps": 3}}]),
         inputs={},
-    )
+    ).as_json()
     for _ in range(r.randint(0, 2)):
         key = r.choice(list(manifest))
         manifest[key] = r.choice([None, 1, "x", [], {}, [1], {"a": 1}, True, "running", "../x", "x" * 500])

@@ -90,7 +90,6 @@ WORK = (
     "cranktopo.tasks.iterate.one_step.optimised_surface",
     "cranktopo.tasks.shape.each_web.run.loaded_shaft",
     "cranktopo.tasks.shape.each_web.rounds.loaded_shaft",
-    "cranktopo.tasks.shape.each_web.rounds.shape_design",
     "cranktopo.tasks.bench.command._announce",
 )
 

@@ -22,6 +22,8 @@ from cranktopo.tasks.accuracy.stage import pareto_front
 from cranktopo.tasks.accuracy.study import Study
 from cranktopo.tasks.bench.project import Project
 from cranktopo.tasks.fea.studies import EVALUATION, Level, store_study
+from cranktopo.tasks.shape import evaluated_web
+from cranktopo.tasks.shape import run as shape_run
 from cranktopo.tasks.shape.each_web import rounds, run
 from tests import sweep_cases
 from tests.cli.test_iterate import ARGUMENTS, with_stand_ins
@@ -103,9 +105,9 @@ def _each_web(folder: Path) -> None:
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(run, "loaded_shaft", lambda scene, fraction: told_shaft(safeties, 6.0))
         patched.setattr(rounds, "loaded_shaft", lambda design, fraction: next(after))
-        patched.setattr(rounds, "web_safety", lambda scene, judging: 2.0)
-        patched.setattr(rounds, "shape_design", search.design)
-        patched.setattr(rounds, "resume_shape", lambda path, loads: search.resume(path))
+        patched.setattr(evaluated_web, "web_safety", lambda scene, judging: 2.0)
+        patched.setattr(shape_run, "shape_design", search.design)
+        patched.setattr(shape_run, "resume_shape", search.resume)
         words = ["shape", "mikron-iiic", "--each-web", "--quiet", "--out", str(folder / "run")]
         assert main(words) == 0
 

@@ -192,10 +192,11 @@ def _folder(target: Target) -> Path:
 
 def _write(result: StudyResult, folder: Path) -> dict[str, str]:
     folder.mkdir(parents=True, exist_ok=True)
-    paths = {"json": folder / "accuracy.json", "markdown": folder / "accuracy.md"}
-    write_json(paths["json"], result.as_json())
+    plain, markdown = folder / "accuracy.json", folder / "accuracy.md"
+    write_json(plain, result.as_json())
     page = accuracy_page(result, timestamp()[:10])
-    write_report(page, paths["markdown"])
+    write_report(page, markdown)
+    files = {"json": str(plain), "markdown": str(markdown)}
     for picture in page.sections[0].pictures:
-        paths["picture"] = folder / "accuracy-pictures" / f"{picture.name}.png"
-    return {name: str(path) for name, path in paths.items()}
+        files["picture"] = str(folder / "accuracy-pictures" / f"{picture.name}.png")
+    return files

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.bodies.cells.outside import OutsideEnvelope
+from cranktopo.design.assumed import Assumption
 from cranktopo.design.goal.outcome import StatedGoal
 from cranktopo.design.goal.quantities import QuantityName
 
@@ -64,7 +63,7 @@ class BoundResult(Result):
     resolution_mm: float
     model_error_percent: dict[str, float]
     seconds: float
-    assumed: tuple[dict[str, Any], ...]
+    assumed: tuple[Assumption, ...]
 
 
 class BoundCells(Result):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import note
 from cranktopo.bodies.cells.domain import laterally_symmetric
 from cranktopo.bodies.memory import available_memory_MiB, check_resolution
-from cranktopo.design.assumed import ENVELOPE, GOAL, SUPPORTS, THROW, assumed_json, assumed_text, assumptions
+from cranktopo.design.assumed import ENVELOPE, GOAL, SUPPORTS, THROW, Assumption, assumed_text, assumptions
 from cranktopo.design.free_dimensions import is_of_counterweight, move_journals
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal, Limit
@@ -69,10 +68,10 @@ def bound_of(scene: DesignLike, resolution_mm: float | None = None) -> BoundResu
             start = densities_on_cells(coarse, prove(coarse, goal).density, model)
         nx, ny, nz = model.domain.grid.cells
         note(f"{scene.name}: {nx} x {ny} x {nz} cells, {int((model.webs.design > 0).sum())} to fill")
-        return _result(model, prove(model, goal, start), assumed_json(assumed))
+        return _result(model, prove(model, goal, start), assumed)
 
 
-def _result(model: BoundModel, bound: Bound, assumed: list[dict[str, Any]]) -> BoundResult:
+def _result(model: BoundModel, bound: Bound, assumed: tuple[Assumption, ...]) -> BoundResult:
     problem, scene, grid = bound.problem, model.scene, model.domain.grid
     dropped = tuple(DroppedLimit(limit=str(limit), reason=why) for limit, why in problem.dropped)
     return BoundResult(
@@ -101,7 +100,7 @@ def _result(model: BoundModel, bound: Bound, assumed: list[dict[str, Any]]) -> B
         resolution_mm=scene.optimise.resolution_mm,
         model_error_percent=model_error_percent(scene, grid.largest_edge_mm),
         seconds=bound.seconds,
-        assumed=tuple(assumed),
+        assumed=assumed,
     )
 
 

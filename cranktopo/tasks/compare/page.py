@@ -248,13 +248,12 @@ def _accuracy(comparison: Comparison) -> Section:
 def _assumed(comparison: Comparison) -> list[tuple[str, ResultTable]]:
     """Return what a target does not say, one table for all; fatigue names what it uses as well."""
     fatigue = comparison.fatigue
-    known = fatigue.result.as_json()["fatigue"] if fatigue else []
+    known = fatigue.result.fatigue if fatigue else ()
     unknown = [e for e in comparison.entries if fatigue is None or e.name in fatigue.not_judged]
-    others = [e.evaluation.result.as_json() for e in unknown]
     found = [
-        {**item, "key": f"{entry['target']}: {item['key']}"}
-        for entry in (*known, *others)
-        for item in entry.get("assumed", ())
+        replace(item, key=f"{entry.target}: {item.key}")
+        for entry in (*known, *(e.evaluation.result for e in unknown))
+        for item in entry.assumed
     ]
     return assumed_tables(found)
 

@@ -118,7 +118,7 @@ def _limits(target: WebTarget, scene: Scene) -> ManufacturingLimits:
     run, file = target.run, target.file
     if run is None or file is None:
         return usual_limits(scene)
-    options = run.manifest()["options"]
+    options = run.manifest().options
     with reading_results(run):
         if (file.parent / REMODEL).is_file():
             return ManufacturingLimits(**read_json(file.parent / REMODEL).get("rules", {}))

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.design.assumed import assumed_json
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.histories import HistoryKind
@@ -76,7 +75,7 @@ def write_dossier(assessment: FatigueAssessment, path: Path, command: Sequence[s
         cases=load_cases(scene, effects.enabled),
         loads=analyse(scene, effects.enabled),
         history=_HISTORY[assessment.loads],
-        assumed=tuple(assumed_json(assumed_by(target.assumed, (assessment.method,)))),
+        assumed=assumed_by(target.assumed, (assessment.method,)),
         drawings=() if target.file else _drawings(target),
         scene_sha256=settings_hash(scene.model_dump(mode="json"), {}),
         command=" ".join(command),

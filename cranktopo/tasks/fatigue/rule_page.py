@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
+from cranktopo.design.assumed import Assumption
 from cranktopo.design.schema import Scene
 from cranktopo.design.strength import strength_remarks
 from cranktopo.engine.analysis import LoadAnalysis
@@ -69,7 +69,7 @@ class RuleRecord:
     cases: tuple[LoadCase, ...]
     loads: LoadAnalysis | None
     history: str
-    assumed: tuple[Mapping[str, Any], ...]
+    assumed: tuple[Assumption, ...]
     drawings: tuple[Picture, ...]
     scene_sha256: str
     command: str
@@ -294,7 +294,7 @@ def _mesh(check: RuleCheck) -> Section:
 
 
 def _assumptions(record: RuleRecord) -> Section:
-    rows = [{"assumption": entry["key"], "value": assumed_words(entry)} for entry in record.assumed] + [
+    rows = [{"assumption": entry.key, "value": assumed_words(entry)} for entry in record.assumed] + [
         {"assumption": "loads", "value": record.history},
         {"assumption": "bearings", "value": "rigid, journals free to tilt (Appendix III)"},
     ]

@@ -191,7 +191,7 @@ def _run(run: RunStore) -> Target:
             f"target '{run.path}': {_RUN_SURFACE} is missing, so this is no finished run.",
             hint="Run `cranktopo optimise` to its end, or give an STL file and --design.",
         )
-    assumed = stored_assumptions(run.manifest().get("assumed", ()))
+    assumed = stored_assumptions(run.manifest().assumed)
     scene = design_from_run(run)
     left_out = left_out_features(
         scene, _kept_features(fillets=True)

@@ -10,7 +10,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import as_path, write_json, write_text
 from cranktopo.base.near_ties import first_of_the_best
 from cranktopo.base.notes import note
-from cranktopo.design.assumed import assumed_json, assumptions, stored_assumptions
+from cranktopo.design.assumed import assumptions, stored_assumptions
 from cranktopo.design.loading import load_scene
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
@@ -88,7 +88,7 @@ def continue_loop(reference: str | Path) -> LoopRun:
     run = open_run(reference)
     require_kind(run, LOOP)
     run.require_same_inputs()
-    scene, settings = design_from_run(run), Settings.from_json(run.manifest()["options"][LOOP])
+    scene, settings = design_from_run(run), Settings.from_json(run.manifest().options[LOOP])
     return _worked(run, scene, settings, resume=True)
 
 
@@ -200,7 +200,7 @@ def _result(
         best_step=None if best is None else best.number,
         notices=list(filter(None, [baseline_notice(scene)])),
         lost_step=lost or None,
-        assumed=assumed_json(stored_assumptions(run.manifest().get("assumed", ()))),
+        assumed=stored_assumptions(run.manifest().assumed),
         steps=[StepRow.of(step, steps[0], str(step.number) if step.number else "original") for step in steps],
     )
 

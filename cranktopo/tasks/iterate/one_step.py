@@ -27,7 +27,7 @@ from cranktopo.engine.plan.simulated import Feature
 from cranktopo.numerics.surfaces.files import as_stored, read_stl, write_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, manifold_fault, mesh_of, solid_of
 from cranktopo.report.viewer.scene3d import ShownBody
-from cranktopo.runs.directories import RunStore, open_run
+from cranktopo.runs.directories import RunStore, status_of
 from cranktopo.tasks.density import stage
 from cranktopo.tasks.extraction.release import shaped_undercuts
 from cranktopo.tasks.fea.evaluation import Evaluation, evaluate
@@ -250,13 +250,13 @@ def optimised_surface(folder: Path, scene: Scene) -> SurfaceMesh:
 
     It is as its file holds it: a loop that is continued gives the same webs as one in a single go.
     """
-    path = folder / "web.stl"
-    if (folder / "manifest.json").is_file() and open_run(str(folder)).manifest()["status"] == "done":
+    path, status = folder / "web.stl", status_of(folder)
+    if status == "done":
         refusal = RunMetrics.read(folder / "metrics.json").refusal
         if refusal:
             raise _no_surface(folder, refusal)
         return read_half_throw(path, scene)
-    if (folder / "manifest.json").is_file():
+    if status:
         done = resume_optimisation(str(folder))
     else:
         text = toml_text(scene, "One step of a loop")

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -26,6 +24,7 @@ from cranktopo.report.page import (
 from cranktopo.report.plot import Picture, png
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
 from cranktopo.runs.kind import SHAPE
+from cranktopo.runs.manifest import Manifest
 from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.fea.quantities import (
     BENDING,
@@ -49,18 +48,18 @@ _LINES = (
 )
 
 
-def iterate_page(loop: LoopResult, manifest: Mapping[str, Any], bodies: tuple[ShownBody, ...]) -> Page:
+def iterate_page(loop: LoopResult, manifest: Manifest, bodies: tuple[ShownBody, ...]) -> Page:
     """Return the report of a loop, finished or after any of its steps, with the half throw of every step."""
     return Page(
         title=f"Loop over the crank web of {loop.design}",
-        subtitle=f"Loop {manifest['run']}, {manifest['started'][:10]}",
+        subtitle=f"Loop {manifest.run}, {manifest.started[:10]}",
         headline=left_off_first(loop.shape.left_off if loop.shape else None, _headline(loop)),
         facts=(*_facts(loop), _ended(loop)),
         sections=(
             _steps(loop),
             *bound_sections(loop.bound, "the body-fitted evaluation"),
             _provenance(loop, manifest),
-            versions_section(manifest["versions"]),
+            versions_section(manifest.versions),
         ),
         scene3d=Scene3D(bodies, first=_result_step(loop)),
         picture=gallery_picture(bodies),
@@ -133,7 +132,7 @@ def _handed_over(loop: LoopResult) -> str:
     return f" {line[0].upper()}{line[1:]}; see shape/report.html." if line else ""
 
 
-def _provenance(loop: LoopResult, manifest: Mapping[str, Any]) -> Section:
+def _provenance(loop: LoopResult, manifest: Manifest) -> Section:
     tables = (("Loop", pairs(origin_rows(manifest))), *assumed_tables(loop.assumed))
     return Section("provenance", "Where this comes from", tables=tables)
 

@@ -12,6 +12,7 @@ from pydantic import Field
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.near_ties import clearly_more, exceeds, first_of_the_best
 from cranktopo.base.result import UNLESS_NONE, FileName, Result
+from cranktopo.design.assumed import Assumption
 from cranktopo.design.goal.outcome import GoalOutcome, GoalWords
 from cranktopo.design.goal.quantities import QuantityName
 from cranktopo.design.named import DesignLike, as_scene
@@ -256,7 +257,7 @@ class LoopResult(Result):
     best_step: int | None
     notices: list[str] = Field(default_factory=list)
     lost_step: str | None = None
-    assumed: list[dict[str, Any]] = Field(default_factory=list)
+    assumed: tuple[Assumption, ...] = ()
     steps: list[StepRow]
     shape: ShapeOutcome | None = None
     bound: NoBound | BoundStatements | None = None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, NamedTuple
 
 from cranktopo.base.errors import CranktopoError, ExitCode
@@ -15,13 +14,13 @@ from cranktopo.design.goal.outcome import GoalOutcome, GoalWords, goal_outcome
 from cranktopo.design.goal.scene_goal import goal_of, with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
-from cranktopo.runs.directories import RunStore, open_run
-from cranktopo.runs.kind import RESULT_FILES, SHAPE
+from cranktopo.runs.directories import RunStore
+from cranktopo.runs.kind import SHAPE
 from cranktopo.tasks.extraction.text import release_text
 from cranktopo.tasks.iterate.one_step import transition_mm
 from cranktopo.tasks.iterate.result import LoopStep, Settings, ShapeOutcome
 from cranktopo.tasks.shape.result import ShapeResult
-from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
+from cranktopo.tasks.shape.run import shape_in, shape_settings
 from cranktopo.tasks.shape.search import HELD
 
 
@@ -55,7 +54,8 @@ def shape_step(
     goal_words = GoalWords.model_validate({goal.sense: goal.quantity})
     try:
         with indented():
-            data = _shaped(run.path / SHAPE, searched, begun, settings)
+            own = replace(shape_settings(searched, settings.limits), element_size_mm=settings.element_size_mm)
+            data = shape_in(run.path / SHAPE, searched, own, ["cranktopo", "iterate"], begun)
     except CranktopoError as error:
         if error.code == ExitCode.INTERRUPTED:
             raise
@@ -64,18 +64,8 @@ def shape_step(
         return _none(release_text(data.undercuts), data.goal)
     if not data.held:
         return _none(data.stop_reason, data.goal)
-    row = _row(number, data, load_scene(str(run.path / SHAPE / data.files["design"])))
+    row = _row(number, data, load_scene(str(run.path / SHAPE / data.files.design)))
     return _compared(row, best, goal, data)
-
-
-def _shaped(folder: Path, scene: Scene, begun: Scene | None, settings: Settings) -> ShapeResult:
-    if not (folder / "manifest.json").is_file():
-        own = replace(shape_settings(scene, settings.limits), element_size_mm=settings.element_size_mm)
-        command = ["cranktopo", "iterate"]
-        return shape_design(scene, own, folder, None, command, begun).result
-    if open_run(str(folder)).manifest()["status"] == "done":
-        return ShapeResult.read(folder / RESULT_FILES[SHAPE])
-    return resume_shape(str(folder)).result
 
 
 def _row(number: int, data: ShapeResult, web: Scene) -> LoopStep:

@@ -11,6 +11,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import redirected
 from cranktopo.base.side_by_side import LazyFuture, side_by_side
 from cranktopo.bodies.cells.domain import Domain
+from cranktopo.design.assumed import stored_assumptions
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
 from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Scene
@@ -87,7 +88,7 @@ def finalise_run(
         goal=goal,
         seconds=run_seconds(state, now - began, now - optimised, clock.compile_s, **times),
         files=files,
-        assumed=[dict(entry) for entry in run.manifest().get("assumed", ())],
+        assumed=stored_assumptions(run.manifest().assumed),
         bound=None if judged.bound is None else _beside_goal(judged.bound, goal),
     )
     run.write_metrics(metrics.as_json())

@@ -56,7 +56,7 @@ def run_page(record: RunRecord) -> Page:
     scene3d = _scene3d(record)
     return Page(
         title=f"Crank web of {metrics.design}",
-        subtitle=f"Run {metrics.run}, {manifest['started'][:10]}",
+        subtitle=f"Run {metrics.run}, {manifest.started[:10]}",
         headline=left_off_first(metrics.left_off, headline(metrics)),
         facts=facts(record),
         sections=(
@@ -71,7 +71,7 @@ def run_page(record: RunRecord) -> Page:
             *([refit_section(record.refit)] if record.refit else []),
             effects_section(metrics.effects),
             _provenance(record),
-            versions_section(manifest["versions"], metrics.files),
+            versions_section(manifest.versions, metrics.files),
         ),
         scene3d=scene3d,
         picture=_still(record),
@@ -183,7 +183,7 @@ def _provenance(record: RunRecord) -> Section:
     manifest, metrics = record.manifest, record.metrics
     rows = [
         *origin_rows(manifest),
-        ("seed of random starts", manifest["seed"]),
+        ("seed of random starts", manifest.seed),
         *([("room of the original web", room)] if (room := clearance_text(record.scene)) else []),
         ("cells", " x ".join(str(n) for n in metrics.grid.cells)),
         ("largest cell edge", f"{metrics.grid.cell_mm:.3g} mm"),

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from pydantic import Field
 
 from cranktopo.base.result import UNLESS_NONE, FileName, Result
+from cranktopo.design.assumed import Assumption
 from cranktopo.design.goal.balance_moved import MovedBalance
 from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.engine.load_case import LoadCase
@@ -133,7 +134,7 @@ class RunMetrics(Result):
     left_off: str | None = UNLESS_NONE
     """Loads that do not count although they are above the threshold, in words."""
     notices: list[str] = Field(default_factory=list)
-    assumed: list[dict[str, Any]] = Field(default_factory=list)
+    assumed: tuple[Assumption, ...] = ()
     balance: MovedBalance | None = UNLESS_NONE
     """Balance factor that moved, if no limit holds it there."""
     bound: NoBound | BoundStatements | None = UNLESS_NONE

@@ -5,14 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.files import from_json, read_json, read_npz, write_npz
+from cranktopo.base.files import from_json, read_npz, write_npz
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.design.schema import Scene
@@ -28,11 +27,12 @@ from cranktopo.report.viewer.scene3d import DesignSnapshot
 from cranktopo.runs.checkpoint import load_iteration, saved_iterations
 from cranktopo.runs.directories import RunStore
 from cranktopo.runs.kind import RESULT_FILES, require_kind, require_result
-from cranktopo.runs.manifest import file_hash
+from cranktopo.runs.manifest import Manifest, file_hash
 from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.material import MaterialInterpolation
 from cranktopo.tasks.extraction.checked_surface import web_fields
 from cranktopo.tasks.extraction.stage import stored_design
+from cranktopo.tasks.fatigue.result import FatigueResult
 from cranktopo.tasks.fea.studies import StudyResult
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import CaseStress, case_stress
@@ -105,13 +105,13 @@ class RunRecord:
 
     folder: str
     metrics: RunMetrics
-    manifest: Mapping[str, Any]
+    manifest: Manifest
     history: Sequence[Mapping[str, Any]]
     scene: Scene
     loads: LoadAnalysis | None
     mesh: SurfaceMesh | None
     snapshots: tuple[DesignSnapshot, ...]
-    fatigue: Mapping[str, Any] | None
+    fatigue: FatigueResult | None
     accuracy: StudyResult | None
     stress: CaseStress | None
     refit: RefitResult | None = None
@@ -148,7 +148,7 @@ def record_of(
         loads=analyse(scene) if scene.engine else None,
         mesh=mesh,
         snapshots=designs,
-        fatigue=_optional(run.path / _FATIGUE),
+        fatigue=FatigueResult.read(run.path / _FATIGUE) if (run.path / _FATIGUE).is_file() else None,
         accuracy=StudyResult.read(run.path / _ACCURACY) if (run.path / _ACCURACY).is_file() else None,
         stress=stress,
         refit=RefitResult.read(run.path / _REMODEL) if (run.path / _REMODEL).is_file() else None,
@@ -166,10 +166,6 @@ def _snapshots(run: RunStore, scene: Scene) -> tuple[DesignSnapshot, ...]:
 def _stress(run: RunStore, scene: Scene, surface: str, solved: bool) -> CaseStress | None:
     found = read_run_stress(run, surface)
     return solve_run_stress(run, scene, surface) if found is None and solved else found
-
-
-def _optional(path: Path) -> dict[str, Any] | None:
-    return read_json(path) if path.is_file() else None
 
 
 def snapshots(

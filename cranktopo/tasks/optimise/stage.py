@@ -160,7 +160,7 @@ def resume_optimisation(
     run.require_same_inputs()
     scene = design_from_run(run).with_optimise(max_iterations=max_iterations)
     prepared = prepare(scene)
-    announce(prepared, stored_assumptions(run.manifest().get("assumed", ())))
+    announce(prepared, stored_assumptions(run.manifest().assumed))
     with double_precision():
         clock = CompileClock()
         problem = build_problem(prepared.scene, prepared.domain, prepared.cases)

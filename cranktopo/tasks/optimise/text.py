@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from cranktopo.report.goal_table import (
     evaluated_changes,
@@ -28,6 +27,7 @@ from cranktopo.tasks.extraction.text import (
     released_text,
     required_lengths,
 )
+from cranktopo.tasks.fatigue.result import FatigueResult
 from cranktopo.tasks.fea.quantities import (
     MASS,
     NOTICEABLE_PERCENT,
@@ -73,20 +73,16 @@ def facts(record: RunRecord) -> tuple[Fact, ...]:
     )
 
 
-def fatigue_fact(fatigue: Mapping[str, Any] | None, otherwise: str) -> Fact:
-    """Return the safety against fatigue, or why it was not assessed.
-
-    `fatigue` is the object that `cranktopo fatigue --json` prints, with a baseline where one was given.
-    """
-    entries = (fatigue or {}).get("fatigue", [])
-    baseline = (fatigue or {}).get("baseline")
-    assessed = next((entry for entry in entries if entry["target"] != baseline), None)
-    if assessed is None or assessed.get("safety") is None:
+def fatigue_fact(fatigue: FatigueResult | None, otherwise: str) -> Fact:
+    """Return the safety against fatigue beside that of the baseline, if any, or why it was not assessed."""
+    entries, baseline = (fatigue.fatigue, fatigue.baseline) if fatigue else ((), None)
+    assessed = next((entry for entry in entries if entry.target != baseline), None)
+    if assessed is None:
         return Fact("Fatigue", "not assessed", otherwise, "unknown")
-    original = next((entry["safety"] for entry in entries if entry["target"] == baseline), None)
-    note = f"least safety of {assessed['target']}"
+    original = next((entry.safety for entry in entries if entry.target == baseline), None)
+    note = f"least safety of {assessed.target}"
     note += "" if original is None else f"; {baseline} has {original:.2f}"
-    return Fact("Fatigue", f"{assessed['safety']:.2f}", note, "good" if assessed["safety"] >= 1 else "bad")
+    return Fact("Fatigue", f"{assessed.safety:.2f}", note, "good" if assessed.safety >= 1 else "bad")
 
 
 def run_undercuts_fact(metrics: RunMetrics) -> Fact:

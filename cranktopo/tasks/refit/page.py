@@ -41,8 +41,8 @@ def refit_text(data: RefitResult) -> str:
         *_estimate(data.stiffness),
         *_rest(data),
     ]
-    files = (f"{data.folder}/{data.files[kind]}" for kind in _FILES)
-    return "\n".join([*lines, "", *files])
+    names = data.files.as_json()
+    return "\n".join([*lines, "", *(f"{data.folder}/{names[kind]}" for kind in _FILES)])
 
 
 def _shape_rows(data: RefitResult) -> list[tuple[str, str]]:
@@ -150,7 +150,7 @@ def refit_page(
         subtitle=f"Fitted to the body of run {data.run}, {written}",
         headline=f"The parametric web overlaps the body by {100 * data.iou.web:.1f} % (IoU).",
         facts=_facts(data),
-        sections=(refit_section(data), _limits(data), versions_section(versions, data.files)),
+        sections=(refit_section(data), _limits(data), versions_section(versions, data.files.as_json())),
         scene3d=Scene3D(bodies),
         picture=gallery_picture(bodies),
     )

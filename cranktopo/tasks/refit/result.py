@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from pydantic import Field
+
 from cranktopo.base.result import UNLESS_NONE, FileName, Result
+from cranktopo.report.report_file import REPORT
 from cranktopo.tasks.extraction.result import ShapedUndercuts
 from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.refit.select import FitTrial, ResidualRegion
@@ -71,6 +74,18 @@ class UnrepresentedRegion(Result):
         return cls(**vars(region), share_percent=100 * region.volume_mm3 / web_mm3)
 
 
+class RefitFiles(Result):
+    """Files of a re-model."""
+
+    design: FileName
+    step: FileName = "half_throw.step"
+    stl: FileName = "half_throw.stl"
+    drawing: FileName = "drawing.png"
+    drawing_svg: FileName = "drawing.svg"
+    result: FileName = Field(default="remodel.json", alias="json")
+    report: FileName = REPORT
+
+
 class RefitResult(Result):
     """A fitted web; `remodel --json` prints it with the folder that it is in."""
 
@@ -90,6 +105,6 @@ class RefitResult(Result):
     """Limits of the fit, with what the design's process requires of its features; `free` requires nothing."""
     undercuts: ShapedUndercuts | None = UNLESS_NONE
     """The check by rays through the solid that was written; None in results of an earlier version."""
-    files: dict[str, FileName]
+    files: RefitFiles
     seconds: dict[str, float]
     folder: str | None = UNLESS_NONE

@@ -18,7 +18,7 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.numerics.surfaces.files import as_stored, write_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
-from cranktopo.report.report_file import REPORT, write_report
+from cranktopo.report.report_file import write_report
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.destination import moved, unfinished_folder
 from cranktopo.runs.directories import check_destination, open_run
@@ -38,6 +38,7 @@ from cranktopo.tasks.refit.process import fit_limits
 from cranktopo.tasks.refit.result import (
     FittedParameter,
     Overlaps,
+    RefitFiles,
     RefitResult,
     RefitStiffness,
     SurfaceDistance,
@@ -84,7 +85,7 @@ def remodel_run(
         undercuts = shaped_undercuts(half_throw, fitted.scene)
         total_s = time.perf_counter() - began
         result = _result(run.name, fitted, near, limits, undercuts, stiffness, files, total_s)
-        write_json(unfinished / files["json"], result.as_json())
+        write_json(unfinished / files.result, result.as_json())
         _write_page(result, fitted.scene, half_throw, surface, unfinished)
         check()
         moved(unfinished, folder)
@@ -98,31 +99,23 @@ def write_refit(
     surface: SurfaceMesh,
     folder: Path,
     started: datetime | None = None,
-) -> dict[str, str]:
+) -> RefitFiles:
     """Write the scene, STEP and STL of the half throw and the drawing of a fitted web.
 
     The surface that it was fitted to is drawn as dashed lines; `folder` exists. STEP and drawing are dated
-    `started`, now by default. Returns the names of the files by kind.
+    `started`, now by default. Returns the names of the files.
 
     Raises:
         CranktopoError: the CAD kernel cannot build the solid, or a file cannot be written.
     """
     scene = fitted.scene
-    files = {
-        "design": f"{scene.name}.toml",
-        "step": "half_throw.step",
-        "stl": "half_throw.stl",
-        "drawing": "drawing.png",
-        "drawing_svg": "drawing.svg",
-        "json": "remodel.json",
-        "report": REPORT,
-    }
+    files = RefitFiles(design=f"{scene.name}.toml")
     note(f"{scene.name}: writing the solid and the drawing")
     heading = f"Web fitted to the optimised body of {scene.name}; overlap {100 * near.web_iou:.1f} %."
-    write_text(folder / files["design"], toml_text(scene, heading))
-    export_solid(scene, "half", folder / files["step"], started=started)
-    write_stl(folder / files["stl"], half_throw)
-    drawings = [folder / files["drawing"], folder / files["drawing_svg"]]
+    write_text(folder / files.design, toml_text(scene, heading))
+    export_solid(scene, "half", folder / files.step, started=started)
+    write_stl(folder / files.stl, half_throw)
+    drawings = [folder / files.drawing, folder / files.drawing_svg]
     solid = solid_of(half_throw, "half throw")
     sheet = Sheet(scene, solid, solid_of(surface, "surface to be re-modelled"))
     write_drawing([sheet], throw_balance(scene), drawings, started)
@@ -137,7 +130,7 @@ def _write_page(
         for name, mesh in (("re-modelled", half_throw), ("body of the run", surface))
     )
     page = refit_page(result, bodies, versions(), timestamp()[:10])
-    write_report(page, folder / result.files["report"])
+    write_report(page, folder / result.files.report)
 
 
 def _surface(target: Target, scene: Scene) -> SurfaceMesh:
@@ -170,7 +163,7 @@ def _result(
     limits: ProcessLimits,
     undercuts: ShapedUndercuts,
     stiffness: RefitStiffness | None,
-    files: dict[str, str],
+    files: RefitFiles,
     total_s: float,
 ) -> RefitResult:
     scene, body_mm3 = fitted.scene, near.body_web_volume_mm3

@@ -79,11 +79,11 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
     if as_json:
         keys = {LOOP: "loop", SHAPE: "shape", SWEEP: "sweep", EACH_WEB: "each_web"}
         key = keys.get(kind, "metrics")
-        whole = {"schema_version": 1, "manifest": manifest, key: read_result(found)}
+        whole = {"schema_version": 1, "manifest": manifest.as_json(), key: read_result(found)}
         click.echo(json.dumps(whole, indent=2))
         return
-    click.echo(f"{found.path}: {manifest['status']}, started {manifest['started']}")
-    click.echo(f"{' '.join(manifest['command'])}\n")
+    click.echo(f"{found.path}: {manifest.status}, started {manifest.started}")
+    click.echo(f"{' '.join(manifest.command)}\n")
     result = run_result(found)
     if result is None:
         click.echo(f"not finished; continue with: {resume_command(found)}")

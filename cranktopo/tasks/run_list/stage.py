@@ -62,7 +62,7 @@ def clean_runs(states: tuple[str, ...], delete: bool, root: Path | str = RUNS) -
 def _run_status(run: RunStore) -> str:
     """Return the status of a run; `unreadable` where its manifest cannot be used."""
     try:
-        return str(run.manifest()["status"])
+        return run.manifest().status
     except CranktopoError:
         return "unreadable"
 
@@ -72,7 +72,7 @@ def _entry(run: RunStore) -> RunEntry:
     if entry.status == "unreadable":
         return entry
     kind, manifest = kind_of(run), run.manifest()
-    known = {"command": kind, "design": manifest["design"], "started": manifest["started"]}
+    known = {"command": kind, "design": manifest.design, "started": manifest.started}
     try:
         with reading_results(run):
             result = run_result(run)

@@ -149,6 +149,11 @@ def coarse_shares(scene: Scene, element_size_mm: float, original: Mapping[str, f
     return {**shares, **per_mass, **({NAME: original[NAME] / shaft.frequency_Hz} if shaft else {})}
 
 
+def kept_safety(work: StageMemory, name: str, scene: Scene, judging: Judging) -> float:
+    """Return the safety of `web_safety`, a part of a long work."""
+    return float(work.once(name, lambda: {"safety": web_safety(scene, judging)})["safety"])
+
+
 def web_safety(scene: Scene, judging: Judging) -> float:
     """Return the least fatigue safety of a scene's web.
 

@@ -11,7 +11,8 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note
-from cranktopo.base.progress import Json, StageMemory
+from cranktopo.base.progress import StageMemory
+from cranktopo.base.result import Result
 from cranktopo.design.goal.constraint import Constraint, model_error, without_error
 from cranktopo.tasks.refit.family import Layout, with_free, with_part
 from cranktopo.tasks.refit.search import with_stations
@@ -28,6 +29,7 @@ from cranktopo.tasks.shape.refining import (
 from cranktopo.tasks.shape.result import FeatureTrial
 from cranktopo.tasks.shape.search import (
     EVALUATIONS,
+    FinishedSearch,
     SearchResult,
     WebSolver,
     multipliers_of,
@@ -53,6 +55,14 @@ def _trial_text(trial: FeatureTrial) -> str:
     violation = f", a limit missed by {trial.missed_percent:.2f} %" if trial.missed_percent else ""
     out = "" if trial.kept else ", left out"
     return f"{trial.step}: goal at {100 * abs(trial.objective):.2f} % of the original{violation}{gain}{out}"
+
+
+class _KeptRefinement(Result):
+    values: tuple[float, ...]
+    objective: float
+    quantities: dict[str, float]
+    slopes: dict[str, tuple[float, ...]]
+    solved: int
 
 
 class FeatureSelection:
@@ -81,8 +91,9 @@ class FeatureSelection:
         found, solved = self._on_cells(layout, start, 2 * EVALUATIONS, {})
         self._note("outline", layout, found, None, found is not None, solved)
         if found is None:
+            why = FinishedSearch.of_json(self._work.kept[name], name).why
             raise CranktopoError(
-                f"shape: no web can be made near the one to begin with: {self._work.kept[name]['why']}.",
+                f"shape: no web can be made near the one to begin with: {why}.",
                 hint="Enlarge the envelope, allow a smaller wall or radius, or begin with another web.",
                 code=ExitCode.CRITERION_NOT_MET,
             )
@@ -212,30 +223,30 @@ class FeatureSelection:
         if web.exact is not None:
             return web
 
-        def make() -> Json:
+        def make() -> _KeptRefinement:
             cells, start = self.model.webs(), web.values
             step = refined(
                 cells, self._elements, web.layout, start, self._goal, self._work, _REFINED, required_merit
             )
-            return {
-                "values": step.values.tolist(),
-                "objective": step.merit,
-                "quantities": step.quantities.values,
-                "slopes": {name: slope.tolist() for name, slope in step.quantities.gradients.items()},
-                "solved": step.solved,
-            }
+            return _KeptRefinement(
+                values=tuple(step.values),
+                objective=step.merit,
+                quantities=dict(step.quantities.values),
+                slopes={name: tuple(slope) for name, slope in step.quantities.gradients.items()},
+                solved=step.solved,
+            )
 
-        kept = self._work.once(name, make)
-        slopes = {name: np.array(slope) for name, slope in kept["slopes"].items()}
-        truth, values = kept["quantities"], np.array(kept["values"])
+        kept = self._work.once_as(_KeptRefinement, name, make)
+        slopes = {name: np.array(slope) for name, slope in kept.slopes.items()}
+        truth, values = kept.quantities, np.array(kept.values)
         violation = doubtful(float(self._goal.violations(truth).max(initial=0.0)))
         cells = self.model.responses(self.model.web(web.layout), values, ()).values
         errors = {
             name: model_error(name, self._as_evaluated(name, cells[name], {}), truth[name])
             for name in set(self._cells_goal.quantities)
         }
-        found = web.layout, values, kept["objective"], violation, truth, errors
-        return WebCandidate(*found, Quantities(truth, slopes), kept["solved"])
+        found = web.layout, values, kept.objective, violation, truth, errors
+        return WebCandidate(*found, Quantities(truth, slopes), kept.solved)
 
     def _note(
         self,

@@ -19,7 +19,7 @@ from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.shape.each_web.groups import WebGroup
 from cranktopo.tasks.shape.each_web.loaded_shaft import LoadedShaft, loaded_shaft
-from cranktopo.tasks.shape.evaluated_web import Judging, web_safety
+from cranktopo.tasks.shape.evaluated_web import Judging, kept_safety
 from cranktopo.tasks.shape.result import SafetyInShaft
 from cranktopo.tasks.shape.stage import ShapeSettings, stresses_in
 
@@ -95,10 +95,7 @@ def search_in_shaft(
     near = tuple(web.web for web in shaft.figures.webs if web.safety <= _NEAR * least)
     loads = shaft.loads(WebGroup(near))
 
-    def of_throw_alone() -> Json:
-        return {"safety": web_safety(scene, Judging(loads, fraction))}
-
-    share = work.once("web-in-shaft", of_throw_alone)["safety"] / least
+    share = kept_safety(work, "web-in-shaft", scene, Judging(loads, fraction)) / least
     histories = tuple(_times(one, share) for one in loads.histories)
     if scene.effects.continuous_shaft == "auto":
         assert not isinstance(settings.loads, WebLoads)

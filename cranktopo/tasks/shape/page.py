@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 from cranktopo.base.units import change_text
@@ -24,6 +24,7 @@ from cranktopo.report.page import (
 )
 from cranktopo.report.plot import Picture, picture, plain
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
+from cranktopo.runs.manifest import Manifest
 from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.extraction.text import release_text, release_verdict
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
@@ -50,13 +51,11 @@ from cranktopo.tasks.shape.text import (
 )
 
 
-def shape_page(
-    shape: ShapeResult, manifest: Mapping[str, Any], scene: Scene, bodies: tuple[ShownBody, ...]
-) -> Page:
+def shape_page(shape: ShapeResult, manifest: Manifest, scene: Scene, bodies: tuple[ShownBody, ...]) -> Page:
     """Return the report of a finished shape optimisation; half throws of result and original, its scene."""
     return Page(
         title=f"Best dimensions of the crank web of {shape.design}",
-        subtitle=f"Run {manifest['run']}, {manifest['started'][:10]}",
+        subtitle=f"Run {manifest.run}, {manifest.started[:10]}",
         headline=page_headline(shape),
         facts=(
             *(quantity_fact(shape, key) for key in named_first(shape)),
@@ -70,7 +69,7 @@ def shape_page(
             *clearance_sections(scene, bodies),
             _search(shape),
             _provenance(shape, manifest),
-            versions_section(manifest["versions"]),
+            versions_section(manifest.versions),
         ),
         scene3d=Scene3D(bodies),
         picture=gallery_picture(bodies),
@@ -201,7 +200,7 @@ def curves(shape: ShapeResult) -> tuple[Picture, ...]:
 _FEWEST = 3
 
 
-def _provenance(shape: ShapeResult, manifest: Mapping[str, Any]) -> Section:
+def _provenance(shape: ShapeResult, manifest: Manifest) -> Section:
     tables = (("Run", pairs(origin_rows(manifest))), *assumed_tables(shape.assumed))
     return Section("provenance", "Where this comes from", tables=tables)
 

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
-
-from pydantic import Field
 
 from cranktopo.base.result import UNLESS_NONE, FileName, Result
+from cranktopo.design.assumed import Assumption
 from cranktopo.design.goal.constraint import TOLERANCE, LimitSense
 from cranktopo.design.goal.outcome import GoalOutcome, GoalWords, LimitOutcome
 from cranktopo.design.goal.quantities import STIFFNESS_OF, QuantityName
 from cranktopo.engine.histories import LoadsName
+from cranktopo.report.report_file import REPORT
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.extraction.result import ShapedUndercuts
 from cranktopo.tasks.fea.result import EvaluationResult
@@ -166,6 +165,16 @@ class SafetyInShaft(Result):
         return self.required is None or self.result >= self.required * (1 - TOLERANCE)
 
 
+class ShapeFiles(Result):
+    """Files beside `shape.json`."""
+
+    design: FileName = "web.toml"
+    step: FileName = "web.step"
+    stl: FileName = "web.stl"
+    drawing: FileName = "drawing.pdf"
+    report: FileName = REPORT
+
+
 class ShapeResult(Result):
     """The content of shape.json, and what `shape --json` prints."""
 
@@ -193,7 +202,7 @@ class ShapeResult(Result):
     evaluations: int
     seconds: dict[str, float]
     bound: BoundStatement | NoBound | None = None
-    assumed: tuple[dict[str, Any], ...] = ()
+    assumed: tuple[Assumption, ...] = ()
     loads: LoadsName | None = UNLESS_NONE
     """Load states of safety and stress, as `fatigue --loads`, or "shaft": those of webs in their shaft, by
     `--each-web` and where the effect `continuous_shaft` is on; None without these and in earlier versions."""
@@ -208,7 +217,7 @@ class ShapeResult(Result):
     """Sentence on the balance factor that moved, if no limit holds it there."""
     left_off: str | None = UNLESS_NONE
     """Loads that safety and stress do not count although they are above the threshold, in words."""
-    files: dict[str, FileName] = Field(default_factory=dict)
+    files: ShapeFiles = ShapeFiles()
 
     @property
     def held(self) -> bool:

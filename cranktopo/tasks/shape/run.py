@@ -22,6 +22,7 @@ from cranktopo.design.assumed import (
     THROW,
     VIBRATION,
     assumptions,
+    stored_assumptions,
 )
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.scene_goal import require_goal
@@ -40,7 +41,7 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.page import Page
 from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.report.viewer.scene3d import ShownBody
-from cranktopo.runs.directories import WORK, RunStore, check_destination, open_run
+from cranktopo.runs.directories import WORK, RunStore, check_destination, open_run, status_of
 from cranktopo.runs.kind import (
     RESULT_FILES,
     SHAPE,
@@ -67,9 +68,7 @@ from cranktopo.tasks.shape.in_shaft import asks_for_shaft, left_alone, search_in
 from cranktopo.tasks.shape.loads_told import note_loads
 from cranktopo.tasks.shape.page import shape_page
 from cranktopo.tasks.shape.reachable import check_reachable
-from cranktopo.tasks.shape.result import (
-    ShapeResult,
-)
+from cranktopo.tasks.shape.result import ShapeFiles, ShapeResult
 from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape, stresses_in
 from cranktopo.tasks.shape.start import scene_start
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLimits
@@ -80,7 +79,7 @@ _METHODS = ("lsa",)
 """Methods of the fatigue safety that it uses."""
 _BEGUN = "begun"
 """Key of the scene whose web the search began with, among the manifest's options."""
-_FILES = {"design": "web.toml", "step": "web.step", "stl": "web.stl", "drawing": "drawing.pdf"}
+_FILES = ShapeFiles()
 
 
 @dataclass(frozen=True)
@@ -168,7 +167,7 @@ def resume_shape(reference: str | Path, loads: WebLoads | None = None) -> Shaped
     run = open_run(reference)
     require_kind(run, SHAPE)
     run.require_same_inputs()
-    options = run.manifest()["options"]
+    options = run.manifest().options
     begun = options.get(_BEGUN)
     with reading_results(run):
         data = options[SHAPE]
@@ -183,6 +182,25 @@ def resume_shape(reference: str | Path, loads: WebLoads | None = None) -> Shaped
     first = begun and scene_from_dict(begun, str(run.path / "manifest.json"))
     run.resume()
     return _worked(run, scene, settings, scene_start(scene, settings.limits, first))
+
+
+def shape_in(
+    folder: Path,
+    scene: Scene,
+    settings: ShapeSettings,
+    command: Sequence[str],
+    begun: Scene | RunStore | None = None,
+) -> ShapeResult:
+    """Return what a shape optimisation in a folder gives: begun, continued, or read where it is done.
+
+    Arguments and errors as of `shape_design`.
+    """
+    status = status_of(folder)
+    if status is None:
+        return shape_design(scene, settings, folder, None, command, begun).result
+    if status == "done":
+        return ShapeResult.read(folder / RESULT_FILES[SHAPE])
+    return resume_shape(folder, settings.loads if isinstance(settings.loads, WebLoads) else None).result
 
 
 def kept_settings(settings: ShapeSettings) -> dict[str, Any]:
@@ -200,7 +218,7 @@ def _remodelled(run: RunStore, limits: ManufacturingLimits) -> Scene:
     """Return the parametric web fitted to a density optimisation that has none yet."""
     note(f"{run.name}: has no re-model yet, so it is made first: cranktopo remodel {run.path}")
     refit = remodel_run(str(run.path), given=vars(limits), evaluated=False)
-    return load_scene(str(Path(refit.folder or ".") / refit.files["design"]))
+    return load_scene(str(Path(refit.folder or ".") / refit.files.design))
 
 
 def shape_goal(scene: Scene) -> Goal:
@@ -229,9 +247,8 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         reached = {"reached_percent": found.goal.reached_percent}
         more = {
             "bound": bound and bound.model_copy(update=reached),
-            "assumed": tuple(run.manifest().get("assumed", ())),
+            "assumed": stored_assumptions(run.manifest().assumed),
             "undercuts": shaped_undercuts(half, optimum.result.web.scene),
-            "files": {**_FILES, "report": REPORT},
         }
         found = found.model_copy(update=more)
         write_json(run.path / RESULT_FILES[SHAPE], found.as_json())
@@ -257,20 +274,20 @@ def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> SurfaceMesh:
     """Write scene, exact solids and drawing of the best web; return the triangles of its half throw."""
     shaped, goal = optimum.result.web.scene, optimum.goal
     heading = f"Web of {scene.name} with the best dimensions for: {goal.sense} {goal.quantity}."
-    write_text(run.path / _FILES["design"], toml_text(shaped, heading))
-    export_solid(shaped, "half", run.path / _FILES["step"], started=run.started())
-    export_solid(shaped, "half", run.path / _FILES["stl"])
-    half = read_stl(run.path / _FILES["stl"])
+    write_text(run.path / _FILES.design, toml_text(shaped, heading))
+    export_solid(shaped, "half", run.path / _FILES.step, started=run.started())
+    export_solid(shaped, "half", run.path / _FILES.stl)
+    half = read_stl(run.path / _FILES.stl)
     sheets = throw_sheets(shaped, half)
-    export_drawing(shaped, run.path / _FILES["drawing"], sheets, raw_pages(shaped, sheets))
+    export_drawing(shaped, run.path / _FILES.drawing, sheets, raw_pages(shaped, sheets))
     return half
 
 
 def finished_page(run: RunStore) -> Page:
     """Return the page of a finished shape optimisation from its files; raises CranktopoError."""
     require_result(run)
-    scene, shaped = design_from_run(run), load_scene(str(run.path / _FILES["design"]))
-    bodies = _bodies(scene, shaped, read_stl(run.path / _FILES["stl"]))
+    scene, shaped = design_from_run(run), load_scene(str(run.path / _FILES.design))
+    bodies = _bodies(scene, shaped, read_stl(run.path / _FILES.stl))
     return shape_page(ShapeResult.read(run.path / RESULT_FILES[SHAPE]), run.manifest(), scene, bodies)
 
 

@@ -11,7 +11,8 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import Pace, note
-from cranktopo.base.progress import Json, StageMemory
+from cranktopo.base.progress import StageMemory
+from cranktopo.base.result import Result
 from cranktopo.design.halves import usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import (
@@ -147,6 +148,14 @@ class _WebSearch:
             self.best = *rank, values.copy()
 
 
+class FinishedSearch(Result):
+    """A search as the work keeps it: the values of the best web, or why there is none."""
+
+    values: tuple[float, ...] | None
+    evaluations: int
+    why: str | None
+
+
 def best_values(
     webs: Callable[[], WebSolver],
     layout: Layout,
@@ -161,7 +170,7 @@ def best_values(
     The start may break rules and limits. None when no web that keeps them was found; the work then says why.
     """
 
-    def make() -> Json:
+    def make() -> FinishedSearch:
         model = webs()
         pace = Pace(f"{name}, webs of {len(start)} dimensions", effort.evaluations, at_most=True)
         task = _WebSearch(model, layout, goal, pace)
@@ -172,11 +181,11 @@ def best_values(
         if why and best is not None:
             note(f"left out: {why}")
         kept = best is not None and not why and (effort.nearest or best[0] == 0)
-        values = [float(value) for value in best[2]] if best and kept else None
-        return {"values": values, "evaluations": task.evaluations, "why": why}
+        values = tuple(best[2]) if best and kept else None
+        return FinishedSearch(values=values, evaluations=task.evaluations, why=why)
 
-    kept = work.once(name, make)
-    return None if kept["values"] is None else np.array(kept["values"]), kept["evaluations"]
+    kept = work.once_as(FinishedSearch, name, make)
+    return None if kept.values is None else np.array(kept.values), kept.evaluations
 
 
 def search_on_cells(

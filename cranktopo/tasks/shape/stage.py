@@ -16,7 +16,8 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import Pace, note
-from cranktopo.base.progress import Json, StageMemory
+from cranktopo.base.progress import StageMemory
+from cranktopo.base.result import Result
 from cranktopo.base.side_by_side import LazyFuture
 from cranktopo.design.goal.constraint import TOLERANCE
 from cranktopo.design.goal.limit import Goal, goal_text
@@ -227,6 +228,12 @@ def stresses_in(quantities: Collection[str]) -> frozenset[str]:
     return frozenset(name for name in quantities if quantity_named(name).of_stress)
 
 
+class _KeptFinish(Result):
+    values: tuple[float, ...]
+    merit: float
+    solved: int
+
+
 class _LocalRefinement:
     """Webs of one layout on body-fitted elements, and what the default mesh says of them."""
 
@@ -304,21 +311,21 @@ class _LocalRefinement:
         What the last webs found beside it missed of a limit, `violation`, is kept in reserve as well.
         """
 
-        def make() -> Json:
+        def make() -> _KeptFinish:
             reserve = (_SAFE if before.held else _SURE) + violation
             goal = self._goal.reserved(reserve).reserved(_SCATTER, self._stressed)
             step = self._step(goal, before, effort)
-            return {"values": step.values.tolist(), "merit": step.merit, "solved": 1 + step.solved}
+            return _KeptFinish(values=tuple(step.values), merit=step.merit, solved=1 + step.solved)
 
-        kept = self._work.once(f"finish-{number}", make)
-        gain = merit(self._goal, before.web.values) - kept["merit"]
-        if kept["values"] == before.values.tolist():
+        kept = self._work.once_as(_KeptFinish, f"finish-{number}", make)
+        gain = merit(self._goal, before.web.values) - kept.merit
+        if list(kept.values) == before.values.tolist():
             note(f"finish {number}: no web beside {_PROMISE if before.met else 'comes nearer to the limits'}")
             return None
         if before.held and gain < _SETTLED:
             note(f"finish {number}: no web beside {_PROMISE}")
             return None
-        return self._evaluated(np.array(kept["values"]), number, kept["solved"])
+        return self._evaluated(np.array(kept.values), number, kept.solved)
 
     def _step(self, goal: SearchGoal, before: ShapeRound, effort: SearchBudget) -> Step:
         """Return the best web beside one by cells, by slopes where it misses a limit and they find none."""

@@ -252,7 +252,7 @@ def shape_summary(shape: ShapeResult, folder: Path) -> str:
         *sensitivity_text(shape, "the original"),
         "",
         f"{shape.seconds['total']:.1f} s, {shape.evaluations} webs solved",
-        *(str(folder / name) for name in shape.files.values()),
+        *(str(folder / name) for name in shape.files.as_json().values()),
     ]
     return "\n".join(lines)
 

@@ -126,7 +126,7 @@ def resume_sweep(reference: str, place: Workplace = ALL_CORES) -> SweptRun:
     run = open_run(reference)
     require_kind(run, SWEEP)
     run.require_same_inputs()
-    options = run.manifest()["options"]
+    options = run.manifest().options
     function = options.get("function")
     if function != place.settings.get("function"):
         hint = "Continue it in Python: resume=DIR with that function."

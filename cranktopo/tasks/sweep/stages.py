@@ -19,8 +19,7 @@ from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.report.goal_table import violated_limits
 from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
 from cranktopo.report.viewer.small_web import packed_web
-from cranktopo.runs.directories import open_run
-from cranktopo.runs.kind import RESULT_FILES, SHAPE
+from cranktopo.runs.directories import open_run, status_of
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.fea.targets import Target, simulated
@@ -133,7 +132,7 @@ def _optimised(scene: Scene, folder: Path, fineness: Fineness) -> Json:
 def _densities(scene: Scene, folder: Path) -> RunMetrics:
     from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation
 
-    run, status = folder / RUN, _status(folder / RUN)
+    run, status = folder / RUN, status_of(folder / RUN)
     metrics = read_metrics(open_run(str(run))) if status == "done" else None
     if metrics is None:
         done = resume_optimisation(str(run)) if status else optimise_design(scene, run, command=COMMAND)
@@ -153,26 +152,19 @@ def _remodelled(scene: Scene, folder: Path, fineness: Fineness) -> Json:
         refit = RefitResult.read(done)
     else:
         refit = remodel_run(str(folder / RUN), folder / REMODEL, evaluated=False)
-    file = f"{REMODEL}/{refit.files['design']}"
+    file = f"{REMODEL}/{refit.files.design}"
     web = Target(scene.name, simulated(load_scene(str(folder / file))))
     return {**_judged(web, fineness), **_optimiser_columns(metrics), "target": file, VIEW: web_view(web)}
 
 
 def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     from cranktopo.design.goal.scene_goal import with_goal
-    from cranktopo.tasks.shape.result import ShapeResult
-    from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
+    from cranktopo.tasks.shape.run import shape_in, shape_settings
 
     run, stated = folder / RUN, scene if scene.goal is not None else with_goal(scene, minimise="mass")
-    status = _status(run)
-    if status == "done":
-        data = ShapeResult.read(run / RESULT_FILES[SHAPE])
-    elif status:
-        data = resume_shape(str(run)).result
-    else:
-        settings = fineness.shape_settings(shape_settings(stated), stated)
-        data = shape_design(stated, settings, run, command=COMMAND).result
-    file = f"{RUN}/{data.files['design']}"
+    settings = fineness.shape_settings(shape_settings(stated), stated)
+    data = shape_in(run, stated, settings, COMMAND)
+    file = f"{RUN}/{data.files.design}"
     shaped = load_scene(str(folder / file))
     return {
         **_columns_of(data.result),
@@ -195,11 +187,6 @@ _STAGES: Mapping[Stage, Callable[[Scene, Path, Fineness], Json]] = {
 
 def _judged(target: Target, fineness: Fineness) -> Json:
     return _columns_of(fineness.evaluation(target).result)
-
-
-def _status(run: Path) -> str:
-    """Return how a run ended; nothing where it is still to be begun."""
-    return str(open_run(str(run)).manifest()["status"]) if (run / "manifest.json").is_file() else ""
 
 
 def _optimiser_columns(result: RunMetrics | ShapeResult) -> Json:

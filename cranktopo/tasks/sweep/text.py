@@ -45,13 +45,13 @@ def frame_of(
 
 def write_tables(frame: pandas.DataFrame, folder: Path, stem: str) -> dict[str, str]:
     """Write the frame as CSV and Parquet, and return their names by kind."""
-    files = {"table": f"{stem}.csv", "parquet": f"{stem}.parquet"}
+    table, parquet = f"{stem}.csv", f"{stem}.parquet"
     text = io.StringIO()
     frame.map(no_formula).to_csv(text, index=False, lineterminator="\n")
-    write_text(folder / files["table"], text.getvalue())
-    with replacing(folder / files["parquet"]) as temporary:
+    write_text(folder / table, text.getvalue())
+    with replacing(folder / parquet) as temporary:
         frame.to_parquet(temporary, index=False)
-    return files
+    return {"table": table, "parquet": parquet}
 
 
 def _flat(point: PointResult) -> dict[str, Any]:

@@ -15,14 +15,15 @@ from cranktopo.tasks.iterate import shape_step
 from cranktopo.tasks.iterate.result import LoopResult, LoopStep, StepRow, loop_settings
 from cranktopo.tasks.iterate.shape_step import ShapeStep
 from cranktopo.tasks.iterate.text import shape_line
+from cranktopo.tasks.shape import run as shape_run
 from tests.shape_stand_in import ORIGINAL, ShapeStandIn
 
 
 @pytest.fixture
 def stand_in(monkeypatch: pytest.MonkeyPatch) -> ShapeStandIn:
     found = ShapeStandIn()
-    monkeypatch.setattr(shape_step, "shape_design", found.design)
-    monkeypatch.setattr(shape_step, "resume_shape", found.resume)
+    monkeypatch.setattr(shape_run, "shape_design", found.design)
+    monkeypatch.setattr(shape_run, "resume_shape", found.resume)
     monkeypatch.setattr(shape_step, "surface_of", lambda *_: None)
     monkeypatch.setattr(shape_step, "transition_mm", lambda *_: 12.0)
     return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from cranktopo.design.assumed import Assumption
 from cranktopo.report.page import (
     Fact,
     Page,
@@ -85,10 +86,9 @@ def test_what_is_bad_is_said_first() -> None:
 
 
 def test_assumed_numbers_have_units() -> None:
-    entry = {"key": "engine.gas.burn_duration_deg", "value": 60.0, "meaning": ""}
-    assert assumed_words(entry) == "60 deg"
-    assert assumed_words({"key": "bearings.width_mm", "value": 22, "meaning": "(of it)"}) == "22 mm (of it)"
-    assert assumed_words({"key": "web.outline", "value": "obround", "meaning": ""}) == "obround"
+    assert assumed_words(Assumption("engine.gas.burn_duration_deg", 60.0, "")) == "60 deg"
+    assert assumed_words(Assumption("bearings.width_mm", 22, "(of it)")) == "22 mm (of it)"
+    assert assumed_words(Assumption("web.outline", "obround", "")) == "obround"
     assert quantity_words("inertia_kg_m2", 0.1) == "inertia 0.1 kg m²"
 
 

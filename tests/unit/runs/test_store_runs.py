@@ -104,7 +104,7 @@ def test_what_is_interrupted_before_it_has_a_manifest_is_no_run(
         with pytest.raises(KeyboardInterrupt):
             _create(tmp_path, out=tmp_path / "mine")
     assert _tree(tmp_path) == []
-    assert _create(tmp_path, out=tmp_path / "mine").manifest()["status"] == "running"
+    assert _create(tmp_path, out=tmp_path / "mine").manifest().status == "running"
 
 
 def test_check_destination_writes_nothing(tmp_path: Path) -> None:
@@ -130,18 +130,19 @@ def test_status_and_resume_are_recorded(tmp_path: Path) -> None:
     run = _create(tmp_path)
     run.set_status("interrupted")
     manifest = run.manifest()
-    assert manifest["status"] == "interrupted"
-    assert manifest["ended"] >= manifest["started"]
+    assert manifest.status == "interrupted"
+    assert manifest.ended is not None
+    assert manifest.ended >= manifest.started
     (run.path / ".state.99.tmp.npz").write_text("left by a killed process")
     (run.path / "step-01" / ".unfinished-abc.tmp").mkdir(parents=True)
     (run.path / "step-01" / ".unfinished-abc.tmp" / "design.toml").write_text("as well")
     run.resume()
-    assert run.manifest()["status"] == "running"
-    assert run.manifest()["ended"] is None
-    assert len(run.manifest()["resumed"]) == 1
+    assert run.manifest().status == "running"
+    assert run.manifest().ended is None
+    assert len(run.manifest().resumed) == 1
     assert not list(run.path.rglob(".*tmp*"))
     run.set_status("done")
-    assert run.manifest()["scene"] == SCENE
+    assert run.manifest().scene == SCENE
 
 
 def test_history_round_trip_with_columns_that_come_later(tmp_path: Path) -> None:
@@ -201,7 +202,7 @@ def test_open_says_why_it_is_no_run(tmp_path: Path) -> None:
         ('{"schema_version": 7}', "schema_version 7"),
         (
             '{"schema_version": 1, "run": "a"}',
-            "incomplete, design, scene, options, settings_sha256, status, started, command missing",
+            "incomplete, design, command, status, started, seed, settings_sha256, versions, .* missing",
         ),
     ],
 )
@@ -249,7 +250,7 @@ def test_a_search_that_found_nothing_leaves_nothing(tmp_path: Path) -> None:
     (run.path / "web.toml").write_text("")
     with pytest.raises(CranktopoError, match="no web"), working_in(run, "nothing"):
         raise CranktopoError("no web", code=ExitCode.CRITERION_NOT_MET)
-    assert run.manifest()["status"] == "failed", "what it wrote stays"
+    assert run.manifest().status == "failed", "what it wrote stays"
 
 
 def test_a_refusal_keeps_what_was_found(tmp_path: Path) -> None:
@@ -257,4 +258,4 @@ def test_a_refusal_keeps_what_was_found(tmp_path: Path) -> None:
     (run.path / "work.json").write_text("{}")
     with pytest.raises(CranktopoError, match="impossible"), working_in(run, "nothing"):
         raise CranktopoError("impossible")
-    assert run.manifest()["status"] == "failed"
+    assert run.manifest().status == "failed"

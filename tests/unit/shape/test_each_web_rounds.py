@@ -15,6 +15,8 @@ from cranktopo.base.progress import StageMemory
 from cranktopo.design.loading import load_scene
 from cranktopo.design.named import with_goal
 from cranktopo.engine.histories import WebLoads
+from cranktopo.tasks.shape import evaluated_web
+from cranktopo.tasks.shape import run as shape_run
 from cranktopo.tasks.shape.each_web import rounds
 from cranktopo.tasks.shape.each_web.groups import WebGroup
 from cranktopo.tasks.shape.each_web.loaded_shaft import LoadedShaft
@@ -40,10 +42,10 @@ def searches(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Searches:
     def made(*after: tuple[float, ...], percent: dict[str, float]) -> tuple[CrankSearch, ShapeStandIn]:
         monkeypatch.setattr(shape_stand_in, "export_solid", lambda *_: None)
         stand_in, shafts = ShapeStandIn(percent), iter(map(told_shaft, after))
-        monkeypatch.setattr(rounds, "shape_design", stand_in.design)
-        monkeypatch.setattr(rounds, "resume_shape", lambda path, loads: stand_in.resume(path))
+        monkeypatch.setattr(shape_run, "shape_design", stand_in.design)
+        monkeypatch.setattr(shape_run, "resume_shape", stand_in.resume)
         monkeypatch.setattr(rounds, "loaded_shaft", lambda design, fraction: next(shafts))
-        monkeypatch.setattr(rounds, "web_safety", lambda scene, judging: 3.0)
+        monkeypatch.setattr(evaluated_web, "web_safety", lambda scene, judging: 3.0)
         pace, settings = Pace("each web", 4), shape_settings(SCENE)
         return CrankSearch(tmp_path, SCENE, settings, StageMemory(), told_shaft(DESIGN), 1.2, pace), stand_in
 
@@ -123,7 +125,7 @@ def test_an_interrupted_search_goes_on_and_finished_ones_are_read(
             stand_in.error = CranktopoError("interrupted", code=ExitCode.INTERRUPTED)
         return stand_in.design(*given)
 
-    monkeypatch.setattr(rounds, "shape_design", ends_in_the_second)
+    monkeypatch.setattr(shape_run, "shape_design", ends_in_the_second)
     with pytest.raises(CranktopoError, match="interrupted"):
         search.variant("own", (OUTER, INNER))
     stand_in.error = None

@@ -14,6 +14,7 @@ import pytest
 
 from cranktopo.base.progress import StageMemory
 from cranktopo.design.loading import load_scene
+from cranktopo.runs.manifest import new_manifest
 from cranktopo.tasks.compare.cards import best_facts
 from cranktopo.tasks.compare.printed import comparison_text
 from cranktopo.tasks.compare.result import Entry, compare
@@ -83,8 +84,8 @@ def test_shape_names_both_places(monkeypatch: pytest.MonkeyPatch) -> None:
     assert f"least fatigue safety 0.970 at {OUTLET}; of the original 1.010 at {FILLET}" in text
     assert quantity_fact(found, "fatigue_safety").note.endswith(f"least at {OUTLET}; below 1: it fails")
     monkeypatch.setattr("cranktopo.tasks.shape.page.gallery_picture", lambda *_: None)
-    manifest = {"run": "out", "started": "2026-11-27T00:00:00", "command": [], "versions": {}}
-    page = shape_page(found, {**manifest, "settings_sha256": ""}, load_scene("mikron-iiic-plain"), ())
+    manifest = new_manifest(run="out", design="", command=(), scene={}, options={}, inputs={})
+    page = shape_page(found, manifest, load_scene("mikron-iiic-plain"), ())
     assert f"at {OUTLET}; of the original" in page.sections[0].text
 
 

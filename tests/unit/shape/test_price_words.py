@@ -12,6 +12,7 @@ import pytest
 from cranktopo.design.loading import load_scene
 from cranktopo.report.plot import picture
 from cranktopo.report.report_file import html, markdown_text
+from cranktopo.runs.manifest import new_manifest
 from cranktopo.tasks.shape.page import (
     curves,
     draw_goal,
@@ -156,8 +157,8 @@ def test_summary_and_page_name_the_load_states_of_a_safety(
     assert f"\nfatigue safety {words}\n" in shape_summary(found, Path("run"))
     assert quantity_fact(found, "fatigue_safety").note.endswith(f"{words}; below 1: it fails")
     monkeypatch.setattr("cranktopo.tasks.shape.page.gallery_picture", lambda *_: None)
-    manifest = {"run": "out", "started": "2026-11-27T00:00:00", "command": [], "versions": {}}
-    page = shape_page(found, {**manifest, "settings_sha256": ""}, load_scene("mikron-iiic-plain"), ())
+    manifest = new_manifest(run="out", design="", command=(), scene={}, options={}, inputs={})
+    page = shape_page(found, manifest, load_scene("mikron-iiic-plain"), ())
     page = replace(page, scene3d=None)
     for written in (typed(html(page)), markdown_text(page, "pictures")):
         assert f"fatigue safety {words}" in written

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from cranktopo.report.page import (
 )
 from cranktopo.report.plot import GREY, picture, plain
 from cranktopo.report.result_table import ResultTable
+from cranktopo.runs.manifest import Manifest
 from cranktopo.tasks.shape.each_web.result import EachWebResult
 from cranktopo.tasks.shape.each_web.text import (
     crank_table,
@@ -35,12 +35,12 @@ _BARS = 0.76
 """Width of all bars of a web together."""
 
 
-def each_web_page(result: EachWebResult, manifest: Mapping[str, Any]) -> Page:
+def each_web_page(result: EachWebResult, manifest: Manifest) -> Page:
     """Return a finished run as content."""
     caption = f"Least safety of each web in its shaft; {result.required_safety:.3f} is required"
     return Page(
         title=f"Webs of their own on the crank of {result.design}",
-        subtitle=f"Run {manifest['run']}, {manifest['started'][:10]}",
+        subtitle=f"Run {manifest.run}, {manifest.started[:10]}",
         headline=left_off_first(result.left_off, each_web_headline(result)),
         facts=_facts(result),
         sections=(
@@ -72,7 +72,7 @@ def each_web_page(result: EachWebResult, manifest: Mapping[str, Any]) -> Page:
                 "Where this comes from",
                 tables=(("Run", pairs(origin_rows(manifest))), *assumed_tables(result.assumed)),
             ),
-            versions_section(manifest["versions"]),
+            versions_section(manifest.versions),
         ),
     )
 

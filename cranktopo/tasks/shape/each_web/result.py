@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 from pydantic import Field
 
 from cranktopo.base.result import UNLESS_NONE, FileName, Result
+from cranktopo.design.assumed import Assumption
 from cranktopo.design.goal.constraint import TOLERANCE
 from cranktopo.design.goal.outcome import GoalWords
 from cranktopo.tasks.shape.each_web.loaded_shaft import ShaftFigures
@@ -105,7 +105,7 @@ class EachWebResult(Result):
     seconds: float
     left_off: str | None = UNLESS_NONE
     """Loads that the safety does not count although they are above the threshold, in words."""
-    assumed: tuple[dict[str, Any], ...] = ()
+    assumed: tuple[Assumption, ...] = ()
     files: dict[str, FileName] = Field(default_factory=dict)
 
     @property

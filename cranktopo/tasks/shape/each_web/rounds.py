@@ -18,15 +18,13 @@ from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import WebLoads
-from cranktopo.runs.directories import open_run
-from cranktopo.runs.kind import RESULT_FILES, SHAPE
 from cranktopo.tasks.shape.each_web.crank_files import MAIN, write_crank
 from cranktopo.tasks.shape.each_web.groups import WebGroup
 from cranktopo.tasks.shape.each_web.loaded_shaft import LoadedShaft, loaded_shaft
 from cranktopo.tasks.shape.each_web.result import CrankRound, CrankVariant, GroupSearch, is_safe
-from cranktopo.tasks.shape.evaluated_web import Judging, web_safety
+from cranktopo.tasks.shape.evaluated_web import Judging, kept_safety
 from cranktopo.tasks.shape.result import ShapeResult
-from cranktopo.tasks.shape.run import resume_shape, shape_design
+from cranktopo.tasks.shape.run import shape_in
 from cranktopo.tasks.shape.stage import ShapeSettings
 
 _ROUNDS = 2
@@ -55,7 +53,7 @@ class Searched:
     @property
     def scene(self) -> Scene:
         """The throw with its web twice."""
-        return load_scene(str(self.folder / self.result.files["design"]))
+        return load_scene(str(self.folder / self.result.files.design))
 
     def settled(self, safeties: Sequence[float], required: float) -> bool:
         """Tell whether its webs have the safety that is required in the shaft, and no useless one."""
@@ -164,7 +162,7 @@ class CrankSearch:
         """Go on from a web that was found, under the loads of the shaft that has it."""
         loads, name = shaft.loads(group), f"{group.name}-judged-{number}"
         judging = Judging(loads, self.settings.fillet_fraction)
-        alone = self.work.once(name, lambda: {"safety": web_safety(before.scene, judging)})["safety"]
+        alone = kept_safety(self.work, name, before.scene, judging)
         required = alone * self.required / group.least(shaft.figures.safeties)
         return self._searched(group, number, f"{required:.5g}", loads, before.scene)
 
@@ -178,7 +176,7 @@ class CrankSearch:
         scene = scene.model_copy(update={"name": f"{scene.name}-{folder.name}"})
         with indented():
             settings = replace(self.settings, loads=loads, features=begun is None)
-            result = _shaped(folder, scene, settings, begun)
+            result = shape_in(folder, scene, settings, ["cranktopo", "shape", "--each-web"], begun)
         required = next(one.required for one in result.goal.limits if one.quantity == "fatigue_safety")
         return Searched(group, number, folder, required or 0.0, result)
 
@@ -215,14 +213,3 @@ class CrankSearch:
             limits_held=result.held,
             makeable=result.makeable,
         )
-
-
-def _shaped(folder: Path, scene: Scene, settings: ShapeSettings, begun: Scene | None) -> ShapeResult:
-    """Do a search in its own run, go on with one that was interrupted, or read a finished one."""
-    if not (folder / "manifest.json").is_file():
-        command = ["cranktopo", "shape", "--each-web"]
-        return shape_design(scene, settings, folder, None, command, begun).result
-    if open_run(str(folder)).manifest()["status"] == "done":
-        return ShapeResult.read(folder / RESULT_FILES[SHAPE])
-    assert isinstance(settings.loads, WebLoads)
-    return resume_shape(str(folder), settings.loads).result

@@ -12,7 +12,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.files import as_path, write_json
 from cranktopo.base.notes import Pace, indented, note
 from cranktopo.base.progress import Json, StageCache, StageMemory
-from cranktopo.design.assumed import assumptions
+from cranktopo.design.assumed import assumptions, stored_assumptions
 from cranktopo.design.crank_throws import throw_count
 from cranktopo.design.free_dimensions import DIMENSIONS, free_range_mm, is_of_counterweight
 from cranktopo.design.goal.limit import Goal, Limit
@@ -100,7 +100,7 @@ def resume_each_web(reference: str | Path) -> EachWebRun:
     run = open_run(reference)
     require_kind(run, EACH_WEB)
     run.require_same_inputs()
-    data = run.manifest()["options"][EACH_WEB]
+    data = run.manifest().options[EACH_WEB]
     with reading_results(run):
         settings = settings_of(data)
     run.resume()
@@ -205,7 +205,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings) -> EachWebRun:
             saved_percent=100 * (1 - own.shaft.mass_kg / one.shaft.mass_kg),
             seconds=time.perf_counter() - began,
             left_off=loads_left_off(scene, None) or None,
-            assumed=tuple(run.manifest().get("assumed", ())),
+            assumed=stored_assumptions(run.manifest().assumed),
             files={"design": own.design, "one_web": one.design, "report": REPORT},
         )
         write_json(run.path / RESULT_FILES[EACH_WEB], found.as_json())
