@@ -259,3 +259,14 @@ def test_a_refusal_keeps_what_was_found(tmp_path: Path) -> None:
     with pytest.raises(CranktopoError, match="impossible"), working_in(run, "nothing"):
         raise CranktopoError("impossible")
     assert run.manifest().status == "failed"
+
+
+def test_a_manifest_keeps_its_keys_in_their_order_and_those_of_a_newer_version(tmp_path: Path) -> None:
+    run = _create(tmp_path)
+    path = run.path / "manifest.json"
+    before = json.loads(path.read_text()) | {"later": [1, {"a": None}]}
+    path.write_text(json.dumps(before))
+    run.set_status("done")
+    after = json.loads(path.read_text())
+    assert list(after) == list(before)
+    assert after | {"status": "running", "ended": None} == before
