@@ -22,6 +22,7 @@ from cranktopo.runs.directories import RunStore, create_run
 from cranktopo.runs.kind import RESULT_FILES, RunKind
 from cranktopo.tasks.designs.run_webs import web_target
 from cranktopo.tasks.refit.family import Layout, web_of
+from cranktopo.tasks.refit.result import RefitFiles
 from cranktopo.tasks.shape import run as shape
 from cranktopo.tasks.shape.stage import ShapeSettings
 from cranktopo.throw.bevel import FittedBevel
@@ -193,7 +194,7 @@ def test_a_run_without_a_remodel_gets_one_first(
     def made(reference: str, **_: Any) -> SimpleNamespace:
         assert reference == str(run.path)
         remodel_of(run, run.path / "remodel", web)
-        return SimpleNamespace(folder=str(run.path / "remodel"), files={"design": "fitted.toml"})
+        return SimpleNamespace(folder=str(run.path / "remodel"), files=RefitFiles(design="fitted.toml"))
 
     def stop(*asked: Any) -> Any:
         raise AskedError(asked[-1].layout)
