@@ -129,9 +129,9 @@ _OF_TRIANGLES = "optimise"
 def worth_refining(looks: _Looks, full: Mapping[str, PointResult], original: PointResult) -> list[SweepPoint]:
     """Return points that may be on the front at full accuracy and lack it, those that matter most first.
 
-    A point is left out where another one beats it by more than the bound of the error of their difference, and
-    by more than differences were seen to change between the first look and full accuracy. What has no numbers
-    in the first look may have them at full accuracy.
+    A point is left out where another one beats it by more than the bound of the error of their difference,
+    and by more than differences were seen to change between the first look and full accuracy. What has no
+    numbers in the first look may have them at full accuracy.
     """
     rows = [row.model_copy(update={"id": point.id}) for point, row in looks if row.status == DONE]
     choices = choices_of(rows)
