@@ -16,6 +16,7 @@ from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.engine.vibration.study import study_vibration
 from cranktopo.report.plot import Picture, emptiest_deg, name_above, picture, plain_decades, polar_frame
 from cranktopo.tasks.fea.scatter import LABELS, Point, scatter_pictures
+from cranktopo.tasks.modes.plots import _draw_turning
 from cranktopo.tasks.shape.page import draw_goal, draw_worst_limit
 from cranktopo.tasks.vibration.plots import _draw_modes, vibration_pictures
 from tests.physics.engine.test_line_damping import LINE, PROPELLER
@@ -164,3 +165,15 @@ def test_no_number_of_a_polar_plot_lies_on_its_edge() -> None:
             box = name.get_window_extent()
             far = np.hypot(*(box.corners() - np.array([edge.x0 + edge.x1, edge.y0 + edge.y1]) / 2).T).max()
             assert far < edge.width / 2
+
+
+def test_numbers_of_orders_lie_apart_where_a_mode_lies_far_above_them() -> None:
+    mode = SimpleNamespace(kind="torsion", frequencies_Hz=(2120.0, 2118.0), critical_speeds=())
+    modal = SimpleNamespace(modes=[mode], speeds_rpm=(700.0, 2800.0), highest_order=12)
+    found = picture("orders", "", _draw_turning, modal)
+    axes = found.figure.axes[0]
+    found.figure.canvas.draw()
+    boxes = [text.get_window_extent() for text in axes.texts]
+    assert axes.texts[0].get_text() == "12"
+    assert 4 <= len(boxes) < 12
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
