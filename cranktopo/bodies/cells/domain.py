@@ -16,7 +16,13 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.spans import Section
-from cranktopo.bodies.cells.fractions import drill_cells, plane_fractions, slab_fractions
+from cranktopo.bodies.cells.fractions import (
+    EXACT,
+    FillTolerance,
+    drill_cells,
+    plane_fractions,
+    slab_fractions,
+)
 from cranktopo.bodies.cells.grid import CellGrid, Extent, plan_grid
 from cranktopo.bodies.cells.layers import (
     ORIGINAL_KEY,
@@ -93,6 +99,7 @@ def build_domain(
     target: GridContent = "envelope",
     extent: Extent | None = None,
     grid: CellGrid | None = None,
+    tolerance: FillTolerance = EXACT,
 ) -> Domain:
     """Return grid and cell fractions of a scene.
 
@@ -100,6 +107,7 @@ def build_domain(
         target: "envelope" makes the design space designable, "web" makes the scene's own web fixed solid.
         extent: part of the throw; by default the quarter when the geometry is symmetric in x, else the half.
         grid: a grid to fill instead of planning one, e.g. the envelope's for the original web.
+        tolerance: accuracy of the fractions.
 
     Raises CranktopoError: no envelope, one that touches no journal, or halves of the throw that differ.
     """
@@ -112,7 +120,7 @@ def build_domain(
     if grid is None:
         faces = (0.0, *scene.web_z_mm, scene.pitch_mm / 2)
         grid = plan_grid(*throw_ranges_mm(scene, target), faces, resolution_mm, extent)
-    planes = drill_cells(scene, grid, layers, _fractions(grid, layers))
+    planes = drill_cells(scene, grid, layers, _fractions(grid, layers, tolerance))
     planes = {kind: np.minimum(fraction, 1.0) for kind, fraction in planes.items()}
     planes["design_fraction"] = np.minimum(planes["design_fraction"], 1.0 - planes["passive_fraction"])
     if extent == "full":
@@ -139,10 +147,10 @@ def throw_ranges_mm(scene: Scene, target: GridContent) -> tuple[tuple[float, flo
     return (min(x_low), max(x_high)), (min(y_low), max(y_high))
 
 
-def _fractions(grid: CellGrid, layers: Sequence[AxialLayer]) -> dict[str, Array]:
+def _fractions(grid: CellGrid, layers: Sequence[AxialLayer], tolerance: FillTolerance) -> dict[str, Array]:
     result = {kind: np.zeros(grid.cells) for kind in ("passive_fraction", "design_fraction", "pin", "web")}
     for layer in layers:
-        filled = {section: _filled(grid, layer, section) for section in {*layer.sections.values()}}
+        filled = {section: _filled(grid, layer, section, tolerance) for section in {*layer.sections.values()}}
         for kind, section in layer.sections.items():
             result[kind] += filled[section]
         if layer.replaces_design and layer.passive:
@@ -155,18 +163,19 @@ _ROWS_AT_ONCE = 2000
 """Rows of cells that are filled together, which bounds the memory: some 100 MiB."""
 
 
-def _filled(grid: CellGrid, layer: AxialLayer, section: Section) -> Array:
+def _filled(grid: CellGrid, layer: AxialLayer, section: Section, tolerance: FillTolerance) -> Array:
     low, high = (np.clip(grid.z_mm[cells], *layer.z_mm) for cells in (slice(-1), slice(1, None)))
     shares = (high - low) / np.diff(grid.z_mm)
     # Rounding must not leave 1e-16 of a layer in its neighbour: that would be a void cell with stiffness.
     shares[shares < 1e-9] = 0.0
     if not layer.changes:
         middle = np.array([sum(layer.z_mm) / 2])
-        return plane_fractions(grid.x_mm, grid.y_mm, middle, section) * shares
+        return plane_fractions(grid.x_mm, grid.y_mm, middle, section, tolerance) * shares
     result, changing = np.zeros(grid.cells), np.flatnonzero(shares)
     for cells in np.array_split(changing, -(-len(changing) * grid.cells[1] // _ROWS_AT_ONCE)):
         slabs = np.array([low[cells], high[cells]])
-        result[:, :, cells] = slab_fractions(grid.x_mm, grid.y_mm, slabs, section) * shares[cells]
+        filled = slab_fractions(grid.x_mm, grid.y_mm, slabs, section, tolerance)
+        result[:, :, cells] = filled * shares[cells]
     return result
 
 

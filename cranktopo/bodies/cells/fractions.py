@@ -34,21 +34,36 @@ _INNER = math.sqrt(3 / 7)
 _SHARES = (np.array([-1.0, -_INNER, 0.0, _INNER, 1.0]) + 1) / 2
 _WEIGHTS = np.array([9.0, 49.0, 64.0, 49.0, 9.0]) / 180
 """Lobatto points of 0 .. 1 and weights: a body that only just enters a part is seen at its end."""
-_TOLERANCE = 1e-6
-"""Largest change of a cell's fraction by halving a part."""
 _HALVINGS = 40
 _GRAZED = 1e-5
 """A section that fills less of a cell, or all but less, leaves it empty or full: no slivers."""
 _DIGITS = 7
 _HEIGHTS = 5
 """Of the quadrature through a part of a slab."""
-_SLAB_TOLERANCE = 3e-4
-"""Largest change of the filled area, in cells, by halving a part of a slab, times its share of the slab."""
 _THINNEST = 12
 """Halvings of a slab."""
 
 
-def slab_fractions(x_mm: Array, y_mm: Array, z_mm: Array, section: Section) -> Array:
+@dataclass(frozen=True)
+class FillTolerance:
+    """Accuracy of the filled fractions of cells.
+
+    Attributes:
+        area: largest change of a cell's fraction in a plane by halving a part.
+        slab: largest change of the filled area, in cells, by halving a part of a slab, times its share of it.
+    """
+
+    area: float = 1e-6
+    slab: float = 3e-4
+
+
+EXACT, QUICK = FillTolerance(), FillTolerance(1e-4, 3e-3)
+"""The second one moves a stiffness by some millionths of it, and takes half of the time."""
+
+
+def slab_fractions(
+    x_mm: Array, y_mm: Array, z_mm: Array, section: Section, tolerance: FillTolerance = EXACT
+) -> Array:
     """Return the filled fractions (nx, ny, slabs) of the cells between nodes along x and y.
 
     Gauss quadrature goes through each slab; parts of it are halved until the areas in both halves add up.
@@ -60,15 +75,15 @@ def slab_fractions(x_mm: Array, y_mm: Array, z_mm: Array, section: Section) -> A
     size, slab = high - low, np.arange(len(low))
     total, whole = (
         np.zeros((len(slab), len(x_mm) - 1, len(y_mm) - 1)),
-        _through(x_mm, y_mm, low, high, section),
+        _through(x_mm, y_mm, low, high, section, tolerance),
     )
     for _ in range(_THINNEST):
         middle = (low + high) / 2
         below, above = np.split(
-            _through(x_mm, y_mm, np.append(low, middle), np.append(middle, high), section), 2
+            _through(x_mm, y_mm, np.append(low, middle), np.append(middle, high), section, tolerance), 2
         )
         change = np.abs((below + above - whole).sum(axis=(1, 2)))
-        open_ = change > _SLAB_TOLERANCE * size[slab]
+        open_ = change > tolerance.slab * size[slab]
         np.add.at(total, slab[~open_], (below + above)[~open_])
         low, high = (np.concatenate([a[open_], b[open_]]) for a, b in ((low, middle), (middle, high)))
         whole, slab = np.concatenate([below[open_], above[open_]]), np.tile(slab[open_], 2)
@@ -78,17 +93,21 @@ def slab_fractions(x_mm: Array, y_mm: Array, z_mm: Array, section: Section) -> A
     return np.asarray(total.transpose(1, 2, 0) / size)
 
 
-def _through(x_mm: Array, y_mm: Array, low: Array, high: Array, section: Section) -> Array:
+def _through(
+    x_mm: Array, y_mm: Array, low: Array, high: Array, section: Section, tolerance: FillTolerance
+) -> Array:
     """Fractions times the heights of parts of slabs, (parts, nx, ny), mm."""
     shares, weights = gauss_rule(_HEIGHTS)
     size = high - low
     heights = low[:, None] + size[:, None] * shares
-    planes = plane_fractions(x_mm, y_mm, heights.ravel(), section)
+    planes = plane_fractions(x_mm, y_mm, heights.ravel(), section, tolerance)
     mean = planes.reshape(*planes.shape[:2], *heights.shape) @ weights
     return np.asarray((mean * size).transpose(2, 0, 1))
 
 
-def plane_fractions(x_mm: Array, y_mm: Array, z_mm: Array, section: Section) -> Array:
+def plane_fractions(
+    x_mm: Array, y_mm: Array, z_mm: Array, section: Section, tolerance: FillTolerance = EXACT
+) -> Array:
     """Return the filled fraction (nx, ny, heights) of the cells between nodes along x and y."""
     heights, cells = len(z_mm), len(y_mm) - 1
     total, largest = np.zeros((heights * cells, len(x_mm) - 1)), np.outer(np.diff(y_mm), np.diff(x_mm))
@@ -103,7 +122,7 @@ def plane_fractions(x_mm: Array, y_mm: Array, z_mm: Array, section: Section) -> 
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
         below, above = areas(low, middle), areas(middle, high)
-        open_ = (np.abs(below + above - whole) > _TOLERANCE * largest[row % cells]).any(axis=1)
+        open_ = (np.abs(below + above - whole) > tolerance.area * largest[row % cells]).any(axis=1)
         np.add.at(total, row[~open_], (below + above)[~open_])
         low, high = (np.concatenate([a[open_], b[open_]]) for a, b in ((low, middle), (middle, high)))
         whole, row = np.concatenate([below[open_], above[open_]]), np.tile(row[open_], 2)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.bodies.cells.fractions import QUICK
 from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.halves import difference, usual_scale
@@ -33,7 +34,7 @@ def coarse_stiffness(data: dict[str, Any]) -> dict[str, float]:
 
 def _on_cells(scene: Scene) -> dict[str, float]:
     with double_precision():
-        domain = build_domain(scene, _CELL_MM / usual_scale(scene), "web")
+        domain = build_domain(scene, _CELL_MM / usual_scale(scene), "web", tolerance=QUICK)
         model = build_model(scene, domain, main_load_cases(scene, plan(scene).enabled))
         known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene), rods_kg_mm(scene))
         solved = solved_design(model, domain.passive_fraction, domain.passive_fraction, _TOLERANCE)
