@@ -9,20 +9,24 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.tasks.bench.coarse_error import stated_errors
-from cranktopo.tasks.bench.workers import Newest, Worker
+from cranktopo.tasks.bench.live_safety import SettledSafety, estimated_safety
+from cranktopo.tasks.bench.workers import AbandonedError, Newest, Worker
 
 Tell = Callable[[dict[str, Any]], None]
 Data = dict[str, Any]
+_PARTS = {"stiffness", "film", "shaft", "safety", "colours"}
+"""Of what settles after a release."""
 
 
 @dataclass(frozen=True)
 class Processes:
-    """The processes that answer: exact numbers, the picture, stiffness on cells, settled numbers."""
+    """The processes that answer: exact numbers, the picture, stiffness on cells, settled numbers, safety."""
 
     live: Worker = field(default_factory=Worker)
     picture: Worker = field(default_factory=Worker)
     coarse: Worker = field(default_factory=lambda: Worker(background=True))
     settled: Worker = field(default_factory=lambda: Worker(background=True))
+    safety: Worker = field(default_factory=lambda: Worker(background=True))
 
     def close(self) -> None:
         """End all of them."""
@@ -39,14 +43,16 @@ class Answers:
         self._live, self._coarse = Newest(self._answer_live), Newest(self._answer_coarse)
         self._settle, self._originals = Newest(self._answer_settled), Newest(self._answer_original)
         self._settled: dict[str, dict[str, Any]] = {}
+        self._settling: dict[Worker, str] = {}
         self._exact: dict[str, dict[str, float]] = {}
         self._calibrated: tuple[Data, dict[str, float], dict[str, float]] = {}, {}, {}
+        self._safety = SettledSafety()
         self._factors: Sequence[float] = ()
         self._now = self._original = ""
 
     def forget(self) -> None:
         """Forget what was learned of the design that was on the bench."""
-        self._calibrated, self._factors = ({}, {}, {}), ()
+        self._calibrated, self._factors, self._safety = ({}, {}, {}), (), SettledSafety()
 
     def close(self) -> None:
         """End the processes."""
@@ -67,8 +73,11 @@ class Answers:
             self._coarse.put((data, seq, tell))
 
     def settle(self, data_of: Callable[[str], Data], now: str, original: str) -> None:
-        """Ask for the settled numbers of the design, then for those of the original."""
+        """Ask for the settled numbers of the design, then for those of the original; others are given up."""
         self._now, self._original = now, original
+        for worker, text in self._settling.items():
+            if text not in (now, original):
+                worker.abandon()
         for text in (now, original):
             self._tell_settled(text, self._tell_all)
         self._settle.put((data_of, now, original))
@@ -104,9 +113,18 @@ class Answers:
         """Return all numbers that are known of a design."""
         return {**self._exact.get(text, {}), **self._settled.get(text, {}).get("gauges", {})}
 
+    def at_rest(self, text: str) -> bool:
+        """Tell whether all of a design has settled, and nothing is asked."""
+        asked = (self._live, self._coarse, self._settle, self._originals)
+        settled = set(self._settled.get(text, {}).get("parts", ()))
+        return self._now == text and settled >= _PARTS and not any(one.busy for one in asked)
+
     async def _answer_live(self, question: tuple[Data, int | None, Tell, str]) -> None:
         data, seq, tell, text = question
-        tell({"type": "live", "seq": seq, **await self._live_answer(data, text)})
+        found = await self._live_answer(data, text)
+        if "gauges" in found:
+            found["safety"] = estimated_safety(self._safety, data, found["gauges"])
+        tell({"type": "live", "seq": seq, **found})
 
     async def _answer_original(self, question: tuple[Data, str, Tell]) -> None:
         data, text, tell = question
@@ -148,21 +166,49 @@ class Answers:
     async def _answer_settled(self, question: tuple[Callable[[str], Data], str, str]) -> None:
         data_of, now, original = question
         for text in dict.fromkeys((now, original)):
-            for part in ("stiffness", "film", "shaft", "safety"):
-                so_far = self._settled.get(text, {})
-                if part in so_far.get("parts", ()):
-                    continue
-                stiffness = so_far.get("throw_stiffnesses_Nm_per_rad", ()), so_far.get("gauges", {})
-                known = stiffness if part == "safety" else ()
-                try:
-                    found = await self._workers.settled.ask(f"settled.settled_{part}", data_of(text), *known)
-                except CranktopoError as error:
-                    found = {"gauges": {}, **({} if part in ("film", "shaft") else {"missing": str(error)})}
-                self._keep(text, part, found)
-                if part == "stiffness" and text == now:
-                    await self._calibrate(data_of(text), found["gauges"])
-                if self._now != now:
-                    return  # a newer design waits
+            await self._settle_design(text, data_of(text), now)
+            if self._now != now:
+                return  # a newer design waits
+
+    async def _settle_design(self, text: str, data: Data, now: str) -> None:
+        """Settle stiffness and safety side by side; the colours and some loads need the stiffness."""
+        vibrating = "shaft" in data
+        if vibrating:
+            await self._settle_stiffness(text, data, now)
+        await asyncio.gather(
+            self._settle_stiffness(text, data, now), self._settle_part(text, data, "safety", now)
+        )
+        await self._settle_part(text, data, "colours", now)
+
+    async def _settle_stiffness(self, text: str, data: Data, now: str) -> None:
+        """Settle what follows from the stiffness."""
+        for part in ("stiffness", "film", "shaft"):
+            await self._settle_part(text, data, part, now)
+
+    async def _settle_part(self, text: str, data: Data, part: str, now: str) -> None:
+        """Have a part settle that has not yet, unless the design has moved on."""
+        so_far = self._settled.get(text, {})
+        if part in so_far.get("parts", ()) or self._now != now:
+            if part == "safety" and text == self._now:  # undone: drags begin here again
+                await self._learn_safety(data, so_far)
+            return
+        throws, gauges = so_far.get("throw_stiffnesses_Nm_per_rad", ()), so_far.get("gauges", {})
+        known = {"safety": (throws,), "colours": (throws, gauges)}.get(part, ())
+        worker = self._workers.safety if known else self._workers.settled
+        self._settling[worker] = text
+        try:
+            found = await worker.ask(f"settled.settled_{part}", data, *known)
+        except AbandonedError:  # asks again where the design is wanted after all
+            return await self._settle_part(text, data, part, now)
+        except CranktopoError as error:
+            found = {"gauges": {}, **({"missing": str(error)} if part in ("stiffness", "safety") else {})}
+        finally:
+            self._settling.pop(worker, None)
+        self._keep(text, part, found)
+        if text == now and part == "stiffness":
+            await self._calibrate(data, found["gauges"])
+        if text == now and part == "safety":
+            await self._learn_safety(data, found)
 
     async def _calibrate(self, data: Data, truth: dict[str, float]) -> None:
         """Learn what the cells say of a design that has settled."""
@@ -171,6 +217,15 @@ class Answers:
         except CranktopoError:
             return
         self._calibrated = data, coarse, truth
+
+    async def _learn_safety(self, data: Data, found: dict[str, Any]) -> None:
+        """Learn the safety of a design that has settled, beside what the rule says of it."""
+        try:
+            numbers = await self._workers.live.ask("live.live_numbers", data, self._factors)
+        except CranktopoError:
+            return
+        by_rule = numbers.get("gauges", {})
+        self._safety = SettledSafety(data, found["gauges"], found.get("elsewhere", 0.0), by_rule)
 
     def _keep(self, text: str, part: str, found: dict[str, Any]) -> None:
         before = self._settled.get(text, {"gauges": {}, "error_percent": {}, "parts": ()})

@@ -23,17 +23,30 @@ def stated_errors(
         first: tables of the design that has settled.
         change_percent: of each quantity, by the cells, since then.
     """
-    before, after = (dict(_dimensions(data)) for data in (first, moved))
-    if before.keys() != after.keys():
+    found = moved_dimensions(first, moved)
+    if found is None:
         return {}
-    ways = {key: abs(after[key] - before[key]) for key in before}
-    if any(way > (_MOST_DEG if key.endswith("_deg") else _MOST_MM) for key, way in ways.items()):
-        return {}
-    fillets_mm = sum(way for key, way in ways.items() if "fillet" in key)
-    found = {}
+    fillets_mm = sum(abs(after - before) for key, (before, after) in found.items() if "fillet" in key)
+    errors = {}
     for name, change in change_percent.items():
         least, share, by_fillet = _ERROR[name.removesuffix("_per_mass")]
-        found[name] = least + share * abs(change) + by_fillet * fillets_mm
+        errors[name] = least + share * abs(change) + by_fillet * fillets_mm
+    return errors
+
+
+def moved_dimensions(
+    first: Mapping[str, Any], moved: Mapping[str, Any]
+) -> dict[str, tuple[float, float]] | None:
+    """Return what each moved dimension was and is, mm or deg; None if one is too far, or for another web."""
+    before, after = (dict(_dimensions(data)) for data in (first, moved))
+    if before.keys() != after.keys():
+        return None
+    found = {key: (before[key], after[key]) for key in before if before[key] != after[key]}
+    if any(
+        abs(new - old) > (_MOST_DEG if key.endswith("_deg") else _MOST_MM)
+        for key, (old, new) in found.items()
+    ):
+        return None
     return found
 
 
@@ -42,7 +55,7 @@ def _dimensions(data: Any, key: str = "") -> Iterator[tuple[str, float]]:
     if isinstance(data, Mapping):
         for name, value in data.items():
             if key or name in ("throw", "web", "second_web"):
-                yield from _dimensions(value, f"{key}.{name}")
+                yield from _dimensions(value, f"{key}.{name}" if key else name)
     elif isinstance(data, list | tuple):
         for number, value in enumerate(data):
             yield from _dimensions(value, f"{key}[{number}]")

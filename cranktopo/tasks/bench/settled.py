@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError
@@ -80,24 +82,18 @@ def settled_film(data: dict[str, Any]) -> dict[str, Any]:
     return {"gauges": {"film": thinnest, "film_pressure": max(film.pressure_MPa for film in films)}}
 
 
-def settled_safety(
-    data: dict[str, Any],
-    throws_Nm_per_rad: Sequence[float] = (),
-    stiffness: Mapping[str, float] | None = None,
-) -> dict[str, Any]:
-    """Return the least fatigue safety as `cranktopo fatigue` tells it, its place, and colours; or why not.
+def settled_safety(data: dict[str, Any], throws_Nm_per_rad: Sequence[float] = ()) -> dict[str, Any]:
+    """Return the least fatigue safety as `cranktopo fatigue` tells it, and its place; or why not.
 
     Args:
         throws_Nm_per_rad: stiffness of each throw by elements, for the torque of the vibrating shaft.
-        stiffness: gauges of `settled_stiffness`, for the colours of what removal costs.
     """
-    began, target = time.perf_counter(), _target(data)
+    began = time.perf_counter()
     try:
-        check_inputs(target, _METHOD, "extremes")
-        field = fatigue_field(_with_stiffness(target, throws_Nm_per_rad), _METHOD)
+        field = _field(json.dumps(data), tuple(throws_Nm_per_rad))
     except CranktopoError as error:
         return {"gauges": {}, "missing": str(error)}
-    scene, critical = target.scene, field.critical
+    critical = field.critical
     gauges = {
         "fatigue_safety": float(critical.safety),
         "pin_fillet_safety": field.fillet_safety["pin"],
@@ -109,12 +105,36 @@ def settled_safety(
     return {
         "gauges": gauges,
         "error_percent": dict.fromkeys(gauges, _SAFETY_ERROR_PERCENT),
+        "elsewhere": float(field.safety[:, field.model.parts["elsewhere"]].min()),
         "place": critical.place,
         "point_mm": [round(float(x), 3) for x in critical.point_mm],
-        "warnings": list(filter(None, [yield_warning(field, scene.material.yield_MPa)])),
-        **({} if difference(scene) else _picture(scene, field, stiffness or {})),
+        "warnings": list(filter(None, [yield_warning(field, field.model.scene.material.yield_MPa)])),
         "seconds": time.perf_counter() - began,
     }
+
+
+def settled_colours(
+    data: dict[str, Any], throws_Nm_per_rad: Sequence[float], stiffness: Mapping[str, float]
+) -> dict[str, Any]:
+    """Return the picture of a web with its colours; nothing where it has no safety, or its halves differ.
+
+    Args:
+        throws_Nm_per_rad: as of `settled_safety`.
+        stiffness: gauges of `settled_stiffness`, for the colours of what removal costs.
+    """
+    scene = _target(data).scene
+    if difference(scene):
+        return {"gauges": {}}
+    field = _field(json.dumps(data), tuple(throws_Nm_per_rad))
+    return {"gauges": {}, **_picture(scene, field, stiffness)}
+
+
+@lru_cache(maxsize=1)
+def _field(text: str, throws_Nm_per_rad: tuple[float, ...]) -> FatigueField:
+    """Return the safety of a design as JSON, solved once for the numbers and for the colours."""
+    target = _target(json.loads(text))
+    check_inputs(target, _METHOD, "extremes")
+    return fatigue_field(_with_stiffness(target, throws_Nm_per_rad), _METHOD)
 
 
 def _picture(scene: Scene, field: FatigueField, stiffness: Mapping[str, float]) -> dict[str, Any]:

@@ -15,8 +15,13 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError
 
+_GIVE_UP = signal.SIGUSR1
 _NICE = 5
 """Of processes in the background, which leave the cores to the drag."""
+
+
+class AbandonedError(Exception):
+    """Nobody wants the answer any more: no error of the design, so that no answer is made of it."""
 
 
 class Worker:
@@ -46,6 +51,15 @@ class Worker:
                     self._pool = None
         raise CranktopoError("The computing process ended twice.", hint="Change the design slightly.")
 
+    def abandon(self) -> None:
+        """Have the process give up what it is at, which raises AbandonedError for whoever asked.
+
+        It goes on where it has not answered such a question before: it may be loading libraries.
+        """
+        for process in list(((self._pool and self._pool._processes) or {}).values()):
+            if process.is_alive() and process.pid is not None:
+                os.kill(process.pid, _GIVE_UP)
+
     def close(self) -> None:
         """End the process, whatever it is at, for good."""
         pool, self._pool, self._closed = self._pool, None, True
@@ -60,14 +74,34 @@ class Worker:
         return ProcessPoolExecutor(1, context, initializer=_begin, initargs=(self._background,))
 
 
+_answered: set[str] = set()
+"""Functions that this process has called before."""
+_at: list[str] = []
+"""The function that it is at, if it may be given up."""
+
+
 def _answer(function: str, *arguments: Any) -> Any:
     module, _, name = function.rpartition(".")
-    return getattr(importlib.import_module(f"{__package__}.{module}"), name)(*arguments)
+    answer = getattr(importlib.import_module(f"{__package__}.{module}"), name)
+    _at.extend({function} & _answered)
+    try:
+        found = answer(*arguments)
+    finally:
+        _at.clear()
+    _answered.add(function)
+    return found
+
+
+def _give_up(number: int, frame: object) -> None:
+    if _at:
+        _at.clear()
+        raise AbandonedError("nobody wants this answer any more.")
 
 
 def _begin(background: bool) -> None:
     """Leave Ctrl-C to the server, and end with it however it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(_GIVE_UP, _give_up)
     if background:
         os.nice(_NICE)
     parent = multiprocessing.parent_process()

@@ -10,7 +10,7 @@ import pytest
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import design_text
 from cranktopo.design.toml_text import parse_toml
-from cranktopo.tasks.bench.workers import Worker
+from cranktopo.tasks.bench.workers import AbandonedError, Worker
 
 
 def test_a_question_that_waits_at_the_end_starts_no_other_process() -> None:
@@ -29,3 +29,30 @@ def test_a_question_that_waits_at_the_end_starts_no_other_process() -> None:
 
     with ThreadPoolExecutor(1) as pool:  # the thread of a browser's tests has a loop that runs
         pool.submit(asyncio.run, end()).result()
+
+
+@pytest.mark.slow
+def test_what_nobody_wants_is_given_up_and_the_process_goes_on() -> None:
+    """A release while the design before settled waited until that had, for seconds."""
+    worker = Worker()
+    data = parse_toml(design_text("mikron-iiic-plain"), "own")
+
+    async def talk() -> None:
+        first = await worker.ask("settled.settled_stiffness", data)
+        assert worker._pool is not None
+        (before,) = worker._pool._processes
+        given_up = asyncio.ensure_future(worker.ask("settled.settled_stiffness", data))
+        await asyncio.sleep(0.3)
+        worker.abandon()
+        with pytest.raises(AbandonedError):
+            await given_up
+        assert not issubclass(AbandonedError, CranktopoError), "no answer is made of it"
+        worker.abandon()  # it is idle: nothing happens
+        again = await worker.ask("settled.settled_stiffness", data)
+        (after,) = worker._pool._processes
+        assert after == before, "the same process"
+        assert again["gauges"] == first["gauges"]
+        worker.close()
+
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(asyncio.run, talk()).result()

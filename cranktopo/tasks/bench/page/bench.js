@@ -38,6 +38,7 @@ function hearState(message) {
   const before = state.project, project = message.project;
   state.project = project;
   state.jobs = message.jobs || [];
+  state.noProof = message.no_proof || "";
   $("begin").hidden = Boolean(project);
   $("bench").hidden = !project;
   document.querySelectorAll("header [data-do]").forEach((b) => (b.disabled = !project));
@@ -82,6 +83,7 @@ function hearLive(message) {
   for (const name of ["rings", "marks", "stiffness", "warnings"]) state[name] = message[name];
   state.turns = message.turns_deg;
   state.notes = message.notes;
+  state.safety = message.safety;
   state.polars = message.polars;
   state.front = message.front;
   state.picture = message.picture;
@@ -131,10 +133,16 @@ function hearSettled(message) {
     state.fresh = true;
     state.settledPicture = message.picture || null;
     state.colours = message.colours || [];
-    if (!state.broken.length) status(message.parts.includes("safety") ? "Settled" : message.parts.includes("shaft") ? "Stiffness settled; safety follows" : "Stiffness settled; shaft and safety follow");
+    if (!state.broken.length) status(statusOf(message.parts));
     if ($("colours").value) showPicture();
   }
   showGauges();
+}
+
+// Stiffness and safety settle side by side; what has not yet is said to follow.
+function statusOf(parts) {
+  const left = ["stiffness", "film", "shaft", "safety"].filter((part) => !parts.includes(part));
+  return left.length ? `Settling; ${left.join(", ")} to follow` : "Settled";
 }
 
 function hearMade(message) {

@@ -29,7 +29,7 @@ export const FAILS_BELOW = 1;
 export const OF_STIFFNESS = new Set(["m53_pin", "m53_journal", "natural_frequency"]);
 
 // What is known of one design alone: forgotten with every step, or with the design.
-export const ofStep = () => ({ fresh: false, settledPicture: null, colours: [], dragging: false, place: null, point: null, spot: false, missing: null, coarse: {}, tooFar: false, settledParts: [], settledWarnings: [] });
+export const ofStep = () => ({ fresh: false, settledPicture: null, colours: [], dragging: false, place: null, point: null, spot: false, missing: null, coarse: {}, tooFar: false, safety: { gauges: {}, error_percent: {} }, settledParts: [], settledWarnings: [] });
 export const ofDesign = () => ({ ...ofStep(), live: {}, rings: {}, marks: {}, stiffness: "", originalStiffness: "", warnings: [], notes: [], settled: {}, errors: {}, original: {}, polars: [], originalPolars: [], madeWarnings: "", picture: null, ghostPicture: null, broken: [], refit: true });
 
 export const state = { reference: null, project: null, jobs: [], turns: [0], front: null, ghostFront: null, keepPitch: false, ...ofDesign() };
@@ -37,8 +37,15 @@ export const state = { reference: null, project: null, jobs: [], turns: [0], fro
 // No change is told between a stiffness in closed form and a settled one.
 export const comparable = (name) => !OF_STIFFNESS.has(name) || [state.stiffness, state.originalStiffness].sort().join() !== "closed form,settled";
 
-// A bound holds for the design that it was found for: that of the newest job on the step in hand.
-export const boundOf = (name) => (state.dragging ? undefined : state.jobs.filter((job) => job.step === state.project.steps[state.project.at].file).map((job) => job.gauges[`bound_${name}`]).findLast((value) => value !== undefined));
+// A bound holds for the design that it was found for: that of the newest job on the step in hand. It is a share of
+// that design on the cells of the proof, which are not quite as stiff and heavy as elements are.
+export function boundOf(name) {
+  if (state.dragging) return undefined;
+  const jobs = state.jobs.filter((job) => job.step === state.project.steps[state.project.at].file);
+  const found = jobs.map((job) => job.gauges).findLast((gauges) => gauges[`bound_${name}`] !== undefined) ?? {};
+  const percent = found[`bound_percent_${name}`], own = SOLVED.has(name) && !state.fresh ? undefined : valueOf(name)[0];
+  return percent === undefined ? found[`bound_${name}`] : own && (own * percent) / 100;
+}
 
 export const pick = (gauges) => Object.fromEntries(Object.entries(gauges).filter(([name]) => SOLVED.has(name)));
 
@@ -53,10 +60,13 @@ export function valueOf(name) {
     return [state.live[name], settled ? ring.replace(/^[^;]*/, "settled stiffness of a throw") : ring];
   }
   const moving = state.dragging || !state.fresh;
+  const estimate = moving || state.settled[name] === undefined ? state.safety.gauges[name] : undefined;
+  if (estimate !== undefined) return [estimate, state.broken.length ? "stale: of the last web that broke no rule" : `live, error at most ${state.safety.error_percent[name].toFixed(1)} %`];
   if (moving && state.coarse?.[name] !== undefined) return [state.coarse[name], `coarse, error about ${state.coarseErrors[name].toFixed(1)} %`];
   if (moving && state.tooFar) return [undefined, "waits: too far from the last settled web"];
   const value = state.settled[name], error = (state.errors ?? {})[name.replace("_per_mass", "")];
   if (value === undefined) return [undefined, state.broken.length ? "waits until no rule is broken" : "waits"];
+  if (moving && SAFETIES(name)) return [undefined, state.broken.length ? "waits until no rule is broken" : "waits: its error would be too large"];
   if (moving) return [value, "stale: of the last settled web"];
   return [value, `settled${error === undefined ? "" : `, error ${SAFETIES(name) ? "about" : "at most"} ${error.toFixed(1)} %`}`];
 }
@@ -64,7 +74,7 @@ export function valueOf(name) {
 // Percent by which a gauge may be off, as far as that is known.
 export function errorOf(name) {
   if (!SOLVED.has(name)) return 0;
-  const errors = state.fresh && !state.dragging ? state.errors : state.coarseErrors;
+  const errors = state.fresh && !state.dragging ? state.errors : SAFETIES(name) ? state.safety.error_percent : state.coarseErrors;
   return errors?.[name] ?? errors?.[name.replace("_per_mass", "")] ?? 0;
 }
 

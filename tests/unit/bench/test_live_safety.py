@@ -1,0 +1,94 @@
+"""The live safety follows the rule from the last settled web, with an error, and is silent beyond that."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from cranktopo.design.edits import changed_data
+from cranktopo.design.loading import design_text
+from cranktopo.design.toml_text import parse_toml
+from cranktopo.tasks.bench.live import live_numbers
+from cranktopo.tasks.bench.live_safety import MOST_PERCENT, SettledSafety, estimated_safety
+
+DATA = parse_toml(design_text("mikron-iiic-plain"), "web")
+SAFETY = {"pin_fillet_safety": 1.12, "journal_fillet_safety": 1.35, "fatigue_safety": 1.12, "stress": 440.0}
+BY_RULE = {"m53_pin": 1.3, "m53_journal": 1.6}
+SETTLED = SettledSafety(DATA, SAFETY, 1.34, BY_RULE)
+
+
+def told(changes: dict[str, Any], pin: float = 0.0, journal: float = 0.0, **settled: Any) -> Any:
+    """Estimate a moved web for which the rule says these changes in percent."""
+    by_rule = {"m53_pin": 1.3 * (1 + pin / 100), "m53_journal": 1.6 * (1 + journal / 100)}
+    first = SettledSafety(**{**vars(SETTLED), **settled})
+    return estimated_safety(first, changed_data(DATA, changes), by_rule)
+
+
+def test_the_settled_web_itself_is_told_as_it_settled() -> None:
+    found = told({})
+    assert found["gauges"] == {name: value for name, value in SAFETY.items() if name != "stress"}
+    assert 0 < found["error_percent"]["fatigue_safety"] < MOST_PERCENT
+
+
+def test_a_change_is_that_of_the_rule_by_the_gain_of_its_dimension() -> None:
+    width, fillet = told({"web.width_mm": 52}, 2.0, 2.0), told({"throw.crankpin.fillet_mm": 2.6}, 2.0, 0.0)
+    assert width["gauges"]["pin_fillet_safety"] == pytest.approx(1.12 * 1.02)
+    assert 1.12 < fillet["gauges"]["pin_fillet_safety"] < width["gauges"]["pin_fillet_safety"]
+    assert fillet["gauges"]["journal_fillet_safety"] == 1.35
+    assert fillet["gauges"]["fatigue_safety"] == fillet["gauges"]["pin_fillet_safety"], "the least of both"
+
+
+def test_the_error_grows_with_the_change_until_nothing_is_told() -> None:
+    errors = [
+        told({"web.width_mm": 50 + way}, 2.0 * way)["error_percent"].get("pin_fillet_safety", 99)
+        for way in (0.0, 1.0, 2.0, 5.0)
+    ]
+    assert errors == sorted(errors)
+    assert errors[0] < errors[2] <= MOST_PERCENT
+    assert "pin_fillet_safety" not in told({"web.width_mm": 59}, 50.0)["gauges"]
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"web.width_mm": 56.0},  # too far
+        {"throw.main_journal.fillet_axial_mm": 3.0},  # another fillet
+        {"engine.speed_rpm": 3000.0},
+        {"material.name": "42CrMo4"},
+        {"web.hole": [{"y_mm": 24.0, "diameter_mm": 5.0}]},
+        {"throw.crankpin.bore_diameter_mm": 0.0},
+    ],
+)
+def test_of_what_was_not_measured_nothing_is_told(changes: dict[str, Any]) -> None:
+    assert told(changes) == {"gauges": {}, "error_percent": {}}
+
+
+def test_dimensions_that_move_together_have_the_spread_of_their_gains_as_error() -> None:
+    alone = told({"web.thickness_mm": 20}, 4.0)["error_percent"]["pin_fillet_safety"]
+    pitch_kept = told({"web.thickness_mm": 20, "throw.main_journal.length_mm": 38}, 4.0)
+    assert pitch_kept["error_percent"]["pin_fillet_safety"] > alone - 0.05
+    both = told({"web.thickness_mm": 20, "throw.main_journal.bore_diameter_mm": 25}, 4.0)["error_percent"]
+    assert both.get("pin_fillet_safety", 99) > alone + 1, "gains of 0.8 and 0.1"
+
+
+def test_the_least_of_all_is_not_told_where_it_may_lie_elsewhere() -> None:
+    assert "fatigue_safety" not in told({}, elsewhere=1.15)["gauges"]
+    assert "pin_fillet_safety" in told({}, elsewhere=1.15)["gauges"]
+
+
+def test_nothing_is_told_before_a_safety_has_settled_nor_without_the_rule() -> None:
+    assert estimated_safety(SettledSafety(), DATA, BY_RULE)["gauges"] == {}
+    assert estimated_safety(SETTLED, DATA, {})["gauges"] == {}
+
+
+def test_a_wider_web_is_told_as_elements_find_it() -> None:
+    """Body-fitted elements, `settled_safety`: pin 1.1245 to 1.1652, journal 1.3530 to 1.4075."""
+    settled = {"pin_fillet_safety": 1.1245, "journal_fillet_safety": 1.3530}
+    first = SettledSafety(DATA, settled, 1.34, live_numbers(DATA)["gauges"])
+    wider = changed_data(DATA, {"web.width_mm": 52.54})
+    found = estimated_safety(first, wider, live_numbers(wider)["gauges"])
+    for name, truth in (("pin_fillet_safety", 1.1652), ("journal_fillet_safety", 1.4075)):
+        error = 100 * abs(found["gauges"][name] / truth - 1)
+        assert error < found["error_percent"][name] < MOST_PERCENT
+        assert error < 50 * (truth / settled[name] - 1), "nearer than the settled one"
