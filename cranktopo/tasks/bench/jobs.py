@@ -30,6 +30,8 @@ JobState = Literal["running", "done", "stopped", "failed"]
 _JOB, _NOTES, _CODE, _OUT, _DESIGN = "job.json", "notes.txt", "code", "out", "design.toml"
 _SAVED = "manifest.json"
 """In a run that resumes, whatever else a kill keeps back."""
+_LAST = ["nice", "-n", "19"]
+"""Before the words of a job that nobody asked for: whatever else runs goes first."""
 _SHELL = '"$@" >stdout.txt 2>>notes.txt; echo $? >code.tmp; mv code.tmp code'
 _TAIL = 4000
 
@@ -65,6 +67,7 @@ class _KnownJob(Result):
     kind: str
     words: tuple[str, ...]
     started: float
+    automatic: bool = False
     pid: int = 0
     born: float = 0.0
     step: str = ""
@@ -151,6 +154,7 @@ class BenchJob:
             "found": list(self.known.found),
             "gauges": self.known.gauges,
             "step": self.known.step,
+            "automatic": self.known.automatic,
             "page": self.page,
         }
 
@@ -171,6 +175,13 @@ class BenchJob:
             for child in psutil.Process(self.known.pid).children():
                 with suppress(psutil.Error):
                     child.send_signal(signal.SIGINT)
+
+    def discard(self) -> None:
+        """Kill it with all that it started, and forget it."""
+        if self.alive:
+            with suppress(OSError):  # it ended just now
+                os.killpg(self.known.pid, signal.SIGKILL)
+        shutil.rmtree(self.place, ignore_errors=True)
 
     def note_result(self, variant: str, lines: Sequence[str], gauges: Mapping[str, float]) -> None:
         """Record that its result was kept as a variant, or `-`, and what it found, in words and numbers."""
@@ -216,9 +227,20 @@ class Jobs:
         raise CranktopoError("job: there is no such job.")
 
     def start(
-        self, kind: str, design: str, options: Mapping[str, Any], step: str = "", run: str = ""
+        self,
+        kind: str,
+        design: str,
+        options: Mapping[str, Any],
+        step: str = "",
+        run: str = "",
+        *,
+        automatic: bool = False,
     ) -> BenchJob:
-        """Start a command on the text of a design, that of a step of the session, or on the run of a job."""
+        """Start a command on the text of a design, that of a step of the session, or on the run of a job.
+
+        Args:
+            automatic: nobody asked for it, so that everything else goes first.
+        """
         if kind not in KINDS:
             raise CranktopoError("job: there is no such command.")
         option_words = _option_words(kind, options)
@@ -229,7 +251,14 @@ class Jobs:
         (place / _DESIGN).write_text(design, encoding="utf-8")
         words = [kind, target, *option_words]
         words += ["--out", _OUTPUT[kind]] if kind in _OUTPUT else ["--json"]
-        known = _KnownJob(id=place.name, kind=kind, words=tuple(words), started=time.time(), step=step)
+        known = _KnownJob(
+            id=place.name,
+            kind=kind,
+            words=tuple(words),
+            started=time.time(),
+            step=step,
+            automatic=automatic,
+        )
         return self._run(place, known, words)
 
     def _run_of(self, id_: str) -> str:
@@ -252,7 +281,8 @@ class Jobs:
         return self._run(job.place, job.known, job.known.words)
 
     def _run(self, place: Path, known: _KnownJob, words: Sequence[str]) -> BenchJob:
-        line = ["/bin/sh", "-c", _SHELL, "sh", *own_command(*words)]
+        shell = ["/bin/sh", "-c", _SHELL, "sh", *own_command(*words)]
+        line = [*_LAST, *shell] if known.automatic else shell
         process = subprocess.Popen(
             line,
             cwd=place,

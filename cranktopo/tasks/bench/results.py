@@ -22,7 +22,10 @@ _REMODEL_S = 3600
 
 
 def job_numbers(job: BenchJob) -> dict[str, float]:
-    """Return the gauges that a finished job tells, by name; a bound is called `bound_` and its quantity."""
+    """Return the gauges that a finished job tells, by name.
+
+    A bound is called `bound_` and its quantity, its share of the design `bound_percent_` and its quantity.
+    """
     reader = {"shape": _of_shape, "bound": _of_bound, "fatigue": _of_fatigue}
     reader |= {"optimise": _of_optimise, "evaluate": _of_evaluation}
     if job.known.kind not in reader:
@@ -171,7 +174,8 @@ def _of_evaluation(job: BenchJob) -> dict[str, float]:
 
 def _of_bound(job: BenchJob) -> dict[str, float]:
     bound = _bound(job)
-    return {} if bound.value is None else {f"bound_{bound.quantity}": bound.value}
+    named = {"bound": bound.value, "bound_percent": bound.percent_of_original}
+    return {f"{name}_{bound.quantity}": value for name, value in named.items() if value is not None}
 
 
 def _of_fatigue(job: BenchJob) -> dict[str, float]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import re
 import shlex
-import subprocess
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -24,10 +23,10 @@ from cranktopo.design.pitch import JOURNAL_LENGTHS
 from cranktopo.tasks.bench.answers import Answers
 from cranktopo.tasks.bench.design_files import changed_files, check_files_inside
 from cranktopo.tasks.bench.forms import BODIES, form_reference, new_design, read_upload, remarks_of
-from cranktopo.tasks.bench.jobs import BenchJob, Jobs, reap
+from cranktopo.tasks.bench.job_watch import JobWatch, job_states, jobs_of
+from cranktopo.tasks.bench.jobs import Jobs
 from cranktopo.tasks.bench.project import Project, file_in
 from cranktopo.tasks.bench.proposals import with_pitch_kept
-from cranktopo.tasks.bench.results import job_numbers, job_words, variant_of
 from cranktopo.tasks.bench.session_files import SCRIPT_ENDING, portable, session_script, write_lines
 from cranktopo.tasks.bench.writes import ENDINGS, WRITTEN, written_by
 
@@ -54,10 +53,10 @@ class Bench:
     _written_names: set[str] = field(default_factory=set)
     _tasks: set[asyncio.Task[None]] = field(default_factory=set)
     _watch: asyncio.Task[None] | None = None
-    _seen: str = ""
 
     def __post_init__(self) -> None:
         self.answers = Answers(self._tell_all)
+        self.jobs = JobWatch(self._tell_all, self._tell_state)
 
     def close(self) -> None:
         """End the processes that answer; jobs go on."""
@@ -103,6 +102,7 @@ class Bench:
         self._moved()
 
     def _leave_project(self) -> None:
+        self.jobs.proof.forget()
         if self.project is not None:
             self.project.close()
         self.project = None
@@ -153,7 +153,7 @@ class Bench:
 
     @property
     def _jobs(self) -> Jobs:
-        return Jobs(self._required.place / "jobs")
+        return jobs_of(self._required)
 
     def _data(self, text: str) -> dict[str, Any]:
         return self._required.data(text)
@@ -169,16 +169,15 @@ class Bench:
         shared = {"type": "state", "designs": builtin_designs(), "files": self._files()}
         if self.project is None:
             return {**shared, "project": None}
-        return {**shared, "project": self.project.as_json(), "jobs": self._job_states(self._jobs.all())}
-
-    def _job_states(self, jobs: list[BenchJob]) -> list[dict[str, Any]]:
-        return [job.as_json(self.folder) for job in jobs]
+        shown = {"project": self.project.as_json(), "jobs": job_states(self.project)}
+        return {**shared, **shown, "no_proof": self.jobs.proof.missing(self.project.step.file)}
 
     def _files(self) -> list[str]:
         return sorted(path.name for path in self.folder.glob("*.toml"))[:200]
 
     def _moved(self) -> None:
-        """Tell every page of a new step, and have it settled."""
+        """Tell every page of a new step, and have it settled; the proof of another step ends."""
+        self.jobs.proof.leave(self._required.step.file)
         self._tell_state()
         self._show(self._tell_all)
 
@@ -200,6 +199,7 @@ class Bench:
 
     def _drag(self, message: Mapping[str, Any], tell: Tell) -> None:
         data = self._changed(self._requested_changes(message))
+        self.jobs.proof.leave()
         self.answers.live(data, message.get("seq"), tell)
         self.answers.coarse(data, message.get("seq"), tell)
 
@@ -379,36 +379,8 @@ class Bench:
         self._tell_state()
 
     async def _watch_jobs(self) -> None:
-        """Tell pages how jobs go on, and keep what finished ones found."""
+        """Look at the jobs of the session in hand, every second."""
         while True:
             await asyncio.sleep(_WATCH_S)
-            reap()
-            if self.project is None:
-                continue
-            jobs = self._jobs.all()
-            for job in jobs:
-                if job.state == "done" and not job.known.variant:
-                    await self._keep_result(job)
-            states = self._job_states(jobs)
-            if str(states) != self._seen:
-                self._seen = str(states)
-                self._tell_all({"type": "jobs", "jobs": states})
-
-    async def _keep_result(self, job: BenchJob) -> None:
-        """Keep what a finished job found: a variant, numbers, or both."""
-        project = self._required
-        numbers, found = job_numbers(job), job_words(job)
-        id_ = "-"
-        try:
-            text = await asyncio.to_thread(variant_of, job)
-            if text is not None:
-                exact = await self.answers.exact(project.data(text))
-                gauges = {**self.answers.known(text), **exact, **numbers}
-                name = f"{job.known.kind} {job.known.id}"
-                outlines = await self.answers.outlines(project.data(text))
-                id_ = project.keep(name, gauges, text, "; ".join(found[:1]), outlines).id
-        except (CranktopoError, OSError, subprocess.SubprocessError) as error:
-            found = [f"its result cannot be kept: {error}"]
-        job.note_result(id_, found, numbers)
-        self._tell_all({"type": "proof", "kind": job.known.kind})
-        self._tell_state()
+            if self.project is not None:
+                await self.jobs.look(self.project, self.answers)

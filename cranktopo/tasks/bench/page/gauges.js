@@ -29,7 +29,8 @@ export function showGauges() {
   $("worse").textContent = same ? ["This is the original.", line].filter(Boolean).join(" ") : !state.fresh && !worse.length && !line ? "Nothing known so far is worse than the original." : [line, worse.length ? `Worse than the original: ${worse.join("; ")}.` : "Nothing is worse than the original."].filter(Boolean).join(" ");
   $("worse").className = line || (!same && worse.length) ? "bad" : same ? "" : "good";
   showWhere();
-  $("notes").replaceChildren(...[...(state.notes ?? []), ...withoutGauge()].map((text) => make("li", {}, text)));
+  const unproven = state.noProof ? [`No bound is proven: ${state.noProof}`] : [];
+  $("notes").replaceChildren(...[...(state.notes ?? []), ...withoutGauge(), ...unproven].map((text) => make("li", {}, text)));
 }
 
 // Takes new rows where they say something else: what is not painted anew costs no time while dragging.
