@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from pydantic import Field, InstanceOf
+from pydantic.json_schema import SkipJsonSchema
+
 from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.tasks.shaft.web_sections import WebSections
 
 
 class MomentRanges(Result):
@@ -73,6 +77,8 @@ class DynamicSpeed(Result):
     """Work of the forces on the pins in the vibration over a cycle."""
     damping_work_J: float
     """Work that all damping takes over a cycle: it is the same."""
+    curves: SkipJsonSchema[InstanceOf[WebSections] | None] = Field(default=None, exclude=True)
+    """Forces and moments in the webs at every angle."""
 
     @property
     def worst_web(self) -> DynamicWeb:

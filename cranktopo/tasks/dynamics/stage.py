@@ -132,7 +132,8 @@ class DynamicShaft:
     def _at(self, still: ContinuousShaft) -> DynamicSpeed:
         cycle = self.cycle(still.speed_rpm)
         assert still.sections is not None
-        pairs = zip(_ranges(web_sections(cycle.shaft, self.scenes)), _ranges(still.sections), strict=True)
+        curves = web_sections(cycle.shaft, self.scenes)
+        pairs = zip(_ranges(curves), _ranges(still.sections), strict=True)
         return DynamicSpeed(
             speed_rpm=still.speed_rpm,
             webs=tuple(
@@ -149,6 +150,7 @@ class DynamicShaft:
             sections=_swings(cycle, carried(self.scene)),
             work_in_J=cycle.work_in_J,
             damping_work_J=cycle.damping_work_J,
+            curves=curves,
         )
 
 

@@ -18,8 +18,10 @@ def dynamics_text(shaft: ShaftDynamics) -> list[str]:
         f"Largest less smallest moments in the middle of each web at {worst.speed_rpm:,.0f} rpm, beside the\n"
         "quasi-static ones:",
         terminal(web_moments(worst)),
-        "Main journals and bearings:",
+        "Main bearings there, and the motions of the journals: of twist and axial motion\n"
+        "half the largest less the smallest, of tilt and offset the largest:",
         terminal(bearing_forces(worst)),
+        terminal(journal_motions(worst)),
     ]
     if len(shaft.speeds) > 1:
         paragraphs += ["Over the speeds, the web and the bearing with the most:", terminal(by_speed(shaft))]
@@ -71,27 +73,35 @@ def web_moments(at: DynamicSpeed) -> ResultTable:
 
 
 def bearing_forces(at: DynamicSpeed) -> ResultTable:
-    """Return how each main journal moves, and what its bearing carries, if it has one."""
-    carried = {one.bearing: one for one in at.main_bearings}
-    rows: list[Row] = []
-    for swing in at.sections:
-        one = carried.get(swing.section)
-        rows.append(
-            {
-                "journal": str(swing.section),
-                "twist_deg": swing.twist_deg,
-                "axial_um": swing.axial_um,
-                "tilt_mrad": swing.tilt_mrad,
-                "offset_um": swing.offset_um,
-                "largest_kN": one and one.largest_N / N_PER_KN,
-                "at_deg": one and one.at_deg,
-                "quasi_static_kN": one and one.quasi_static_N / N_PER_KN,
-                "ratio": one and one.ratio,
-            }
-        )
+    """Return what each main bearing carries."""
+    rows: tuple[Row, ...] = tuple(
+        {
+            "bearing": str(one.bearing),
+            "largest_kN": one.largest_N / N_PER_KN,
+            "at_deg": one.at_deg,
+            "quasi_static_kN": one.quasi_static_N / N_PER_KN,
+            "ratio": one.ratio,
+        }
+        for one in at.main_bearings
+    )
+    digits = {"bearing": 0, "largest_kN": 2, "at_deg": 0, "quasi_static_kN": 2, "ratio": 3}
+    return ResultTable(digits, rows)
+
+
+def journal_motions(at: DynamicSpeed) -> ResultTable:
+    """Return how the middle of each main journal moves."""
+    rows: tuple[Row, ...] = tuple(
+        {
+            "journal": str(one.section),
+            "twist_deg": one.twist_deg,
+            "axial_um": one.axial_um,
+            "tilt_mrad": one.tilt_mrad,
+            "offset_um": one.offset_um,
+        }
+        for one in at.sections
+    )
     digits = {"journal": 0, "twist_deg": 4, "axial_um": 1, "tilt_mrad": 2, "offset_um": 1}
-    forces = {"largest_kN": 2, "at_deg": 0, "quasi_static_kN": 2, "ratio": 3}
-    return ResultTable({**digits, **forces}, tuple(rows))
+    return ResultTable(digits, rows)
 
 
 def by_speed(shaft: ShaftDynamics) -> ResultTable:

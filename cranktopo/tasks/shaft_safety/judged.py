@@ -148,7 +148,8 @@ class JudgedShaft:
         throw, side, _ = list(least)[int(where)]
         labels = tuple(f"{angle:g}" for angle in angle_deg)
         field = field_of_states(self.throws[throw].model, self.method, loads[throw][when], labels)
-        note_quality(field)
+        if self.moving is None:  # the mesh is that of the shaft without mass, which tells it
+            note_quality(field)
         note_yielding(field, self.target.scene.material.yield_MPa)
         finished = time.perf_counter()
         quality = field.model.quality
@@ -161,7 +162,7 @@ class JudgedShaft:
             load_states=angle_deg.size * len(speeds),
             quality=JudgedQuality(**vars(quality), within_rule=quality.within_limits),
             mesh_shortfall=self.missed_checks or None,
-            left_off=shaft_left_off(self.target.scene) or None,
+            left_off=None if self.moving else shaft_left_off(self.target.scene) or None,
             seconds=_seconds(self.throws, solved - begin, finished - solved),
             assumed=assumed_by(filter_by_table(self.target.assumed, USED), (self.method,)),
         )

@@ -54,7 +54,7 @@ def assess_shaft(
         fillet_fraction: element size in a fillet over its radius.
         misfire: cylinders that do not fire, in place of those of the design.
         report: page to write, HTML or Markdown; it needs a method.
-        csv: file of what every web carries at every angle and speed, without the mass of the shaft.
+        csv: file of what every web carries at every angle and speed.
         dynamic: also its steady vibration, bending, torsion and axial motion together, beside that; between
             several speeds its worst resonance is added to them.
 
@@ -87,7 +87,7 @@ def assess_shaft(
     else:
         found, judged = judged_shaft(*told, add_worst_speed=True)
         assessed = assessment(found, judged.safety())
-    write_curves(found, csv)
+    write_curves(found, csv, assessed.dynamics)
     if report is not None:
         most = max(found.on_bearings, key=lambda at: at.worst_bearing.largest_N)
         loads = judged.bearing_loads(most.speed_rpm)
@@ -113,11 +113,13 @@ def _unjudged(
         found, dynamics = shaft_in_motion(target, bearings, element_size_mm, speeds_rpm)
     else:
         found = evaluate_shaft(target, bearings, element_size_mm, speeds_rpm=speeds_rpm, add_worst_speed=True)
-    write_curves(found, csv)
+    write_curves(found, csv, dynamics)
     return assessment(found, dynamics=dynamics)
 
 
-def write_curves(evaluation: ShaftEvaluation, csv: Path | str | None) -> None:
+def write_curves(
+    evaluation: ShaftEvaluation, csv: Path | str | None, dynamics: ShaftDynamics | None = None
+) -> None:
     """Write what the webs carry at every angle, if a file is asked for; raises CranktopoError."""
     if csv is None:
         return
@@ -128,5 +130,7 @@ def write_curves(evaluation: ShaftEvaluation, csv: Path | str | None) -> None:
             code=ExitCode.USAGE,
         )
     path = as_path(csv)
-    write_web_sections([(at.speed_rpm, at.sections) for at in evaluation.on_bearings if at.sections], path)
+    moving = [at.curves for at in dynamics.speeds if at.curves] if dynamics else []
+    still = [(at.speed_rpm, at.sections) for at in evaluation.on_bearings if at.sections]
+    write_web_sections(still, path, moving)
     note(str(path))

@@ -13,8 +13,9 @@ from cranktopo.design.misfire import with_misfire
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, shaft_chain
-from cranktopo.numerics.turning_body import TurningBody, modes_at_rest
+from cranktopo.numerics.turning_body import TurningBody
 from cranktopo.tasks.dynamics.moving_shaft import MovingCycle, MovingShaft, moving_cycle
+from cranktopo.tasks.dynamics.resonance import crossings_of
 from cranktopo.tasks.fea.condense import RZ, UZ
 from cranktopo.tasks.modes.shaft_model import shaft_model
 from cranktopo.tasks.shaft.assembly import shaft_matrix, shaft_stiffness, turned
@@ -57,6 +58,8 @@ def test_without_mass_it_is_the_shaft_on_its_bearings(spring: float | None) -> N
     expected = shaft_cycle(throws, shaft.angles_deg, forces, spring)
     for name in ("motion", "bearing_N", "throw_N"):
         one, other = getattr(found.shaft, name), getattr(expected, name)
+        if name == "motion":  # a shaft without mass, free along its axis, is anywhere
+            one[UZ::6] -= one[-6 + UZ]
         assert np.abs(one - other).max() < 1e-8 * np.abs(other).max(), name
     assert abs(found.damping_work_J) < 1e-9
     for index, within in enumerate(found.within):
@@ -133,9 +136,12 @@ def periodic(body: TurningBody, viscous: Array, force: Array, speed: float, step
     from scipy.linalg import expm
 
     count = len(body.mass)
+    scale = 1 / np.sqrt(np.diag(body.mass))
+    body, force = body.over(np.diag(scale)), scale[:, None] * force
+    viscous = viscous * np.outer(scale, scale)
     inverse = np.linalg.inv(body.mass)
     held = body.stiffness - speed**2 * (body.lateral - body.stiffening)
-    length = 1.0 / np.sqrt(np.diag(held) / np.diag(body.mass)).max()
+    length = step
     state = np.zeros((2 * count, 2 * count))  # displacement and velocity times a time
     state[:count, count:] = np.eye(count) / length
     state[count:, :count] = -length * inverse @ held
@@ -159,7 +165,7 @@ def periodic(body: TurningBody, viscous: Array, force: Array, speed: float, step
     ends = over_cycle(np.zeros(2 * count))[-1]
     once = np.linalg.matrix_power(free, states)
     begin = np.linalg.lstsq(np.eye(2 * count) - once, ends, rcond=1e-9)[0]
-    return over_cycle(begin)[:-1, :count].T
+    return scale[:, None] * over_cycle(begin)[:-1, :count].T
 
 
 def test_what_the_forces_do_is_what_damping_takes() -> None:
@@ -218,7 +224,11 @@ def test_it_does_not_matter_where_the_cycle_begins(spring: float | None) -> None
 
 @pytest.mark.parametrize("spring", [None, SPRING])
 def test_a_shaft_seen_from_its_other_end_vibrates_alike(spring: float | None) -> None:
-    """Throws numbered from the other end, mirrored; nothing holds either end, torques add up to nothing."""
+    """Throws numbered from the other end, mirrored; nothing holds either end, torques add up to nothing.
+
+    The mean holds the last section in rotation: the pin of a mesh is not quite round, so that turning with
+    the shaft strains it by 1e-4.
+    """
     scene = mikron()
     angles = (0.0, 90.0, 250.0, 10.0)
     shaft = replace(shaft_of(scene, spring), angles_deg=angles, turns_freely=True)
@@ -238,7 +248,9 @@ def test_a_shaft_seen_from_its_other_end_vibrates_alike(spring: float | None) ->
     )
     image = np.array([1.0, 1.0, -1.0, -1.0, -1.0, 1.0])
     back = (other.reshape(4, 2, 6, -1)[::-1, ::-1] * image[:, None]).reshape(one.shape)
-    assert apart(one, back) < 1e-9
+    assert apart(one, back) < 1e-3
+    swinging, swung = (curves - curves.mean(axis=-1, keepdims=True) for curves in (one, back))
+    assert apart(swinging, swung) < 1e-9
 
 
 def test_torsion_of_a_shaft_that_does_not_bend_is_that_of_disks() -> None:
@@ -281,33 +293,45 @@ def bending_ranges(scene: Scene, shaft: MovingShaft, rpm: float) -> Array:
 
 
 def test_motion_along_the_axis_decides_where_the_shaft_bends_most() -> None:
-    """Order 6 meets the first mode in the plane with a flywheel of 20 kg at 2,261 rpm, if it moves along.
+    """Order 6 meets the first mode in the plane, of a flywheel of 20 kg, if the shaft moves along its axis.
 
-    Held along its axis at every main journal it has no such mode below 3,240 rpm.
+    Held along its axis at every main journal it has no such mode there. `modes` has it at 2,261 rpm: its
+    sections deform, and those of the shaft are rigid.
     """
     scene = mikron(flywheel={"inertia_kg_m2": 0.2, "mass_kg": 20.0})
     free = shaft_of(scene)
     along = np.arange(len(free.viscous)) % 6 == UZ
     held = replace(free, viscous=free.viscous + 1e9 * np.diag(along.astype(float)))
-    speeds = np.linspace(2100.0, 2400.0, 13)
-    ranges = [np.array([bending_ranges(scene, shaft, rpm).max() for rpm in speeds]) for shaft in (free, held)]
-    print(ranges)
-    peak = speeds[int(ranges[0].argmax())]
-    assert abs(peak - 2261.0) < 50.0
-    assert ranges[0].max() > 1.5 * ranges[1].max()
+    met = crossings_of([one.reduced for one in free.throws], scene, "rigid", 0.0, (2200.0, 2400.0))
+    (crossing,) = (one for one in met if one.order == 6.0)
+    assert crossing.kind.startswith("bending")
+    assert crossing.speed_rpm == pytest.approx(2261.0, rel=0.03)
+    speeds = crossing.speed_rpm * np.linspace(0.99, 1.01, 9)
+    one, other = (
+        np.array([bending_ranges(scene, shaft, rpm).max() for rpm in speeds]) for shaft in (free, held)
+    )
+    assert speeds[int(one.argmax())] == pytest.approx(crossing.speed_rpm, rel=3e-3)
+    assert one.max() > 4.0
+    assert other.max() < 1.9
 
 
 def test_a_misfire_meets_a_mode_that_all_cylinders_pass_by() -> None:
-    """Half orders cancel while all fire; one that does not leaves them, and they meet the first mode."""
-    scene = mikron(propeller={"inertia_kg_m2": 0.6})
-    dead = with_misfire(scene, (2,))
+    """Torques of order 1 cancel while all four fire; one that does not leaves it, at the mode of a coupling.
+
+    Without mass the shaft feels nothing of it: all cylinders still push as much.
+    """
+    scene = mikron(
+        coupling={"inertia_kg_m2": 0.005, "stiffness_Nm_per_rad": 1500.0, "loss_factor": 0.1},
+        driven={"inertia_kg_m2": 0.3},
+    )
     shaft = shaft_of(scene)
-    order, mode = 2.5, 0
-    rest = modes_at_rest(shaft_model([one.reduced for one in shaft.throws], scene, "rigid", 0.0).body)
-    frequency = float(rest.frequency_Hz[rest.rigid + mode])
-    print(frequency, 60 * frequency / order)
-    for rpm in np.array([0.97, 1.0, 1.03]) * 60 * frequency / order:
-        print(rpm, *(torques(one, shaft, rpm) for one in (scene, dead)))
+    met = crossings_of([one.reduced for one in shaft.throws], scene, "rigid", 0.0, (2900.0, 3200.0))
+    (crossing,) = (one for one in met if one.order == 1.0)
+    assert crossing.kind == "torsion"
+    healthy, dead = (torques(one, shaft, crossing.speed_rpm) for one in (scene, with_misfire(scene, (2,))))
+    assert healthy[0] < healthy[1]
+    assert dead[0] > 2.5 * dead[1]
+    assert dead[1] == pytest.approx(healthy[1], rel=0.02)
 
 
 def torques(scene: Scene, shaft: MovingShaft, rpm: float) -> tuple[float, float]:
