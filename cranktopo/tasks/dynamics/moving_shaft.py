@@ -47,6 +47,7 @@ class MovingShaft:
         spring_N_per_mm: radial stiffness of every main bearing; None: rigid.
         borne_by: sections that sit in a bearing.
         turns_freely: the last section swings with what it drives; else it turns evenly.
+        loss_factor: of the throws' material.
     """
 
     throws: tuple[MovingThrow, ...]
@@ -57,6 +58,7 @@ class MovingShaft:
     tilt_Nmm_per_rad: float
     borne_by: tuple[int, ...]
     turns_freely: bool
+    loss_factor: float
 
     @property
     def unknowns(self) -> int:
@@ -72,12 +74,15 @@ class MovingCycle:
     Attributes:
         shaft: motions and forces of its sections, as of one without mass.
         within: the unknowns of every throw beyond the motions of its sections, (unknowns, states) each.
+        strains: all unknowns of every throw, in its axes, as they strain it: with what its material's loss
+            adds to the stress, (unknowns, states) each.
         work_in_J: what the forces on the pins do over the cycle.
         damping_work_J: what all damping takes over it.
     """
 
     shaft: ShaftCycle
     within: tuple[Array, ...]
+    strains: tuple[Array, ...]
     work_in_J: float
     damping_work_J: float
 
@@ -95,6 +100,7 @@ def moving_shaft(throws: Sequence[MovingThrow], scene: Scene, spring_N_per_mm: f
         bearing_tilt_spring_Nmm_per_rad(scene),
         tuple(carried(scene)),
         shaft.has_takeoff,
+        throws[0].loss_factor,
     )
 
 
@@ -127,7 +133,10 @@ def moving_cycle(shaft: MovingShaft, forces: CycleForces) -> MovingCycle:
     )
     within = solved.within(motion)
     work, lost = solved.works(motion, within)
-    return MovingCycle(cycle, tuple(curves_of(one, states) for one in within), work, lost)
+    inner, strains = (
+        tuple(curves_of(one, states) for one in every) for every in (within, solved.strains(motion, within))
+    )
+    return MovingCycle(cycle, inner, strains, work, lost)
 
 
 class _Harmonics:
@@ -221,6 +230,11 @@ class _Harmonics:
             + np.einsum("kml,lk->mk", throw.by_load, self._shares[index])
             for index, throw in enumerate(self._throws)
         ]
+
+    def strains(self, motion: Complex, within: Sequence[Complex]) -> list[Complex]:
+        """Return all unknowns of every throw, with the part of the stress ahead of the strain by loss."""
+        lost = 1 + 1j * np.where(self._frequency > 0, self._shaft.loss_factor, 0.0)
+        return [lost * np.vstack([self._in_throw(motion, index), own]) for index, own in enumerate(within)]
 
     def works(self, motion: Complex, within: Sequence[Complex]) -> tuple[float, float]:
         """Return the work of all pin forces over the cycle, and what damping takes of it, J."""

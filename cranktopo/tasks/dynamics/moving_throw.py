@@ -30,12 +30,14 @@ class MovingThrow:
 
     Attributes:
         loads: unit loads over the unknowns, (unknowns, loads).
+        loss_factor: of its material.
         still: what it is without mass.
         reduced: of which it is made, its unknowns in another order.
     """
 
     damped: DampedBody
     loads: Array
+    loss_factor: float
     still: LoadedThrow
     reduced: ReducedThrow
 
@@ -81,7 +83,7 @@ def of_reduced(
     section_loads = np.stack([still.loads[name] for name in LOADS], axis=1)
     loads = np.vstack([section_loads, stiffness[SECTIONS:, at]])
     damped = DampedBody(body, loss_factor * stiffness, np.zeros_like(stiffness))
-    return MovingThrow(damped, loads, still, reduced)
+    return MovingThrow(damped, loads, loss_factor, still, reduced)
 
 
 def _own(held: HeldFields) -> int:

@@ -9,13 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.frames import about_z_deg
 from cranktopo.numerics.tetrahedra.stress import SurfaceStress
-from cranktopo.tasks.dynamics.moving_shaft import MovingCycle, MovingShaft
+from cranktopo.tasks.dynamics.moving_shaft import MovingCycle
 from cranktopo.tasks.dynamics.moving_throw import MovingThrow
 from cranktopo.tasks.fatigue.shaft_stress import ShaftStress
 from cranktopo.tasks.fatigue.stress_model import StressModel, stress_model
-from cranktopo.tasks.shaft.assembly import turned
 
 
 def moving_stress(stress: ShaftStress, throw: MovingThrow, fillet_fraction: float) -> ShaftStress:
@@ -49,14 +47,10 @@ def _joined(one: StressModel, other: StressModel) -> StressModel:
     return replace(one, kinds=(*one.kinds, *other.kinds), stress=stress, images=images)
 
 
-def moving_factors(shaft: MovingShaft, throws: Sequence[ShaftStress], cycle: MovingCycle) -> Array:
+def moving_factors(throws: Sequence[ShaftStress], cycle: MovingCycle) -> Array:
     """Return the factors of the fields of every throw over a cycle, (throws, states, fields).
 
     Args:
         throws: as of `moving_stress`.
     """
-    found = []
-    for index, (one, angle, within) in enumerate(zip(throws, shaft.angles_deg, cycle.within, strict=True)):
-        own = turned(about_z_deg(angle)).T @ cycle.shaft.motion[6 * index : 6 * index + 12]
-        found.append(one.loads(np.vstack([own, within])))
-    return np.stack(found)
+    return np.stack([one.loads(states) for one, states in zip(throws, cycle.strains, strict=True)])

@@ -204,7 +204,7 @@ class JudgedShaft:
         """Angles, and of each throw the factors of its fields, (speeds, states, fields)."""
         if self.moving is not None:
             cycles = [self.moving.cycle(rpm) for rpm in self.speeds_rpm]
-            moved = [moving_factors(self.moving.moving, self.throws, cycle) for cycle in cycles]
+            moved = [moving_factors(self.throws, cycle) for cycle in cycles]
             return cycles[0].shaft.angle_deg, list(np.stack(moved, axis=1))
         found = [factors_of(self.throws, self.target.scene, solved) for solved in self._cycles]
         return found[0][0], list(np.stack([loads for _, loads in found], axis=1))
