@@ -84,11 +84,12 @@ def condensed(dynamic: Complex, loads: Array, joined: int) -> CondensedBody:
     inner[frequency, loose, loose] = 1.0
     own = np.broadcast_to(loads[joined:], (len(dynamic), *loads[joined:].shape))
     found = np.linalg.solve(inner, np.concatenate([across, own], axis=2))
-    by_motion, by_load = -found[:, :, :joined], found[:, :, joined:]
+    by_motion: Complex = np.asarray(-found[:, :, :joined], dtype=complex)
+    by_load: Complex = np.asarray(found[:, :, joined:], dtype=complex)
     lever = dynamic[:, :joined, joined:]
     return CondensedBody(
-        dynamic[:, :joined, :joined] + lever @ by_motion,
-        loads[:joined] - lever @ by_load,
+        np.asarray(dynamic[:, :joined, :joined] + lever @ by_motion),
+        np.asarray(loads[:joined] - lever @ by_load),
         by_motion,
         by_load,
     )

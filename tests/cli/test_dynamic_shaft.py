@@ -10,8 +10,8 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.tasks.shaft_safety.dynamics_text import dynamics_text
 from cranktopo.tasks.shaft_safety.stage import assess_shaft
-from cranktopo.tasks.shaft_safety.text import shaft_text
 
 WORDS = ["shaft", "mikron-iiic-plain", "--element-size-mm", "24", "--quiet"]
 SIZE_MM = 24.0
@@ -110,7 +110,9 @@ def test_a_shaft_on_springs_in_words() -> None:
     data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
     data["shaft"] = {"propeller": {"inertia_kg_m2": 0.6}}
     data["supports"]["bearing_spring_N_per_mm"] = 4e5
-    text = shaft_text(assess_shaft(scene_from_dict(data), "spring", SIZE_MM, dynamic=True))
+    found = assess_shaft(scene_from_dict(data), "spring", SIZE_MM, dynamic=True).dynamics
+    assert found is not None
+    text = "\n\n".join(dynamics_text(found))
     words = " ".join(text.split())
     assert "its output swings with what it drives. Without a mass_kg in torsion alone: propeller." in words
     assert max(map(len, text.splitlines())) <= 80

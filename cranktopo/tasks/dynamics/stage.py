@@ -31,7 +31,7 @@ from cranktopo.tasks.dynamics.result import (
 from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.modes.carried import without_mass
-from cranktopo.tasks.shaft.assembly import ShaftBearings
+from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings
 from cranktopo.tasks.shaft.condensed_throw import once_each
 from cranktopo.tasks.shaft.cycle import cycle_forces, shaft_cycle
 from cranktopo.tasks.shaft.loaded_throw import ThrowBody
@@ -82,7 +82,7 @@ class DynamicShaft:
         if len(speeds) < 2:
             return speeds, (), None
         spring = self.spring_N_per_mm or 0.0
-        held = "rigid" if self.spring_N_per_mm is None else "spring"
+        held: Bearings = "rigid" if self.spring_N_per_mm is None else "spring"
         throws = [throw.reduced for throw in self.moving.throws]
         met = crossings_of(throws, self.scene, held, spring, (min(speeds), max(speeds)))
         note(f"{self.scene.name}: {len(met)} crossings of orders and modes of the shaft")

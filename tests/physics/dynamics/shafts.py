@@ -73,4 +73,5 @@ def of_orders(throws: int, orders: Sequence[int], states: int, speed: float, see
         size = rng.normal(0.0, 1e4, (2, 4, throws, 1)) * np.array([1, 1, 9, 9])[:, None, None]
         phase = np.radians(order * angle / 2)
         curves += size[0] * np.cos(phase) + (size[1] * np.sin(phase) if order else 0.0)
-    return CycleForces(angle, *curves, speed)
+    radial, tangential, radial_aside, tangential_aside = curves
+    return CycleForces(angle, radial, tangential, radial_aside, tangential_aside, speed)

@@ -18,7 +18,7 @@ from cranktopo.tasks.dynamics.moving_shaft import MovingCycle, MovingShaft, movi
 from cranktopo.tasks.dynamics.resonance import crossings_of
 from cranktopo.tasks.fea.condense import RZ, UZ
 from cranktopo.tasks.modes.shaft_model import shaft_model
-from cranktopo.tasks.shaft.assembly import shaft_matrix, shaft_stiffness, turned
+from cranktopo.tasks.shaft.assembly import Bearings, shaft_matrix, shaft_stiffness, turned
 from cranktopo.tasks.shaft.cycle import CycleForces, load_shares, shaft_cycle
 from cranktopo.tasks.shaft.web_sections import web_sections
 from tests.physics.dynamics.shafts import forces_at, mikron, of_orders, shaft_of, without_mass
@@ -84,7 +84,7 @@ def test_at_a_low_speed_inertia_does_nothing() -> None:
 
 def in_one_piece(scene: Scene, shaft: MovingShaft) -> tuple[TurningBody, Array, list[Array]]:
     """Matrices of all unknowns, of `modes`; loads (unknowns, throws, loads); motions of the sections."""
-    held = "rigid" if shaft.spring_N_per_mm is None else "spring"
+    held: Bearings = "rigid" if shaft.spring_N_per_mm is None else "spring"
     model = shaft_model([one.reduced for one in shaft.throws], scene, held, shaft.spring_N_per_mm or 0.0)
     last = np.flatnonzero(model.sections[-1].motion[RZ])
     model = model.held(last.tolist())

@@ -48,7 +48,7 @@ def answer(body: DampedBody, frequency: float, speed: float, force: Complex) -> 
 def test_a_force_that_stands_still_moves_a_turning_rotor_as_if_it_did_not_turn(speed: float) -> None:
     """Its weight, say: in the frame that turns it is of order 1; the mass stays where it is, at F / k."""
     sense = math.copysign(1.0, speed)
-    force = 70.0 * np.array([1.0, sense * 1j])
+    force: Complex = 70.0 * np.array([1.0, sense * 1j])
     found = answer(rotor(), abs(speed), speed, force)
     assert np.abs(found - force / SPRING).max() < 1e-9 * 70.0 / SPRING
 
@@ -160,11 +160,12 @@ def test_damping_takes_the_work_of_the_force() -> None:
     states, speed = 96, 0.8 * OWN
     angle = 2 * np.pi * np.arange(states) / states
     force = np.stack([np.cos(angle) + 0.4 * np.sin(3 * angle), 0.3 * np.cos(2 * angle + 1.0)])
-    body, number = rotor(LOSS, 0.1), np.arange(states // 2 + 1)
-    dynamic = body.dynamic_stiffness(number * speed, speed)
-    motion = np.linalg.solve(dynamic, harmonics_of(force).T[..., None])[..., 0].T
+    body, frequency = rotor(LOSS, 0.1), speed * np.arange(states // 2 + 1.0)
+    dynamic = body.dynamic_stiffness(frequency, speed)
+    solved = np.linalg.solve(dynamic, harmonics_of(force).T[..., None])
+    motion: Complex = np.asarray(solved[..., 0].T, dtype=complex)
     moved = curves_of(motion, states)
     slope = np.fft.irfft(1j * np.arange(states // 2 + 1) * np.fft.rfft(moved), n=states)
     work = float((force * slope).sum() * 2 * np.pi / states)
-    assert damping_work(number * speed, motion, body.loss, body.viscous) == pytest.approx(work, rel=1e-9)
+    assert damping_work(frequency, motion, body.loss, body.viscous) == pytest.approx(work, rel=1e-9)
     assert work > 0
