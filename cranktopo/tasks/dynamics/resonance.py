@@ -24,7 +24,7 @@ _SPEEDS = 9
 
 
 @dataclass(frozen=True)
-class Crossing:
+class OrderCrossing:
     """A speed at which an order meets a mode, by its number from the slowest."""
 
     speed_rpm: float
@@ -40,7 +40,7 @@ def crossings_of(
     bearings: Bearings,
     spring_N_per_mm: float,
     range_rpm: tuple[float, float],
-) -> list[Crossing]:
+) -> list[OrderCrossing]:
     """Return where orders meet the first modes of a shaft between two speeds, the slowest first.
 
     Its last section turns evenly unless it drives something.
@@ -57,7 +57,7 @@ def crossings_of(
     for number in range(count):
         kind = kind_of(energy_shares(model.stations, rest.shape[:, rest.rigid + number]))
         found += [
-            Crossing(speed, order, number + 1, order * speed / 60, kind)
+            OrderCrossing(speed, order, number + 1, order * speed / 60, kind)
             for speed, order in crossings(speeds, moved.frequency_Hz[number], orders)
         ]
     return sorted(found, key=lambda one: (one.speed_rpm, one.order))

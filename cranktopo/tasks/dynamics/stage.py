@@ -18,7 +18,7 @@ from cranktopo.design.shaft import ShaftTable
 from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.tasks.dynamics.moving_shaft import MovingCycle, MovingShaft, moving_cycle, moving_shaft
 from cranktopo.tasks.dynamics.moving_throw import moving_throw
-from cranktopo.tasks.dynamics.resonance import Crossing, crossings_of
+from cranktopo.tasks.dynamics.resonance import OrderCrossing, crossings_of
 from cranktopo.tasks.dynamics.result import (
     DynamicBearing,
     DynamicSpeed,
@@ -203,7 +203,7 @@ def _ranges(sections: WebSections) -> list[MomentRanges]:
     ]
 
 
-def _resonance(met: Crossing, moved: Array, still: Array) -> Resonance:
+def _resonance(met: OrderCrossing, moved: Array, still: Array) -> Resonance:
     ratio = moved / still
     web = int(np.argmax(ratio))
     return Resonance(**vars(met), web=web + 1, ratio=float(ratio[web]))

@@ -17,7 +17,7 @@ from cranktopo.design.crank_throws import carried
 from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.engine.histories import WebHistory
 from cranktopo.tasks.dynamics.stage import DynamicShaft
-from cranktopo.tasks.dynamics.stress import moving_factors, with_fewer_fields
+from cranktopo.tasks.dynamics.stress import moving_factors
 from cranktopo.tasks.fatigue.criteria import criterion
 from cranktopo.tasks.fatigue.least import PARTS, Part, least_safeties
 from cranktopo.tasks.fatigue.mesh_quality import JudgedQuality
@@ -31,7 +31,7 @@ from cranktopo.tasks.fatigue.shaft_stress import (
     solve_shaft_stress,
     solved_cycle,
 )
-from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, check_fillets
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, check_fillets
 from cranktopo.tasks.fatigue.taken_keys import assumed_by
 from cranktopo.tasks.fea.targets import USED, Target
 from cranktopo.tasks.shaft.assembly import ShaftBearings
@@ -139,15 +139,15 @@ class JudgedShaft:
     def safety(self) -> ShaftSafety:
         """Return the least safety of every part, and the worst point in full."""
         begin = time.perf_counter()
-        angle_deg, models, loads = self._judged_loads()
+        angle_deg, loads = self._loads()
         solved = time.perf_counter()
         speeds = [engine_of(at).speed_rpm for at in speed_scenes(self.target.scene, self.speeds_rpm)]
-        least = self._least(models, loads)
+        least = self._least(loads)
         table = np.stack([least[key] for key in least])  # (parts, speeds)
         where, when = np.unravel_index(int(table.argmin()), table.shape)
         throw, side, _ = list(least)[int(where)]
         labels = tuple(f"{angle:g}" for angle in angle_deg)
-        field = field_of_states(models[throw], self.method, loads[throw][when], labels)
+        field = field_of_states(self.throws[throw].model, self.method, loads[throw][when], labels)
         if self.moving is None:  # the mesh is that of the shaft without mass, which tells it
             note_quality(field)
         note_yielding(field, self.target.scene.material.yield_MPa)
@@ -200,39 +200,24 @@ class JudgedShaft:
             solved_cycle(self.throws, scene, at, self._support) for at in speed_scenes(scene, self.speeds_rpm)
         ]
 
-    def _judged_loads(self) -> tuple[Array, list[StressModel], list[Array]]:
-        """Angles, and of each throw its stresses and their factors, (speeds, states, fields)."""
-        models = [one.model for one in self.throws]
-        if self.moving is None:
-            found = [factors_of(self.throws, self.target.scene, solved) for solved in self._cycles]
-            return found[0][0], models, list(np.stack([loads for _, loads in found], axis=1))
-        cycles = [self.moving.cycle(rpm) for rpm in self.speeds_rpm]
-        moved = [moving_factors(self.throws, cycle) for cycle in cycles]
-        loads = [np.stack(of_throw) for of_throw in zip(*moved, strict=True)]
-        for own in _alike(models):
-            fewer, factors = with_fewer_fields(models[own[0]], [loads[index] for index in own])
-            for index, one in zip(own, factors, strict=True):
-                models[index], loads[index] = fewer, one
-        return cycles[0].shaft.angle_deg, models, loads
+    def _loads(self) -> tuple[Array, list[Array]]:
+        """Angles, and of each throw the factors of its fields, (speeds, states, fields)."""
+        if self.moving is not None:
+            cycles = [self.moving.cycle(rpm) for rpm in self.speeds_rpm]
+            moved = zip(*(moving_factors(self.throws, cycle) for cycle in cycles), strict=True)
+            return cycles[0].shaft.angle_deg, [np.stack(of_throw) for of_throw in moved]
+        found = [factors_of(self.throws, self.target.scene, solved) for solved in self._cycles]
+        return found[0][0], list(np.stack([loads for _, loads in found], axis=1))
 
-    def _least(
-        self, models: Sequence[StressModel], loads: Sequence[Array]
-    ) -> dict[tuple[int, int, Part], Array]:
+    def _least(self, loads: Sequence[Array]) -> dict[tuple[int, int, Part], Array]:
         """Least safety at every speed by throw, its web and part; equal throws are judged at once."""
         found: dict[tuple[int, int, Part], Array] = {}
-        for own in _alike(models):
-            judged = least_safeties(models[own[0]], [loads[index] for index in own], self.method)
+        for model in {id(one.model): one.model for one in self.throws}.values():
+            own = [index for index, one in enumerate(self.throws) if one.model is model]
+            judged = least_safeties(model, [loads[index] for index in own], self.method)
             for index, parts in zip(own, judged, strict=True):
                 found |= {(index, side, part): safety for (side, part), safety in parts.items()}
         return found
-
-
-def _alike(models: Sequence[StressModel]) -> list[list[int]]:
-    """Return the numbers of the throws that have the same model, by model."""
-    found: dict[int, list[int]] = {}
-    for index, model in enumerate(models):
-        found.setdefault(id(model), []).append(index)
-    return list(found.values())
 
 
 def _worst(field: FatigueField, throw: int, side: int, speed_rpm: float) -> WorstPlace:

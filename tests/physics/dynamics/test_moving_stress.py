@@ -14,7 +14,7 @@ from cranktopo.base.units import density_tonne_per_mm3
 from cranktopo.numerics.tetrahedra.elasticity import mass_matrix
 from cranktopo.tasks.dynamics.moving_shaft import MovingShaft, moving_cycle, moving_shaft
 from cranktopo.tasks.dynamics.moving_throw import MovingThrow, moving_throw
-from cranktopo.tasks.dynamics.stress import moving_factors, moving_stress, with_fewer_fields
+from cranktopo.tasks.dynamics.stress import moving_factors, moving_stress
 from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, solve_shaft_stress
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.modes.reduced_throw import reduced_throw, section_shapes
@@ -131,18 +131,3 @@ def test_safety_does_not_depend_on_where_the_cycle_begins(throw: MovingThrow, mo
     turned_by = replace(shaft, angles_deg=tuple(angle - 137.3 for angle in shaft.angles_deg))
     one, other = safety(moving, shaft, forces), safety(moving, turned_by, replace(forces, **later))
     assert np.abs(one / other - 1).max() < 1e-9
-
-
-@pytest.mark.slow
-def test_few_sums_of_fields_are_as_good_as_all_of_them(throw: MovingThrow, moving: ShaftStress) -> None:
-    """Every web at speeds with and without a resonance: the safety changes by less than a ten-thousandth."""
-    shaft = moving_shaft([throw] * 4, mikron(), None)
-    cycles = [moving_cycle(shaft, forces_at(mikron(), rpm)) for rpm in (1000.0, 2446.0)]
-    each = zip(*(moving_factors([moving] * 4, cycle) for cycle in cycles), strict=True)
-    loads = [np.stack(own) for own in each]
-    fewer, factors = with_fewer_fields(moving.model, loads)
-    assert factors[0].shape[-1] < 0.8 * loads[0].shape[-1]
-    one, other = (
-        by_web(replace(moving, model=model), own) for model, own in ((moving.model, loads), (fewer, factors))
-    )
-    assert np.abs(one / other - 1).max() < 1e-4
