@@ -95,7 +95,7 @@ def moving_shaft(throws: Sequence[MovingThrow], scene: Scene, spring_N_per_mm: f
         tuple(throws),
         tuple(scene.shaft_angles_deg),
         (free, output),
-        _viscous(scene, shaft, len(throws)),
+        _between_throws(shaft, len(throws)),
         spring_N_per_mm,
         bearing_tilt_spring_Nmm_per_rad(scene),
         tuple(carried(scene)),
@@ -104,16 +104,13 @@ def moving_shaft(throws: Sequence[MovingThrow], scene: Scene, spring_N_per_mm: f
     )
 
 
-def _viscous(scene: Scene, shaft: ShaftTable, throws: int) -> Array:
-    """Return the damping of the throws' rotation: each turns by the mean of both its sections."""
-    sections = throws + 1
-    turns = np.zeros((throws, 6 * sections))
+def _between_throws(shaft: ShaftTable, throws: int) -> Array:
+    """Return the damping between neighbouring throws: each turns by the mean of both its sections."""
+    turns = np.zeros((throws, 6 * throws + 6))
     for throw in range(throws):
         turns[throw, [6 * throw + RZ, 6 * throw + 6 + RZ]] = 0.5
-    rods = scene.engine.rods_per_pin if scene.engine else 1
     against = np.diff(turns, axis=0)
-    absolute = rods * shaft.cylinder_damping_Nms_per_rad * turns.T @ turns
-    return NMM_PER_NM * (absolute + shaft.throw_damping_Nms_per_rad * against.T @ against)
+    return np.asarray(shaft.throw_damping_Nms_per_rad * NMM_PER_NM * against.T @ against)
 
 
 def moving_cycle(shaft: MovingShaft, forces: CycleForces) -> MovingCycle:

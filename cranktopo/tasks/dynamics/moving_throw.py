@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.harmonic_balance import DampedBody
 from cranktopo.numerics.turning_body import TurningBody
@@ -55,8 +56,25 @@ class MovingThrow:
         ]
 
 
-def moving_throw(body: ThrowBody, scene: Scene, loss_factor: float) -> MovingThrow:
+def pin_friction_Ns_per_mm(scene: Scene, throw: Scene) -> float:
+    """Return the force of the cylinders' friction on the pin of a throw, along its circle, over its velocity.
+
+    Args:
+        scene: of the whole shaft.
+    """
+    if scene.shaft is None or scene.engine is None:
+        return 0.0
+    torque = scene.engine.rods_per_pin * scene.shaft.cylinder_damping_Nms_per_rad * NMM_PER_NM
+    return torque / throw.throw.radius_mm**2
+
+
+def moving_throw(
+    body: ThrowBody, scene: Scene, loss_factor: float, friction_Ns_per_mm: float = 0.0
+) -> MovingThrow:
     """Return a meshed and condensed throw with its mass, and that of rods and pistons on its pin.
+
+    Args:
+        friction_Ns_per_mm: as of `pin_friction_Ns_per_mm`.
 
     Raises:
         CranktopoError: a failed solve.
@@ -65,11 +83,11 @@ def moving_throw(body: ThrowBody, scene: Scene, loss_factor: float) -> MovingThr
     reduced = reduced_throw(body, scene, shapes, _STEPS, moving_kg(scene), with_loads=True)
     own = reduced.body.over(np.eye(len(reduced.step_of))[:, _order(reduced.held)])
     still = loaded_throw(body.blocks, scene)
-    return of_reduced(own, still, reduced, loss_factor)
+    return _of_reduced(own, still, reduced, loss_factor, friction_Ns_per_mm)
 
 
-def of_reduced(
-    body: TurningBody, still: LoadedThrow, reduced: ReducedThrow, loss_factor: float
+def _of_reduced(
+    body: TurningBody, still: LoadedThrow, reduced: ReducedThrow, loss_factor: float, friction: float
 ) -> MovingThrow:
     """Return a throw whose unknowns are in the order of `MovingThrow`.
 
@@ -82,7 +100,8 @@ def of_reduced(
     body = TurningBody(stiffness, body.mass, body.coriolis, body.lateral, body.stiffening)
     section_loads = np.stack([still.loads[name] for name in LOADS], axis=1)
     loads = np.vstack([section_loads, stiffness[SECTIONS:, at]])
-    damped = DampedBody(body, loss_factor * stiffness, np.zeros_like(stiffness))
+    along = loads[:, LOADS.index("tangential")]  # what does the work of that force is the pin's way along it
+    damped = DampedBody(body, loss_factor * stiffness, friction * np.outer(along, along))
     return MovingThrow(damped, loads, loss_factor, still, reduced)
 
 

@@ -17,7 +17,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ShaftTable
 from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.tasks.dynamics.moving_shaft import MovingCycle, MovingShaft, moving_cycle, moving_shaft
-from cranktopo.tasks.dynamics.moving_throw import moving_throw
+from cranktopo.tasks.dynamics.moving_throw import moving_throw, pin_friction_Ns_per_mm
 from cranktopo.tasks.dynamics.resonance import OrderCrossing, crossings_of
 from cranktopo.tasks.dynamics.result import (
     DynamicBearing,
@@ -170,7 +170,10 @@ def dynamic_shaft(
     check_dynamics(scene, bearings)
     note(f"{scene.name}: the throws with their mass")
     loss = (scene.shaft or ShaftTable()).throw_loss_factor
-    moving = once_each(throws, lambda one: moving_throw(bodies[one.name], one.scene, loss))
+    moving = once_each(
+        throws,
+        lambda one: moving_throw(bodies[one.name], one.scene, loss, pin_friction_Ns_per_mm(scene, one.scene)),
+    )
     shaft = moving_shaft(moving, scene, spring_N_per_mm)
     return DynamicShaft(shaft, scene, tuple(one.scene for one in throws), bearings, spring_N_per_mm)
 

@@ -16,7 +16,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import at_speed
 from cranktopo.numerics.turning_body import TurningBody
 from cranktopo.tasks.dynamics.moving_shaft import MovingShaft, moving_shaft
-from cranktopo.tasks.dynamics.moving_throw import MovingThrow, moving_throw
+from cranktopo.tasks.dynamics.moving_throw import MovingThrow, moving_throw, pin_friction_Ns_per_mm
 from cranktopo.tasks.shaft.cycle import CycleForces, cycle_forces
 from cranktopo.tasks.shaft.loaded_throw import ThrowBody, throw_body
 
@@ -38,12 +38,13 @@ def body() -> ThrowBody:
 
 
 @cache
-def throw(loss_factor: float = LOSS) -> MovingThrow:
-    return moving_throw(body(), mikron(), loss_factor)
+def throw(loss_factor: float = LOSS, friction: float = 0.0) -> MovingThrow:
+    return moving_throw(body(), mikron(), loss_factor, friction)
 
 
 def shaft_of(scene: Scene, spring: float | None = None, loss_factor: float = LOSS) -> MovingShaft:
-    return moving_shaft([throw(loss_factor)] * len(scene.shaft_angles_deg), scene, spring)
+    one = throw(loss_factor, pin_friction_Ns_per_mm(scene, scene))
+    return moving_shaft([one] * len(scene.shaft_angles_deg), scene, spring)
 
 
 def without_mass(shaft: MovingShaft) -> MovingShaft:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -123,10 +124,12 @@ def test_it_moves_as_when_it_is_integrated_in_time(spring: float | None) -> None
     shares = np.stack([load_shares(one.still, forces, index) for index, one in enumerate(shaft.throws)])
     pushed = np.einsum("ntl,tls->ns", loads, shares)
     viscous = np.vstack(sections).T @ shaft.viscous @ np.vstack(sections)
+    along = loads[:, :, 1]  # of the tangential forces, against which the pistons rub
+    viscous += 2.0 * 1000 / scene.throw.radius_mm**2 * along @ along.T
     moved = periodic(body, viscous, pushed, about_z_deg(1.0) * speed, 4 * np.pi / speed / states)
     whole = np.vstack(sections) @ moved
-    along = np.arange(len(whole)) % 6 == UZ
-    whole[along] -= whole[along][-1:] - found.shaft.motion[along][-1:]  # nothing holds it along its axis
+    axial = np.arange(len(whole)) % 6 == UZ
+    whole[axial] -= whole[axial][-1:] - found.shaft.motion[axial][-1:]  # nothing holds it along its axis
     assert apart(whole, found.shaft.motion) < 2e-3
     assert found.work_in_J == pytest.approx(found.damping_work_J, rel=1e-6)
 
@@ -263,17 +266,68 @@ def test_torsion_of_a_shaft_that_does_not_bend_is_that_of_disks() -> None:
     chain = disks(scene, shaft)
     first = float(chain.chain.natural_frequencies_Hz()[0])
     for order, share, within in ((2, 0.3, 0.01), (5, 0.7, 0.02), (3, 0.9, 0.05)):
-        speed = 2 * np.pi * share * first / order * 2  # a cycle is two turns
-        forces = of_orders(4, (order,), 720, speed)
-        found = moving_cycle(shaft, forces).shaft.throw_N[:, 6 + RZ]
-        torque = 2 * np.fft.fft(forces.tangential_N)[:, order] / 720 * scene.throw.radius_mm / 1000
-        loads = np.zeros((1, len(chain.names)), dtype=complex)
-        loads[0, chain.driven] = torque
-        frequency = np.array([share * first * 2 * np.pi])
-        twist = chain.chain.response_rad(frequency, loads)
-        expected = np.abs(chain.chain.section_torque_Nm(frequency, twist)[0])[chain.behind]
-        ours = 2 * np.abs(np.fft.fft(found)[:, order]) / 720 / 1000
+        ours, expected = torque_amplitudes(scene, shaft, chain, order, share * first)
         assert np.abs(ours / expected - 1).max() < within, (order, ours, expected)
+
+
+DAMPED: dict[str, dict[str, Any]] = {
+    "friction of cylinders": {"cylinder_damping_Nms_per_rad": 1.0, "propeller": {"inertia_kg_m2": 0.6}},
+    "between throws": {"throw_damping_Nms_per_rad": 12.0, "propeller": {"inertia_kg_m2": 0.6}},
+    "propeller on a lossy shaft": {
+        "propeller": {
+            "inertia_kg_m2": 0.05,
+            "damping_Nms_per_rad": 10.0,
+            "stiffness_Nm_per_rad": 5e4,
+            "loss_factor": 0.1,
+        }
+    },
+    "viscous damper": {
+        "damper": {
+            "kind": "viscous",
+            "ring_inertia_kg_m2": 0.02,
+            "hub_inertia_kg_m2": 0.004,
+            "damping_Nms_per_rad": 5.0,
+        },
+        "propeller": {"inertia_kg_m2": 0.6},
+    },
+    "pulley on a lossy shaft": {
+        "pulley": {"inertia_kg_m2": 0.01, "stiffness_Nm_per_rad": 3e4, "loss_factor": 0.15},
+        "propeller": {"inertia_kg_m2": 0.6},
+    },
+}
+
+
+@pytest.mark.parametrize("kind", DAMPED)
+def test_every_kind_of_damping_is_that_of_disks(kind: str) -> None:
+    """The largest torque around the first resonance, where damping alone decides.
+
+    Between throws it is of the mean rotation of both sections, and that of disks of the pins.
+    """
+    scene = mikron(throw_loss_factor=0.0, **DAMPED[kind])
+    shaft = replace(shaft_of(scene, loss_factor=0.0), tilt_Nmm_per_rad=1e12)
+    chain = disks(scene, shaft)
+    first = chain.chain.damped_modes()[0].frequency_Hz
+    found = [torque_amplitudes(scene, shaft, chain, 4, first * at) for at in np.linspace(0.96, 1.04, 33)]
+    ours, expected = (np.max(curves, axis=0) for curves in zip(*found, strict=True))
+    assert ours == pytest.approx(expected, rel=0.05 if kind == "between throws" else 0.02)
+    aside, _ = torque_amplitudes(scene, shaft, chain, 4, 0.5 * first)
+    assert ours.max() > 2 * aside.max()
+
+
+def torque_amplitudes(
+    scene: Scene, shaft: MovingShaft, chain: ShaftChain, order: int, frequency_Hz: float
+) -> tuple[Array, Array]:
+    """Amplitudes of the torque behind the throws by a harmonic of the pin forces, and those of disks."""
+    speed = 4 * np.pi * frequency_Hz / order  # a cycle is two turns
+    forces = of_orders(4, (order,), 720, speed)
+    found = moving_cycle(shaft, forces).shaft.throw_N[:, 6 + RZ]
+    torque = 2 * np.fft.fft(forces.tangential_N)[:, order] / 720 * scene.throw.radius_mm / 1000
+    loads = np.zeros((1, len(chain.names)), dtype=complex)
+    loads[0, chain.driven] = torque
+    frequency = np.array([frequency_Hz * 2 * np.pi])
+    twist = chain.chain.response_rad(frequency, loads)
+    expected = np.abs(chain.chain.section_torque_Nm(frequency, twist)[0])[chain.behind]
+    return 2 * np.abs(np.fft.fft(found)[:, order]) / 720 / 1000, expected
 
 
 def disks(scene: Scene, shaft: MovingShaft) -> ShaftChain:
