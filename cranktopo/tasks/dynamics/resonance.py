@@ -9,7 +9,6 @@ import numpy as np
 
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
-from cranktopo.engine.vibration.steady import ORDERS
 from cranktopo.numerics.turning_body import modes_at_rest
 from cranktopo.tasks.fea.condense import RZ
 from cranktopo.tasks.modes.campbell import crossings, over_speed
@@ -18,7 +17,8 @@ from cranktopo.tasks.modes.reduced_throw import ReducedThrow
 from cranktopo.tasks.modes.shaft_model import ShaftModel, shaft_model
 from cranktopo.tasks.shaft.assembly import Bearings
 
-_MODES = 12
+_MODES, _HARMONICS = 12, 48
+"""That are looked at: a short shaft meets high orders of the gas."""
 _SPEEDS = 9
 """Of the modes between which their frequencies are straight lines."""
 
@@ -52,7 +52,7 @@ def crossings_of(
     count = min(_MODES, len(rest.frequency_Hz) - rest.rigid)
     speeds = np.linspace(*range_rpm, _SPEEDS)
     moved = over_speed(model.body, rest, count, speeds.tolist())
-    orders = np.arange(1.0, ORDERS + 1) * 360.0 / engine_of(scene).cycle_deg
+    orders = np.arange(1.0, _HARMONICS + 1) * 360.0 / engine_of(scene).cycle_deg
     found = []
     for number in range(count):
         kind = kind_of(energy_shares(model.stations, rest.shape[:, rest.rigid + number]))

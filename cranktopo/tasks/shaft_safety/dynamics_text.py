@@ -15,8 +15,8 @@ def dynamics_text(shaft: ShaftDynamics) -> list[str]:
     worst = shaft.worst
     paragraphs = [
         fill(model_words(shaft), WIDTH),
-        f"Largest less smallest moments in the middle of each web at {worst.speed_rpm:,.0f} rpm, beside the\n"
-        "quasi-static ones:",
+        f"Largest less smallest moments in the middle of each web at {worst.speed_rpm:,.0f} rpm,\n"
+        "beside the quasi-static ones:",
         terminal(web_moments(worst)),
         "Main bearings there, and the motions of the journals: of twist and axial motion\n"
         "half the largest less the smallest, of tilt and offset the largest:",

@@ -48,7 +48,7 @@ def answer(body: DampedBody, frequency: float, speed: float, force: Complex) -> 
 def test_a_force_that_stands_still_moves_a_turning_rotor_as_if_it_did_not_turn(speed: float) -> None:
     """Its weight, say: in the frame that turns it is of order 1; the mass stays where it is, at F / k."""
     sense = math.copysign(1.0, speed)
-    force: Complex = 70.0 * np.array([1.0, sense * 1j])
+    force = np.array([70.0, sense * 70.0j], dtype=complex)
     found = answer(rotor(), abs(speed), speed, force)
     assert np.abs(found - force / SPRING).max() < 1e-9 * 70.0 / SPRING
 
