@@ -188,6 +188,7 @@ TABLE: dict[str, dict[str, Case]] = {
         "--report": Acts(MIKRON, "--report shaft.html"),
         "--csv": Acts(MIKRON, "--csv shaft.csv"),
         "--misfire": Acts(MIKRON, "--misfire 2"),
+        "--dynamic": Acts(MIKRON, "--dynamic"),
         "--json": Shown("cli/test_cad_bodies.py::test_the_shaft_of_a_body_is_that_of_its_design"),
     },
     "modes": {

@@ -10,7 +10,7 @@ from cranktopo.base.units import KG_PER_TONNE, MM2_PER_M2, MPA_PER_GPA, NMM_PER_
 from cranktopo.bodies.crank_ends import EndPiece
 from cranktopo.design.crank import Side
 from cranktopo.design.schema import Scene
-from cranktopo.design.shaft import Carried, Damper, Rotor, ShaftTable
+from cranktopo.design.shaft import Carried, Damper, Propeller, Rotor, ShaftTable
 from cranktopo.numerics.turning_body import TurningBody
 from cranktopo.numerics.turning_parts import RoundSection, rigid_disk
 from cranktopo.tasks.fea.condense import RZ
@@ -25,6 +25,9 @@ class Part:
         polar: inertia about the crank axis of what turns as one.
         tilting: the same of what tilts as one, a damper's ring included.
         spring_Nmm_per_rad: torsional stiffness to the part before it; None where it turns with that.
+        loss_factor: of that spring.
+        fluid_Nmms_per_rad: viscous damping beside it.
+        resisted_Nmms_per_rad: damping of its rotation by what is around it.
         mass: None where nothing but its rotation about the crank axis counts.
         outwards_mm: from the tip of the crank to its centre of mass.
     """
@@ -36,6 +39,9 @@ class Part:
     tilting: float = 0.0
     diametral: float = 0.0
     outwards_mm: float = 0.0
+    loss_factor: float = 0.0
+    fluid_Nmms_per_rad: float = 0.0
+    resisted_Nmms_per_rad: float = 0.0
 
     def body(self, outward: int) -> TurningBody:
         """Return it over the motions of the tip; `outward` is 1 where that is along z, else -1."""
@@ -68,7 +74,8 @@ def _on_free_end(shaft: ShaftTable) -> tuple[Part, ...]:
     found = []
     if shaft.pulley is not None:
         spring = _spring(shaft.pulley.stiffness_Nm_per_rad)
-        found.append(_part("pulley", shaft.pulley, shaft.pulley.inertia_kg_m2, spring))
+        pulley = _part("pulley", shaft.pulley, shaft.pulley.inertia_kg_m2, spring)
+        found.append(replace(pulley, loss_factor=shaft.pulley.loss_factor))
     if shaft.damper is not None:
         found += _damper(shaft.damper)
     return tuple(found)
@@ -79,7 +86,14 @@ def _damper(damper: Damper) -> list[Part]:
     ring = _polar(damper.ring_inertia_kg_m2)
     whole = _part("damper", damper, damper.hub_inertia_kg_m2 + damper.ring_inertia_kg_m2, None)
     hub = replace(whole, polar=whole.polar - ring)
-    return [hub, Part("damper ring", ring, _spring(damper.stiffness_Nm_per_rad or 0.0))]
+    moved = Part(
+        "damper ring",
+        ring,
+        _spring(damper.stiffness_Nm_per_rad or 0.0),
+        loss_factor=damper.loss_factor or 0.0,
+        fluid_Nmms_per_rad=(damper.damping_Nms_per_rad or 0.0) * NMM_PER_NM,
+    )
+    return [hub, moved]
 
 
 def _on_output(shaft: ShaftTable) -> tuple[Part, ...]:
@@ -97,9 +111,13 @@ def _on_output(shaft: ShaftTable) -> tuple[Part, ...]:
         apart = apart or name == "coupling"
         spring = _spring(rotor.stiffness_Nm_per_rad)
         if apart or not isinstance(rotor, Carried):
-            found.append(Part(name, _polar(rotor.inertia_kg_m2), spring))
+            part = Part(name, _polar(rotor.inertia_kg_m2), spring)
         else:
-            found.append(_part(name, rotor, rotor.inertia_kg_m2, spring))
+            part = _part(name, rotor, rotor.inertia_kg_m2, spring)
+        resisted = rotor.damping_Nms_per_rad if isinstance(rotor, Propeller) else 0.0
+        found.append(
+            replace(part, loss_factor=rotor.loss_factor, resisted_Nmms_per_rad=resisted * NMM_PER_NM)
+        )
     return tuple(found)
 
 

@@ -50,14 +50,31 @@ class ReducedThrow:
 
     Attributes:
         shapes: by which either section deforms.
-        step_of: 0 of the motions of sections, else the step that found the field, (unknowns,).
+        step_of: 0 of the motions of sections, else the step that found the field, (unknowns,); 1 of loads.
         stations: its halves, placed from the near section.
+        held: fields with both sections held, where its loads have some of their own.
     """
 
     body: TurningBody
     shapes: SectionShapes
     step_of: NDArray[np.intp]
     stations: tuple[Station, ...]
+    held: tuple[HeldFields, ...] = ()
+
+
+@dataclass(frozen=True)
+class HeldFields:
+    """Fields of one symmetry with the sections held, (unknowns of the model, k), and their unknowns, (k,).
+
+    Attributes:
+        loads: unit loads of the full throw whose fields are the last of these.
+    """
+
+    span: Span
+    lateral: Lateral
+    fields: Array
+    unknowns: NDArray[np.intp]
+    loads: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -68,6 +85,7 @@ class _Block:
         motions: which of the twelve rigid ones, or of the six of a half throw.
         shapes: which deformations of the sections follow these, of both for a whole throw.
         step_of: of the fields beyond these.
+        loads: whose fields are the last of those, if any are asked for.
     """
 
     span: Span
@@ -76,6 +94,7 @@ class _Block:
     shapes: NDArray[np.intp]
     fields: Array
     step_of: tuple[int, ...]
+    loads: tuple[str, ...]
 
 
 def section_shapes(scene: Scene, degree: int = DEGREE) -> SectionShapes:
@@ -89,7 +108,13 @@ def section_shapes(scene: Scene, degree: int = DEGREE) -> SectionShapes:
 
 
 def reduced_throw(
-    body: ThrowBody, scene: Scene, shapes: SectionShapes, steps: int, moving_kg: float
+    body: ThrowBody,
+    scene: Scene,
+    shapes: SectionShapes,
+    steps: int,
+    moving_kg: float,
+    *,
+    with_loads: bool = False,
 ) -> ReducedThrow:
     """Reduce a condensed throw.
 
@@ -97,6 +122,8 @@ def reduced_throw(
         shapes: of its sections, as of `section_shapes` of the shaft.
         steps: how often the inertia of the fields adds to them; 0: static fields alone.
         moving_kg: mass of rods and pistons on the crankpin.
+        with_loads: also what its unit loads do with the sections held, so that it gives way to them as the
+            condensed throw does.
 
     Raises:
         CranktopoError: a failed solve.
@@ -105,7 +132,7 @@ def reduced_throw(
     middle = (len(body.blocks) + 1) // 2
 
     def blocks_of(some: Sequence[LoadedBlock]) -> list[_Block]:
-        return [_block(body.model, part, mass, shapes, steps) for part in some]
+        return [_block(body.model, part, mass, shapes, steps, with_loads) for part in some]
 
     first, second = side_by_side(
         lambda: blocks_of(body.blocks[:middle]), lambda: blocks_of(body.blocks[middle:])
@@ -115,18 +142,27 @@ def reduced_throw(
 
 
 def _block(
-    model: Elasticity, part: LoadedBlock, mass: sp.csr_matrix, shapes: SectionShapes, steps: int
+    model: Elasticity,
+    part: LoadedBlock,
+    mass: sp.csr_matrix,
+    shapes: SectionShapes,
+    steps: int,
+    with_loads: bool,
 ) -> _Block:
     block = part.block
     static = block.displacement[:, : len(block.motions)]
     more = inertial_fields(block.solve, mass, static, steps)
     step_of = [number for number, fields in enumerate(more, start=1) for _ in range(fields.shape[1])]
+    loads = part.names if with_loads else ()
+    if loads:
+        more.append(part.load_fields())
+        step_of += [1] * len(loads)
     chosen = shapes.having(part.lateral)
     ends = (0.0, float(model.nodes_mm[2].max())) if part.span == "whole" else (0.0,)
     deformed = [_deformed(model, block.solve, shapes, chosen, z) for z in ends]
     which = np.concatenate([chosen + shapes.count * number for number in range(len(ends))])
     fields = np.hstack([static, *deformed, *more])
-    return _Block(part.span, part.lateral, block.motions, which, fields, tuple(step_of))
+    return _Block(part.span, part.lateral, block.motions, which, fields, tuple(step_of), loads)
 
 
 def _deformed(
@@ -203,7 +239,18 @@ class _Throw:
                 turning = point.polar * np.outer(motion[5], motion[5])
                 body += point_mass(point.mass, at) + added(len(turning), mass=turning, lateral=turning)
             stations.append(Station(piece.z_mm, motion, piece.inertia))
-        return ReducedThrow(body, self._shapes, self._step_of, tuple(stations))
+        return ReducedThrow(body, self._shapes, self._step_of, tuple(stations), self._held())
+
+    def _held(self) -> tuple[HeldFields, ...]:
+        """Return the fields with the sections held, where loads have some."""
+        found, at = [], 12 + 2 * self._shapes.count
+        for block in self._blocks:
+            own = len(block.step_of)
+            fields = block.fields[:, block.fields.shape[1] - own :]
+            unknowns = np.arange(at, at + own)
+            found.append(HeldFields(block.span, block.lateral, fields, unknowns, block.loads))
+            at += own
+        return tuple(found) if any(block.loads for block in self._blocks) else ()
 
     def _of_span(self, which: list[int]) -> TurningBody:
         """Return the matrices of the blocks of one span, which the Coriolis force alone couples."""

@@ -18,6 +18,7 @@ from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ShaftTable
 from cranktopo.engine.bearings import bearing_tilt_spring_Nmm_per_rad
+from cranktopo.numerics.harmonic_balance import DampedBody
 from cranktopo.numerics.turning_body import TurningBody
 from cranktopo.numerics.turning_parts import RoundSection, beam, rigid_disk
 from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY
@@ -73,6 +74,8 @@ class _Assembly:
         self._steps: list[int] = []
         self._bodies: list[tuple[TurningBody, Array, list[int]]] = []
         self._stations: list[tuple[Station, list[int]]] = []
+        self._losses: list[tuple[Array, list[int]]] = []
+        self._dashpots: list[tuple[Array, list[int]]] = []
 
     def new(self, steps: Sequence[int]) -> list[int]:
         """Add unknowns."""
@@ -88,21 +91,45 @@ class _Assembly:
         """Add a piece, with its motion by some unknowns."""
         self._stations.append((station, unknowns))
 
-    def spring(self, one: int, other: int, stiffness: float) -> None:
-        """Join two unknowns."""
-        joined = stiffness * np.array([[1.0, -1.0], [-1.0, 1.0]])
-        self.add(added(2, stiffness=joined), [one, other])
+    def lose(self, loss: Array, unknowns: list[int]) -> None:
+        """Add the imaginary part of a stiffness over some unknowns."""
+        self._losses.append((loss, unknowns))
+
+    def attach(self, one: int, other: int, part: Part) -> None:
+        """Join the rotation of a part to that of what it sits on."""
+        joined = np.array([[1.0, -1.0], [-1.0, 1.0]])
+        spring = (part.spring_Nmm_per_rad or 0.0) * joined
+        self.add(added(2, stiffness=spring), [one, other])
+        self.lose(part.loss_factor * spring, [one, other])
+        self._dashpots.append((part.fluid_Nmms_per_rad * joined, [one, other]))
+
+    def resist(self, one: int, damping: float) -> None:
+        """Resist the velocity of an unknown."""
+        self._dashpots.append((np.array([[damping]]), [one]))
+
+    def damped(self) -> DampedBody:
+        """Return all bodies with what damps them."""
+        return DampedBody(self._body(), self._sum(self._losses), self._sum(self._dashpots))
+
+    def _body(self) -> TurningBody:
+        count = len(self._steps)
+        rows, total = np.eye(count), TurningBody.of_nothing(count)
+        for body, motion, unknowns in self._bodies:
+            total += body.over(motion @ rows[unknowns])
+        return total
+
+    def _sum(self, parts: list[tuple[Array, list[int]]]) -> Array:
+        total = np.zeros((len(self._steps),) * 2)
+        for matrix, unknowns in parts:
+            total[np.ix_(unknowns, unknowns)] += matrix
+        return total
 
     def model(self, sections: list[list[int]], places: tuple[float, ...]) -> ShaftModel:
         """Return all of it."""
-        count = len(self._steps)
-        rows = np.eye(count)
-        total = TurningBody.of_nothing(count)
-        for body, motion, unknowns in self._bodies:
-            total += body.over(motion @ rows[unknowns])
+        rows = np.eye(len(self._steps))
         stations = (replace(s, motion=s.motion @ rows[unknowns]) for s, unknowns in self._stations)
         return ShaftModel(
-            total,
+            self._body(),
             np.array(self._steps, dtype=np.intp),
             tuple(
                 Station(z, rows[motions], np.zeros((6, 6)))
@@ -159,11 +186,23 @@ def _add_throw(
         join.station(Station(z_mm + station.z_mm, motion, inertia), unknowns)
 
 
+def damped_end(scene: Scene, side: Side) -> DampedBody:
+    """Return an end of the crank with what it carries; the outer mid-journal section is its first unknowns.
+
+    The crank's own material has the loss factor of the shaft's throws, whichever way it is strained.
+    """
+    join = _Assembly()
+    _add_end(join, scene, side, join.new([0] * 6))
+    return join.damped()
+
+
 def _add_end(join: _Assembly, scene: Scene, side: Side, section: list[int]) -> None:
     """Add an end of the crank as beams, and what it carries at its tip."""
     outward = -1 if side == "free" else 1
-    pieces, parts = crank_end(scene, side), parts_on(scene.shaft or ShaftTable(), side)
+    table = scene.shaft or ShaftTable()
+    pieces, parts = crank_end(scene, side), parts_on(table, side)
     spring = parts[0].spring_Nmm_per_rad if parts else None
+    twisted = table.throw_loss_factor if spring is None else parts[0].loss_factor
     material = scene.material
     shear_MPa = material.E_GPa * MPA_PER_GPA / (2 * (1 + material.poisson))
     own = shear_MPa / sum(piece.twist_per_mm3 for piece in pieces) if pieces else 0.0
@@ -174,13 +213,21 @@ def _add_end(join: _Assembly, scene: Scene, side: Side, section: list[int]) -> N
         for number in range(_ELEMENTS):
             outer, z = join.new([0] * 6), piece.z_mm[0] + outward * (number + 0.5) * length
             ends = [*tip, *outer] if outward > 0 else [*outer, *tip]
-            join.add(beam(along, length), ends)
+            elastic = beam(along, length)
+            join.add(elastic, ends)
+            join.lose(_lost(elastic.stiffness, table.throw_loss_factor, twisted), ends)
             join.station(_of_beam(z, along, length), [*tip, *outer])
             tip = outer
     at = main_journal_places_mm(scene)[-1 if outward > 0 else 0] if not pieces else pieces[-1].z_mm[1]
     if pieces and parts:
         parts = (replace(parts[0], spring_Nmm_per_rad=None), *parts[1:])
     _add_parts(join, parts, tip, at, outward)
+
+
+def _lost(stiffness: Array, bent: float, twisted: float) -> Array:
+    """Return the imaginary part of a beam's stiffness, whose torsion may have a loss factor of its own."""
+    turns = np.isin(np.arange(len(stiffness)) % 6, [RZ])
+    return stiffness * np.where(turns[:, None] & turns, twisted, bent)
 
 
 def _of_beam(z_mm: float, section: RoundSection, length: float) -> Station:
@@ -197,8 +244,9 @@ def _add_parts(join: _Assembly, parts: Sequence[Part], tip: list[int], z_mm: flo
     for part in parts:
         if part.spring_Nmm_per_rad is not None:
             (own,) = join.new([0])
-            join.spring(turn, own, part.spring_Nmm_per_rad)
+            join.attach(turn, own, part)
             turn = own
+        join.resist(turn, part.resisted_Nmms_per_rad)
         unknowns = [*tip[:RZ], turn]
         body = part.body(outward)
         join.add(body, unknowns)

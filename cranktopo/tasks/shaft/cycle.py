@@ -195,11 +195,11 @@ def bent_into_bearings_N_per_mm(
 def _pin_loads(throw: LoadedThrow, forces: CycleForces, index: int) -> Array:
     """Section forces that do the work of all loads of a throw, (12, states)."""
     loads = np.stack([throw.loads[name] for name in LOADS], axis=1)
-    return np.asarray(loads @ _shares(throw, forces, index))
+    return np.asarray(loads @ load_shares(throw, forces, index))
 
 
-def _shares(throw: LoadedThrow, forces: CycleForces, index: int) -> Array:
-    """Number of unit loads, in the order of `LOADS`, that act on a throw, (loads, states)."""
+def load_shares(throw: LoadedThrow, forces: CycleForces, index: int) -> Array:
+    """Return the number of unit loads, in the order of `LOADS`, that act on a throw, (loads, states)."""
     return np.stack(
         [
             forces.radial_N[index],
@@ -218,7 +218,7 @@ def throw_states(
     found = []
     for index, (throw, angle) in enumerate(zip(throws, angles_deg, strict=True)):
         own = turned(about_z_deg(angle)).T @ cycle.motion[6 * index : 6 * index + 12]
-        found.append(np.vstack([own, _shares(throw, forces, index)]))
+        found.append(np.vstack([own, load_shares(throw, forces, index)]))
     return np.stack(found)
 
 

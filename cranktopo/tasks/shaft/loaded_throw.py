@@ -72,6 +72,12 @@ class LoadedBlock:
             for column, name in enumerate(self.names)
         }
 
+    def load_fields(self) -> Array:
+        """Return what each of its unit loads on the full throw does with the sections held, (unknowns, k)."""
+        loaded = self.block.displacement[:, self.block.displacement.shape[1] - len(self.names) :]
+        models = self.block.copies * self.block.parts
+        return loaded * [1.0 if name == "centrifugal" else 1 / models for name in self.names]
+
     def straining_fields(self) -> tuple[Array, Array]:
         """Return the displacement fields that strain the throw, and how much of them what acts on it makes.
 

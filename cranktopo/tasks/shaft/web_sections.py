@@ -75,18 +75,24 @@ def web_sections(cycle: ShaftCycle, scenes: Sequence[Scene]) -> WebSections:
     )
 
 
-def write_web_sections(sections_by_speed: Sequence[tuple[float, WebSections]], path: Path) -> None:
+def write_web_sections(
+    sections_by_speed: Sequence[tuple[float, WebSections]], path: Path, moving: Sequence[WebSections] = ()
+) -> None:
     """Write the curves of every web at every speed as CSV, one row an angle.
 
     Args:
         sections_by_speed: speed, rpm, and curves at it.
+        moving: the curves of the shaft that vibrates at the same speeds, in columns beside them.
 
     Raises:
         CranktopoError: the file cannot be written.
     """
     rows, names = [], list(sections_by_speed[0][1].curves())
-    for speed_rpm, sections in sections_by_speed:
-        curves = np.stack(list(sections.curves().values()), axis=-1)
+    if moving:
+        names += [f"dynamic_{name}" for name in names]
+    for number, (speed_rpm, sections) in enumerate(sections_by_speed):
+        beside = moving[number].curves().values() if moving else ()
+        curves = np.stack([*sections.curves().values(), *beside], axis=-1)
         throws, webs, states, _ = curves.shape
         throw, web, state = np.indices((throws, webs, states)).reshape(3, -1)
         place = np.stack([np.full(throw.size, speed_rpm), 2 * throw + web + 1, throw + 1], axis=1)

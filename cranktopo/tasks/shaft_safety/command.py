@@ -72,6 +72,11 @@ if TYPE_CHECKING:
     multiple=True,
     help="A cylinder that does not fire over the cycle, in place of the design's; repeatable.",
 )
+@click.option(
+    "--dynamic",
+    is_flag=True,
+    help="Also solve the vibration of the shaft with its mass: bending, torsion and axial motion together.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object, openTorsion's arguments in it.")
 @verbosity_options
 def command(
@@ -86,6 +91,7 @@ def command(
     report: Path | None,
     csv_path: Path | None,
     misfires: tuple[int, ...],
+    dynamic: bool,
     as_json: bool,
 ) -> None:
     """The whole shaft of TARGET: torsional stiffness, frequencies, and what webs and main bearings carry.
@@ -94,6 +100,7 @@ def command(
     stands on all its main bearings over the working cycle, with --bearings film in the oil of [bearings].
     With --method its mesh follows the fillets, and
     the safety of each part of each web is that of the worst point, crank angle and speed.
+    With --dynamic all of it is told a second time, of the shaft that vibrates with its mass.
 
     TARGET is a design, a run directory, or an STL or STEP file of the half throw (with --design).
 
@@ -115,7 +122,15 @@ def command(
     resolved = resolve_target(target, design, fillets=method is not None, align=align, whole=True, crank=True)
     support: ShaftBearings = next(name for name in get_args(ShaftBearings) if name == bearings)
     loaded = stands_on_bearings(resolved.scene, support)
-    _check_options(loaded, speeds_rpm, method, misfires, csv_path, element_size_mm, fillet_fraction)
+    needing = {
+        "--speeds": speeds_rpm,
+        "--method": method,
+        "--misfire": misfires,
+        "--csv": csv_path,
+        "--dynamic": dynamic,
+    }
+    _check_loaded(loaded, [option for option, used in needing.items() if used])
+    _check_options(method, element_size_mm, fillet_fraction)
     tables = shaft_tables(resolved.scene, support, loaded=loaded)
     if method:
         note_unused(resolved.name, resolved.scene.fatigue, (method,))
@@ -132,28 +147,23 @@ def command(
         misfire=misfires,
         report=report,
         csv=csv_path,
+        dynamic=dynamic,
     )
     click.echo(json.dumps(shaft.as_json(), indent=2) if as_json else shaft_text(shaft))
 
 
-def _check_options(
-    loaded: bool,
-    speeds_rpm: list[float] | None,
-    method: str | None,
-    misfires: tuple[int, ...],
-    csv_path: Path | None,
-    element_size_mm: float | None,
-    fillet_fraction: float | None,
-) -> None:
-    """Refuse options that say nothing here."""
-    options = {"--speeds": speeds_rpm, "--method": method, "--misfire": misfires, "--csv": csv_path}
-    needing = next((option for option, used in options.items() if used), "")
-    if needing and not loaded:
+def _check_loaded(loaded: bool, options: list[str]) -> None:
+    """Refuse options that need forces on all bearings, where there are none."""
+    if options and not loaded:
         raise CranktopoError(
-            f"{needing}: the forces on all bearings need [engine.gas], and bearings that are not free.",
+            f"{options[0]}: the forces on all bearings need [engine.gas], and bearings that are not free.",
             hint="Leave it out, or choose --bearings rigid, spring or film.",
             code=ExitCode.USAGE,
         )
+
+
+def _check_options(method: str | None, element_size_mm: float | None, fillet_fraction: float | None) -> None:
+    """Refuse options that say nothing here."""
     if method and element_size_mm is not None:
         raise CranktopoError(
             "--element-size-mm: with --method the mesh follows the fillets.",

@@ -9,6 +9,18 @@ from cranktopo.report.page import Fact, FactStatus, Page, Section, left_off_firs
 from cranktopo.report.plot import Picture
 from cranktopo.tasks.film.permitted import film_words
 from cranktopo.tasks.shaft.result import ContinuousShaft
+from cranktopo.tasks.shaft_safety.dynamics_plots import dynamic_safety_pictures, dynamics_pictures
+from cranktopo.tasks.shaft_safety.dynamics_text import (
+    bearing_forces,
+    by_speed,
+    journal_motions,
+    model_words,
+    resonance_table,
+    safety_by_speed,
+    safety_by_web,
+    safety_sentence,
+    web_moments,
+)
 from cranktopo.tasks.shaft_safety.plots import (
     BearingPolar,
     CrankSide,
@@ -74,6 +86,39 @@ def shaft_page(shaft: ShaftAssessment, loads: BearingPolar, crank: Scene, writte
                 (("Largest forces", bearing_table(carried)),),
                 bearing_pictures(loads),
             ),
+            *_vibration(shaft, found),
+        ),
+    )
+
+
+def _vibration(shaft: ShaftAssessment, still: ShaftSafety) -> tuple[Section, ...]:
+    """Return the section of the shaft that vibrates; none where that was not asked for."""
+    found, moving = shaft.dynamics, shaft.dynamic_safety
+    if found is None or moving is None:
+        return ()
+    over_speed = (
+        (
+            ("Safety over speed", safety_by_speed(still, moving)),
+            ("Moments and forces over speed", by_speed(found)),
+        )
+        if len(found.speeds) > 1
+        else ()
+    )
+    met = (("Orders that meet modes", resonance_table(found.resonances)),) if found.resonances else ()
+    return (
+        Section(
+            "vibration",
+            "The shaft that vibrates",
+            f"{model_words(found)} {safety_sentence(still, moving)}",
+            (
+                ("Safety of each web", safety_by_web(still, moving)),
+                *over_speed,
+                (f"Moments in the webs at {found.worst.speed_rpm:,.0f} rpm", web_moments(found.worst)),
+                ("Main bearings there", bearing_forces(found.worst)),
+                ("Motions of the main journals there", journal_motions(found.worst)),
+                *met,
+            ),
+            (*dynamic_safety_pictures(still, moving), *dynamics_pictures(found)),
         ),
     )
 
@@ -113,6 +158,16 @@ def _films_fact(shaft: ShaftAssessment) -> list[Fact]:
     ]
 
 
+def _vibration_fact(shaft: ShaftAssessment, still: ShaftSafety) -> list[Fact]:
+    """Return the least safety of the shaft that vibrates, if it was asked for."""
+    moving = shaft.dynamic_safety
+    if moving is None:
+        return []
+    at = f"web {moving.worst.web} at {moving.worst.speed_rpm:,.0f} rpm"
+    status: FactStatus = "bad" if moving.safety < 1 else "unknown" if still.mesh_shortfall else "good"
+    return [Fact("With its mass", f"{moving.safety:.3f}", at, status)]
+
+
 def _facts(shaft: ShaftAssessment, safety: ShaftSafety, carried: ContinuousShaft) -> tuple[Fact, ...]:
     safest = max(safety.webs, key=lambda web: web.safety)
     bearing = carried.worst_bearing
@@ -135,6 +190,7 @@ def _facts(shaft: ShaftAssessment, safety: ShaftSafety, carried: ContinuousShaft
             f"bearing {bearing.bearing} at {carried.speed_rpm:,.0f} rpm",
             "neutral",
         ),
+        *_vibration_fact(shaft, safety),
         *_films_fact(shaft),
         Fact("Mass", f"{shaft.mass_kg:.3f} kg", shaft.weighed, "neutral"),
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
+from cranktopo.tasks.dynamics.result import ShaftDynamics
 from cranktopo.tasks.fatigue.mesh_quality import JudgedQuality
 from cranktopo.tasks.fatigue.result import CriticalPoint
 from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftEvaluation
@@ -177,9 +178,18 @@ class ShaftAssessment(ShaftEvaluation):
     """Time taken, with `--method`."""
     safety: ShaftSafety | None = UNLESS_NONE
     """Safety of its webs, with `--method`."""
+    dynamics: ShaftDynamics | None = UNLESS_NONE
+    """Its vibration beside that, with `--dynamic`."""
+    dynamic_safety: ShaftSafety | None = UNLESS_NONE
+    """Safety of the webs of the shaft that vibrates, with `--dynamic` and `--method`."""
 
 
-def assessment(evaluation: ShaftEvaluation, safety: ShaftSafety | None = None) -> ShaftAssessment:
+def assessment(
+    evaluation: ShaftEvaluation,
+    safety: ShaftSafety | None = None,
+    dynamics: ShaftDynamics | None = None,
+    dynamic_safety: ShaftSafety | None = None,
+) -> ShaftAssessment:
     """Return a whole shaft with the safety of its webs, if they were judged, in full and in short."""
     by_speed = {at.speed_rpm: at for at in safety.speeds} if safety else {}
     return ShaftAssessment.model_construct(
@@ -188,6 +198,8 @@ def assessment(evaluation: ShaftEvaluation, safety: ShaftSafety | None = None) -
         worst=_worst_in_short(safety) if safety else None,
         seconds=safety.seconds if safety else None,
         safety=safety,
+        dynamics=dynamics,
+        dynamic_safety=dynamic_safety,
     )
 
 

@@ -2,71 +2,33 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
-from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import as_path
 from cranktopo.base.notes import note
-from cranktopo.design.assumed import filter_by_table
-from cranktopo.design.crank_throws import carried
 from cranktopo.design.misfire import with_misfire
 from cranktopo.design.strength import note_strength
-from cranktopo.engine.analysis import at_speed, engine_of
-from cranktopo.engine.histories import WebHistory
 from cranktopo.engine.performance import note_pressure
 from cranktopo.engine.plan.planning import note_left_off
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.destination import check_file
 from cranktopo.runs.manifest import timestamp
-from cranktopo.tasks.fatigue.criteria import criterion
-from cranktopo.tasks.fatigue.least import PARTS, Part, least_safeties
-from cranktopo.tasks.fatigue.mesh_quality import JudgedQuality
-from cranktopo.tasks.fatigue.needs import check_method
-from cranktopo.tasks.fatigue.remarks import mesh_shortfall, note_quality, note_yielding
-from cranktopo.tasks.fatigue.safety_field import FatigueField, field_of_states
-from cranktopo.tasks.fatigue.shaft_stress import (
-    ShaftStress,
-    SolvedCycle,
-    factors_of,
-    solve_shaft_stress,
-    solved_cycle,
-)
-from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, check_fillets
-from cranktopo.tasks.fatigue.taken_keys import assumed_by
-from cranktopo.tasks.fea.targets import USED, Target, TargetLike, resolve_target
+from cranktopo.tasks.dynamics.result import ShaftDynamics
+from cranktopo.tasks.dynamics.stage import check_dynamics
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
 from cranktopo.tasks.shaft.assembly import ShaftBearings
-from cranktopo.tasks.shaft.cycle import loads_on_bearings_N
-from cranktopo.tasks.shaft.on_film import Support, check_film
+from cranktopo.tasks.shaft.on_film import check_film
 from cranktopo.tasks.shaft.result import ShaftEvaluation
-from cranktopo.tasks.shaft.stage import (
-    evaluate_shaft,
-    of_stiffness,
-    shaft_left_off,
-    speed_scenes,
-    stands_on_bearings,
-    support_of,
-    throw_targets,
-)
-from cranktopo.tasks.shaft.web_loads import web_histories
+from cranktopo.tasks.shaft.stage import evaluate_shaft, shaft_left_off, stands_on_bearings
 from cranktopo.tasks.shaft.web_sections import write_web_sections
+from cranktopo.tasks.shaft_safety.in_motion import judged_in_motion, shaft_in_motion
+from cranktopo.tasks.shaft_safety.judged import check_judged, judged_shaft
 from cranktopo.tasks.shaft_safety.page import shaft_page
-from cranktopo.tasks.shaft_safety.plots import BearingPolar
-from cranktopo.tasks.shaft_safety.result import (
-    SafetySeconds,
-    ShaftAssessment,
-    ShaftSafety,
-    SpeedSafety,
-    WebSafety,
-    WorstPlace,
-    assessment,
-)
+from cranktopo.tasks.shaft_safety.result import ShaftAssessment, assessment
 
 
 def assess_shaft(
@@ -80,6 +42,7 @@ def assess_shaft(
     misfire: Sequence[int] = (),
     report: Path | str | None = None,
     csv: Path | str | None = None,
+    dynamic: bool = False,
 ) -> ShaftAssessment:
     """Assemble the throws of a target and tell what webs and bearings carry over the cycle.
 
@@ -92,6 +55,8 @@ def assess_shaft(
         misfire: cylinders that do not fire, in place of those of the design.
         report: page to write, HTML or Markdown; it needs a method.
         csv: file of what every web carries at every angle and speed.
+        dynamic: also its steady vibration, bending, torsion and axial motion together, beside that; between
+            several speeds its worst resonance is added to them.
 
     Raises:
         CranktopoError: a cylinder that the engine does not have, no engine, no loads or no bearings to judge
@@ -104,25 +69,25 @@ def assess_shaft(
         check_file(as_path(csv), "--csv")
     if bearings == "film":
         check_film(resolved.scene)
+    if dynamic:
+        check_dynamics(resolved.scene, bearings)
     if method is None:
-        if stands_on_bearings(resolved.scene, bearings):
-            note_pressure(resolved.name, resolved.scene)
-        found = evaluate_shaft(
-            resolved, bearings, element_size_mm, speeds_rpm=speeds_rpm, add_worst_speed=True
-        )
-        write_curves(found, csv)
-        return assessment(found)
+        return _unjudged(resolved, bearings, element_size_mm, speeds_rpm, csv, dynamic=dynamic)
     if report is not None:
         check_report_path(report)
-    _check(resolved, bearings, method)
+    check_judged(resolved, bearings, method)
     note_left_off(resolved.name, shaft_left_off(resolved.scene))
     note_strength(resolved.name, resolved.scene)
     note_pressure(resolved.name, resolved.scene)
-    found, judged = judged_shaft(
-        resolved, bearings, method, speeds_rpm, fillet_fraction, add_worst_speed=True
-    )
-    write_curves(found, csv)
-    assessed = assessment(found, judged.safety())
+    told = resolved, bearings, method, speeds_rpm, fillet_fraction
+    if dynamic:
+        moved = judged_in_motion(*told)
+        found, judged = moved.evaluation, moved.judged
+        assessed = assessment(found, judged.safety(), moved.dynamics, moved.moving.safety())
+    else:
+        found, judged = judged_shaft(*told, add_worst_speed=True)
+        assessed = assessment(found, judged.safety())
+    write_curves(found, csv, assessed.dynamics)
     if report is not None:
         most = max(found.on_bearings, key=lambda at: at.worst_bearing.largest_N)
         loads = judged.bearing_loads(most.speed_rpm)
@@ -131,7 +96,30 @@ def assess_shaft(
     return assessed
 
 
-def write_curves(evaluation: ShaftEvaluation, csv: Path | str | None) -> None:
+def _unjudged(
+    target: Target,
+    bearings: ShaftBearings,
+    element_size_mm: float | None,
+    speeds_rpm: Sequence[float],
+    csv: Path | str | None,
+    *,
+    dynamic: bool,
+) -> ShaftAssessment:
+    """Return what webs and bearings carry, without any safety."""
+    if stands_on_bearings(target.scene, bearings):
+        note_pressure(target.name, target.scene)
+    dynamics: ShaftDynamics | None = None
+    if dynamic:
+        found, dynamics = shaft_in_motion(target, bearings, element_size_mm, speeds_rpm)
+    else:
+        found = evaluate_shaft(target, bearings, element_size_mm, speeds_rpm=speeds_rpm, add_worst_speed=True)
+    write_curves(found, csv, dynamics)
+    return assessment(found, dynamics=dynamics)
+
+
+def write_curves(
+    evaluation: ShaftEvaluation, csv: Path | str | None, dynamics: ShaftDynamics | None = None
+) -> None:
     """Write what the webs carry at every angle, if a file is asked for; raises CranktopoError."""
     if csv is None:
         return
@@ -142,187 +130,7 @@ def write_curves(evaluation: ShaftEvaluation, csv: Path | str | None) -> None:
             code=ExitCode.USAGE,
         )
     path = as_path(csv)
-    write_web_sections([(at.speed_rpm, at.sections) for at in evaluation.on_bearings if at.sections], path)
+    moving = [at.curves for at in dynamics.speeds if at.curves] if dynamics else []
+    still = [(at.speed_rpm, at.sections) for at in evaluation.on_bearings if at.sections]
+    write_web_sections(still, path, moving)
     note(str(path))
-
-
-def judged_shaft(
-    target: Target,
-    bearings: ShaftBearings,
-    method: str,
-    speeds_rpm: Sequence[float] = (),
-    fillet_fraction: float = RULE_FRACTION,
-    *,
-    add_worst_speed: bool = False,
-) -> tuple[ShaftEvaluation, JudgedShaft]:
-    """Return the shaft of a target with what its webs and bearings carry, and what judges its webs.
-
-    Arguments and errors as of `assess_shaft` and `evaluate_shaft`.
-    """
-    _check(target, bearings, method)
-    throws = throw_targets(target)
-    stresses = {throw.name: solve_shaft_stress(throw, fillet_fraction) for throw in dict.fromkeys(throws)}
-    bodies = {name: stress.body for name, stress in stresses.items()}
-    found = evaluate_shaft(
-        target, bearings, speeds_rpm=speeds_rpm, bodies=bodies, add_worst_speed=add_worst_speed
-    )
-    own = [stresses[throw.name] for throw in throws]
-    note(f"{target.name}: safety of {2 * len(throws)} webs at {len(found.on_bearings)} speeds")
-    vibrating = of_stiffness(target.scene, found.stiffness.throws_Nm_per_rad)
-    speeds = [at.speed_rpm for at in found.on_bearings]
-    return found, JudgedShaft(replace(target, scene=vibrating), bearings, own, speeds, method)
-
-
-def _check(target: Target, bearings: ShaftBearings, method: str) -> None:
-    """Check everything that a user can get wrong, before the first solve."""
-    criterion(method)
-    if not stands_on_bearings(target.scene, bearings):
-        raise CranktopoError(
-            "--method: the safety over the cycle needs [engine.gas], and bearings that are not free.",
-            hint="Leave it out, or choose --bearings rigid, spring or film.",
-            code=ExitCode.USAGE,
-        )
-    for throw in dict.fromkeys(throw_targets(target)):
-        check_method(throw.scene, method)
-        check_fillets(throw)
-
-
-@dataclass(frozen=True)
-class JudgedShaft:
-    """A shaft whose throws' stresses are known, to be judged at some speeds."""
-
-    target: Target
-    bearings: ShaftBearings
-    throws: Sequence[ShaftStress]
-    speeds_rpm: Sequence[float]
-    method: str
-
-    def safety(self) -> ShaftSafety:
-        """Return the least safety of every part, and the worst point in full."""
-        begin = time.perf_counter()
-        angle_deg, loads = self._loads()
-        solved = time.perf_counter()
-        speeds = [engine_of(at).speed_rpm for at in speed_scenes(self.target.scene, self.speeds_rpm)]
-        least = self._least(loads)
-        table = np.stack([least[key] for key in least])  # (parts, speeds)
-        where, when = np.unravel_index(int(table.argmin()), table.shape)
-        throw, side, _ = list(least)[int(where)]
-        labels = tuple(f"{angle:g}" for angle in angle_deg)
-        field = field_of_states(self.throws[throw].model, self.method, loads[throw][when], labels)
-        note_quality(field)
-        note_yielding(field, self.target.scene.material.yield_MPa)
-        finished = time.perf_counter()
-        quality = field.model.quality
-        return ShaftSafety(
-            method=self.method,
-            safety=float(table.min()),
-            worst=_worst(field, throw, side, speeds[when]),
-            webs=_webs(least, speeds),
-            speeds=_by_speed(least, speeds),
-            load_states=angle_deg.size * len(speeds),
-            quality=JudgedQuality(**vars(quality), within_rule=quality.within_limits),
-            mesh_shortfall=self.missed_checks or None,
-            left_off=shaft_left_off(self.target.scene) or None,
-            seconds=_seconds(self.throws, solved - begin, finished - solved),
-            assumed=assumed_by(filter_by_table(self.target.assumed, USED), (self.method,)),
-        )
-
-    def web_histories(self) -> list[tuple[WebHistory, ...]]:
-        """Return at each speed what loads each web, as `web_histories` has it."""
-        scenes = [one.model.scene for one in self.throws]
-        return [web_histories(throws, scenes, forces, cycle) for throws, forces, cycle in self._cycles]
-
-    def bearing_loads(self, speed_rpm: float) -> BearingPolar:
-        """Return the forces on the main bearings at one speed."""
-        scene, sections = self.target.scene, carried(self.target.scene)
-        _, _, cycle = solved_cycle(self.throws, scene, at_speed(scene, speed_rpm), self._support)
-        on_bearings = loads_on_bearings_N(cycle)[list(sections)]
-        return BearingPolar(speed_rpm, cycle.angle_deg, tuple(s + 1 for s in sections), on_bearings)
-
-    @property
-    def missed_checks(self) -> str:
-        """The checks that the mesh of any throw misses, each with the names of the throws."""
-        models = {id(one.model): one.model for one in self.throws}.values()
-        found = {model.name: missed for model in models if (missed := mesh_shortfall(model))}
-        if len(models) == 1:
-            return "".join(found.values())
-        return "; ".join(f"{name}: {missed}" for name, missed in found.items())
-
-    @property
-    def _support(self) -> Support:
-        return support_of(self.target.scene, self.bearings)
-
-    @cached_property
-    def _cycles(self) -> list[SolvedCycle]:
-        """The shaft at each speed, solved once for all that is asked of it."""
-        scene = self.target.scene
-        return [
-            solved_cycle(self.throws, scene, at, self._support) for at in speed_scenes(scene, self.speeds_rpm)
-        ]
-
-    def _loads(self) -> tuple[Array, list[Array]]:
-        """Angles, and of each throw the factors of its fields, (speeds, states, fields)."""
-        found = [factors_of(self.throws, self.target.scene, solved) for solved in self._cycles]
-        return found[0][0], list(np.stack([loads for _, loads in found], axis=1))
-
-    def _least(self, loads: Sequence[Array]) -> dict[tuple[int, int, Part], Array]:
-        """Least safety at every speed by throw, its web and part; equal throws are judged at once."""
-        found: dict[tuple[int, int, Part], Array] = {}
-        for model in {id(one.model): one.model for one in self.throws}.values():
-            own = [index for index, one in enumerate(self.throws) if one.model is model]
-            judged = least_safeties(model, [loads[index] for index in own], self.method)
-            for index, parts in zip(own, judged, strict=True):
-                found |= {(index, side, part): safety for (side, part), safety in parts.items()}
-        return found
-
-
-def _worst(field: FatigueField, throw: int, side: int, speed_rpm: float) -> WorstPlace:
-    highest, lowest = map(float, field.critical.states)
-    return WorstPlace(
-        web=2 * throw + side + 1,
-        throw=throw + 1,
-        speed_rpm=speed_rpm,
-        highest_deg=highest,
-        lowest_deg=lowest,
-        critical=field.critical,
-    )
-
-
-def _webs(least: dict[tuple[int, int, Part], Array], speeds: Sequence[float]) -> tuple[WebSafety, ...]:
-    webs = sorted({(throw, side) for throw, side, _ in least})
-    return tuple(
-        _web(throw, side, {p: least[throw, side, p] for p in PARTS if (throw, side, p) in least}, speeds)
-        for throw, side in webs
-    )
-
-
-def _web(throw: int, side: int, parts: dict[Part, Array], speeds: Sequence[float]) -> WebSafety:
-    values = {part: float(safety.min()) for part, safety in parts.items()}
-    worst = min(values, key=lambda part: values[part])
-    return WebSafety(
-        web=2 * throw + side + 1,
-        throw=throw + 1,
-        pin_fillet=values["pin_fillet"],
-        journal_fillet=values["journal_fillet"],
-        outlets=values.get("outlets"),
-        elsewhere=values.get("elsewhere"),
-        safety=values[worst],
-        part=worst,
-        speed_rpm=speeds[int(parts[worst].argmin())],
-        over_speeds=tuple(np.min(list(parts.values()), axis=0).tolist()),
-    )
-
-
-def _by_speed(least: dict[tuple[int, int, Part], Array], speeds: Sequence[float]) -> tuple[SpeedSafety, ...]:
-    found = []
-    for index, speed in enumerate(speeds):
-        throw, side, part = min(least, key=lambda key: least[key][index])
-        safety = float(least[throw, side, part][index])
-        found.append(SpeedSafety(speed_rpm=speed, safety=safety, web=2 * throw + side + 1, part=part))
-    return tuple(found)
-
-
-def _seconds(throws: Sequence[ShaftStress], cycles: float, safety: float) -> SafetySeconds:
-    each = list({id(one): one.seconds for one in throws}.values())
-    mesh, unit_fields, stresses = (sum(parts) for parts in zip(*each, strict=True))
-    return SafetySeconds(mesh=mesh, unit_fields=unit_fields, stresses=stresses, cycles=cycles, safety=safety)

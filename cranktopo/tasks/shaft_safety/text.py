@@ -9,6 +9,7 @@ from cranktopo.base.units import N_PER_KN
 from cranktopo.report.result_table import WIDTH, ResultTable, Row, labelled, terminal
 from cranktopo.tasks.fatigue.least import PARTS
 from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftEvaluation
+from cranktopo.tasks.shaft_safety.dynamics_text import dynamic_safety_text, dynamics_text
 from cranktopo.tasks.shaft_safety.result import ShaftAssessment, ShaftSafety
 
 _BEARING_DIGITS = {
@@ -34,6 +35,10 @@ def shaft_text(shaft: ShaftAssessment) -> str:
     parts = [*left_off, *beyond, *_torsion(shaft), *said, *_on_bearings(shaft)]
     if shaft.safety is not None:
         parts += safety_text(shaft.safety)
+    if shaft.dynamics is not None:
+        parts += dynamics_text(shaft.dynamics)
+    if shaft.safety is not None and shaft.dynamic_safety is not None:
+        parts += dynamic_safety_text(shaft.safety, shaft.dynamic_safety)
     return "\n\n".join((*parts, errors))
 
 

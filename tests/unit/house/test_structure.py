@@ -39,6 +39,7 @@ TASKS = (
     "vibration",
     "modes",
     "fatigue",
+    "dynamics",
     "shaft_safety",
     "bolts",
     "rod",

@@ -13,8 +13,8 @@ from cranktopo.base.notes import redirected
 from cranktopo.tasks.fatigue import stress_model
 from cranktopo.tasks.fatigue.mesh_quality import Quality
 from cranktopo.tasks.shaft.web_sections import WebSections
+from cranktopo.tasks.shaft_safety.judged import JudgedShaft
 from cranktopo.tasks.shaft_safety.plots import web_pictures
-from cranktopo.tasks.shaft_safety.stage import JudgedShaft
 
 
 def test_names_of_axes_lie_within_the_picture_and_no_two_curves_look_alike() -> None:

@@ -20,8 +20,8 @@ from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.tasks.fea.targets import resolve_target
 from cranktopo.tasks.shaft.assembly import Bearings
 from cranktopo.tasks.shaft.stage import shaft_effects
+from cranktopo.tasks.shaft_safety.judged import judged_shaft
 from cranktopo.tasks.shaft_safety.result import WebSafety
-from cranktopo.tasks.shaft_safety.stage import judged_shaft
 from cranktopo.tasks.shape.each_web.groups import WebGroup
 
 _METHOD = "lsa"
