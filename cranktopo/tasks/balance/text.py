@@ -9,7 +9,7 @@ from cranktopo.base.units import number_text
 from cranktopo.design.misfire import silent_words
 from cranktopo.engine.balance.balancer_shafts import SizedShaft
 from cranktopo.engine.balance.free_forces import NeededCounterweight
-from cranktopo.engine.balance.whole_engine import AS_IT_IS
+from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, WITH_SHAFTS
 from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
 from cranktopo.tasks.balance.changes import VECTORS, largest_order, order_changes
 from cranktopo.tasks.balance.needed import counterweight_words
@@ -209,11 +209,21 @@ def _proposal_refusals(data: Balance, proposed: ProposedCounterweight) -> list[s
 
 
 def shafts_caption(data: Balance) -> str:
-    """Tell whether the balancer shafts are those of the scene."""
+    """Tell whether the balancer shafts are those of the scene, and which counterweights go with them."""
     in_scene = any(shaft.in_scene for shaft in data.balancer_shafts)
-    return (
-        "Balancer shafts" if in_scene else "Balancer shafts that would leave nothing in the first two orders"
-    )
+    beside = ", beside the counterweights for each throw" if _weights_count(data) else ""
+    what = "" if in_scene else " that would leave nothing in the first two orders"
+    return f"Balancer shafts{what}{beside}"
+
+
+def _weights_count(data: Balance) -> bool:
+    """Tell whether the counterweights that webs lack change what is free; balancer shafts take the rest."""
+    return any(order_changes(data, name, COUNTERWEIGHTED) for name in VECTORS)
+
+
+def _state_words(data: Balance, state: str) -> str:
+    with_weights = state == WITH_SHAFTS and _weights_count(data)
+    return "with counterweights for each throw and balancer shafts" if with_weights else state
 
 
 def bearings_caption(data: Balance) -> str:
@@ -251,7 +261,8 @@ def balance_headline(data: Balance) -> str:
     states_by_rest: dict[str, list[str]] = {}
     for state in dict.fromkeys(entry.state for entry in data.free):
         states_by_rest.setdefault(_left(data, state), []).append(state)
-    left = [f"{' and '.join(states).capitalize()}: {left}." for left, states in states_by_rest.items()]
+    named = {left: [_state_words(data, state) for state in states] for left, states in states_by_rest.items()}
+    left = [f"{' and '.join(states).capitalize()}: {left}." for left, states in named.items()]
     return " ".join([proposal_refused(data), *left]).strip()
 
 
@@ -268,7 +279,7 @@ def change_sentences(data: Balance) -> list[str]:
             )
         ]
         if changes:
-            found.append(f"{state.capitalize()}: {', '.join(changes)}.")
+            found.append(f"{_state_words(data, state).capitalize()}: {', '.join(changes)}.")
     return found
 
 
