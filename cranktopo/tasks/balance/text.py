@@ -223,7 +223,7 @@ def _weights_count(data: Balance) -> bool:
 
 def _state_words(data: Balance, state: str) -> str:
     with_weights = state == WITH_SHAFTS and _weights_count(data)
-    return "with counterweights for each throw and balancer shafts" if with_weights else state
+    return "with counterweights and balancer shafts" if with_weights else state
 
 
 def bearings_caption(data: Balance) -> str:
