@@ -39,7 +39,7 @@ PARTS: dict[str, tuple[tuple[str, Sequence[str]], ...]] = {
     ),
     "error estimate": ((f"{_FEA}.discretisation_error", ("_part", "_answered", "_added", "_volume")),),
     "moved mesh, gradients": (
-        (f"{_SHAPE}.moved_mesh:MovedMesh", ("__init__", "velocities")),
+        (f"{_TETRAHEDRA}.moved_mesh:MovedMesh", ("__init__", "velocities")),
         (f"{_SHAPE}.mesh_model:MeshModel", ("responses",)),
         (f"{_SHAPE}.mesh_stress:MeshStress", ("_through_field",)),
     ),

@@ -19,9 +19,10 @@ import numpy as np
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.loading import load_scene
 from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.numerics.tetrahedra.mesh import RATIO
 from cranktopo.tasks.fea import evaluation
 from cranktopo.tasks.fea.error_bound import change_bound_percent
-from cranktopo.tasks.fea.evaluation import RATIO, MeshResult, evaluate_on_mesh
+from cranktopo.tasks.fea.evaluation import MeshResult, evaluate_on_mesh
 from cranktopo.tasks.fea.targets import Target
 
 STEPS = (3, 2, 1, 0, -1)

@@ -19,10 +19,11 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.precision import double_precision
+from cranktopo.numerics.tetrahedra.mesh import RATIO
 from cranktopo.tasks.density.model import build_model
 from cranktopo.tasks.density.problem import model_error_percent
 from cranktopo.tasks.density.response import compliances, solve, stiffness
-from cranktopo.tasks.fea.evaluation import RATIO, evaluate_on_mesh
+from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.refit.fit import scene_with_web
 from tests.physics.density.throw_cases import BENDING, TORSION

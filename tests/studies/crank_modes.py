@@ -14,12 +14,13 @@ import scipy.sparse.linalg as sla
 from numpy.typing import NDArray
 
 from cranktopo.base.units import MPA_PER_GPA, density_tonne_per_mm3
-from cranktopo.bodies.mesh.solid_mesh import extract_mesh, mesh_throw, positive_x
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.bodies.solid.crankshaft import add_crankshaft
 from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.numerics.tetrahedra.cad_mesh import extract_mesh, positive_x
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.solver import cholesky

@@ -13,9 +13,10 @@ from pathlib import Path
 
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.loading import load_scene
+from cranktopo.numerics.tetrahedra.mesh import RATIO
 from cranktopo.tasks.accuracy.optimiser_levels import OptimiserModel, optimise_once
 from cranktopo.tasks.density.problem import SolverSettings
-from cranktopo.tasks.fea.evaluation import RATIO, evaluate_on_mesh
+from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
 from cranktopo.tasks.fea.levels import stiffnesses
 from cranktopo.tasks.fea.studies import NAME_OF_CASE
 

@@ -10,14 +10,13 @@ from typing import Any
 
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.memory import check_mesh_memory
-from cranktopo.bodies.mesh.solid_mesh import by_smaller_elements, generate, positive_x
 from cranktopo.bodies.solid.checked import check_parts, volume_mm3
 from cranktopo.bodies.solid.rod import add_rod
-from cranktopo.bodies.solid.shapes import DimTags
 from cranktopo.design.checks.rod import rod_of
 from cranktopo.design.rod_body import rod_mass
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.numerics.tetrahedra.cad_mesh import DimTags, by_smaller_elements, generate, positive_x
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 
 _ELEMENTS = 40_000

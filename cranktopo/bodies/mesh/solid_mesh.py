@@ -1,29 +1,25 @@
-"""Quadratic tetrahedra on a solid of the open gmsh session: graded toward fillets, curved, never inverted."""
+"""Quadratic tetrahedra on the solid of a throw: graded toward fillets, curved, never inverted."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from itertools import product
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.errors import CranktopoError, solver_error
+from cranktopo.base.errors import CranktopoError
 from cranktopo.base.frames import Parity, Span
-from cranktopo.base.notes import note
 from cranktopo.bodies.solid.checked import SolidProperties, check_parts, solid_properties, volume_mm3
-from cranktopo.bodies.solid.shapes import DimTags
 from cranktopo.bodies.solid.throw import add_full_throw, add_half_throw
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.crank_throws import refuse_flying_web
 from cranktopo.design.halves import difference, halves, may_mirror, usual_scale, web_asymmetry
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.gmsh_session import cad_session, tetrahedra
-from cranktopo.numerics.tetrahedra.mesh import TetMesh, reasons_of, straighten_folded
+from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.numerics.tetrahedra.cad_mesh import by_smaller_elements, generate, positive_x
+from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.throw.drilling.bore import size_mm, size_terms
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.element_size import GROWTH, tube_term
@@ -31,16 +27,6 @@ from cranktopo.throw.journal import FilletSection
 from cranktopo.throw.side_slots import SideSlots
 from cranktopo.throw.web import web_bodies
 
-_R = TypeVar("_R")
-_TET10 = 11
-_GMSH_TO_STANDARD = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
-_DELAUNAY_2D, _FRONTAL_2D, _MESH_ADAPT_2D = 5, 6, 1
-"""Frontal Delaunay, gmsh's default, makes more regular triangles and cuts across a bore that has a seam.
-MeshAdapt is slower and takes long narrow faces on which the others fold triangles."""
-_DELAUNAY_3D, _HXT_3D = 1, 10
-"""HXT takes a fifth of the time of the other and a quarter fewer nodes; its elements are less regular."""
-_LIGHT = ("", "Relocate3D")
-"""gmsh's own optimiser takes flat elements away, the other moves nodes."""
 FITTED_FRACTION = 0.2
 """Element size on a fillet over its radius up to which stresses are those of fitted polynomials: they smooth
 the scatter of irregular elements, and follow a fillet that is not much longer than their two rings."""
@@ -75,43 +61,6 @@ class MeshedThrow:
     def span(self, parity: Parity) -> Span:
         """Return what a motion of a parity is condensed from: a whole throw has no parity."""
         return "whole" if self.whole else parity
-
-
-class NoMeshError(CranktopoError):
-    """Elements on the surface cut across each other; the message is the reason, with its place."""
-
-
-_SIZES = (1.0, 0.8, 0.64)
-"""Element sizes that are tried one after another, over the one that was asked for."""
-_SURFACE = re.compile(r"[Ss]urface (\d+)")
-
-
-def by_smaller_elements(what: str, element_size_mm: float, make: Callable[[float, bool], _R]) -> _R:
-    """Return what the first size of elements and algorithm for the surface give that make a mesh.
-
-    Args:
-        make: given an element size, mm, and whether the surface is meshed by MeshAdapt; it opens a session of
-            its own, as gmsh stays locked after an error.
-
-    Raises:
-        CranktopoError: no size gives one, with the reasons of all tries.
-    """
-    failures, sizes = list[str](), [share * element_size_mm for share in _SIZES]
-    for size, adapt in product(sizes, (False, True)):
-        try:
-            found = make(size, adapt)
-        except NoMeshError as error:
-            failures.append(error.message)
-            continue
-        if size != element_size_mm:
-            note(f"{what}: no mesh with elements of {element_size_mm:.3g} mm; taken are {size:.3g} mm")
-        return found
-    *most, last = (f"{size:.3g}" for size in sizes)
-    raise solver_error(
-        f"{what}: no mesh with elements of {', '.join(most)} or {last} mm, too large for its thinnest parts: "
-        f"{reasons_of(failures)}.",
-        "Choose a smaller element size; an error estimate takes one 1.5 times as large, too.",
-    )
 
 
 def mesh_throw(
@@ -193,49 +142,6 @@ def _for_stress(fillet_fraction: float | None, *, regular: bool) -> tuple[bool, 
     return fillet_fraction is not None, regular or not serves_polynomials(fillet_fraction)
 
 
-def generate(gmsh: Any, mirrored: bool, *, stresses: bool, regular: bool, adapt: bool = False) -> TetMesh:
-    """Return the mesh of the open session, smooth where stresses are wanted.
-
-    Regular triangles on the surface and Netgen's optimiser each take a quarter to a third off the noise of
-    the stresses; where polynomials do that, optimisers that take a tenth of its time suffice. Bores of a
-    quarter model have no seam. `adapt` meshes the surface by MeshAdapt.
-
-    Raises:
-        NoMeshError: elements on the surface cut across each other.
-    """
-    usual = _FRONTAL_2D if stresses and mirrored else _DELAUNAY_2D
-    gmsh.option.setNumber("Mesh.Algorithm", _MESH_ADAPT_2D if adapt else usual)
-    gmsh.option.setNumber("Mesh.Algorithm3D", _DELAUNAY_3D if regular or adapt else _HXT_3D)
-    try:
-        gmsh.model.mesh.generate(3)
-    except Exception as error:  # gmsh raises the bare class, for elements that cut across a thin part
-        if type(error) is not Exception:
-            raise
-        raise NoMeshError(str(error).strip().rstrip(".") + _place(gmsh, str(error))) from None
-    if stresses:
-        for optimiser in ("Netgen",) if regular else _LIGHT:
-            gmsh.model.mesh.optimize(optimiser)
-    gmsh.model.mesh.setOrder(2)
-    return extract_mesh(gmsh, mirrored=mirrored)
-
-
-def _place(gmsh: Any, reason: str) -> str:
-    """Return where the first face that a reason names lies, in words; empty where it names none."""
-    found = _SURFACE.search(reason)
-    if found is None or (2, int(found[1])) not in gmsh.model.getEntities(2):
-        return ""
-    return f" near ({', '.join(f'{x:.1f}' for x in gmsh.model.occ.getCenterOfMass(2, int(found[1])))}) mm"
-
-
-def positive_x(occ: Any, body: DimTags, reach: float, *, quarter: bool = False) -> DimTags:
-    """Return the half x >= 0 of a body, or its quarter with z >= 0; `reach` is a length of its size, mm."""
-    size = 20 * reach
-    low = 0 if quarter else -size
-    box = occ.addBox(0, -size, low, size, 2 * size, size - low)
-    kept, _ = occ.intersect(body, [(3, box)])
-    return list(kept)
-
-
 def _set_sizes(
     gmsh: Any, scene: Scene, size: float, *, graded: bool, full: bool, fillet_fraction: float | None = None
 ) -> None:
@@ -306,14 +212,3 @@ def _at_floor(scene: Scene, size: float, radius_mm: float, fraction: float | Non
     if fraction is not None:
         return min(size, max(fraction, _FLOOR_FRACTION) * radius_mm)
     return size * min(1.0, max(usual_scale(scene) * radius_mm / _ROUND_MM, _FINEST))
-
-
-def extract_mesh(gmsh: Any, *, mirrored: bool) -> TetMesh:
-    """Return the quadratic mesh of the open session, folded elements straightened."""
-    coordinates, nodes = tetrahedra(gmsh, _TET10, 10)
-    cells = nodes[:, _GMSH_TO_STANDARD]
-    used, compact = np.unique(cells, return_inverse=True)
-    compact = np.ascontiguousarray(compact.reshape(cells.shape).T)
-    curved = np.ascontiguousarray(coordinates[used].T)
-    points, _ = straighten_folded(curved, compact)
-    return TetMesh(points, compact, mirrored, curved - points)

@@ -10,12 +10,13 @@ from cranktopo.base.frames import about_z_deg
 from cranktopo.bodies.crank_drillings import crank_crossings, taken_beyond
 from cranktopo.bodies.crank_ends import SIDES, EndPiece, crank_end, main_journal_places_mm
 from cranktopo.bodies.solid.checked import ClosedForm, check_body
-from cranktopo.bodies.solid.shapes import DimTags, add_all, cut, fused
+from cranktopo.bodies.solid.shapes import add_all, cut, fused
 from cranktopo.bodies.solid.step import import_solid
 from cranktopo.bodies.solid.throw import add_full_throw, throw_form
 from cranktopo.design.crank import Side
 from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
 from cranktopo.throw.crank_end import BodyStep
 
 

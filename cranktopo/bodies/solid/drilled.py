@@ -11,7 +11,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from cranktopo.bodies.solid.checked import volume_mm3
-from cranktopo.bodies.solid.shapes import DimTags, add_solid, cut, outlet_edges
+from cranktopo.bodies.solid.shapes import add_solid, cut, outlet_edges
+from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
 from cranktopo.throw.feature import Body
 from cranktopo.throw.primitives import RoundedOutlet
 

@@ -24,7 +24,6 @@ from cranktopo.bodies.solid.plugs import add_plugs, plug_names
 from cranktopo.bodies.solid.raw_crankshaft import add_raw_crankshaft, add_raw_end
 from cranktopo.bodies.solid.raw_part import add_raw_throw
 from cranktopo.bodies.solid.rod import add_rod
-from cranktopo.bodies.solid.shapes import DimTags
 from cranktopo.bodies.solid.step import StepLabel, closed_surface, kernel_surface, label_step
 from cranktopo.bodies.solid.throw import add_full_throw, add_half_throw, add_web, built
 from cranktopo.bodies.volume import web_volume_mm3
@@ -34,6 +33,7 @@ from cranktopo.design.halves import halves, mirror_image, usual_scale
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout, triangles
+from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
 from cranktopo.runs.destination import check_file
 from cranktopo.runs.manifest import versions
 from cranktopo.throw.drilling.table import drill_bores

@@ -12,9 +12,10 @@ from cranktopo.bodies.raw_part import forging_of
 from cranktopo.bodies.solid.checked import ClosedForm, check_body
 from cranktopo.bodies.solid.crankshaft import placed_throws
 from cranktopo.bodies.solid.raw_part import add_raw_throw, raw_bodies
-from cranktopo.bodies.solid.shapes import DimTags, fused
+from cranktopo.bodies.solid.shapes import fused
 from cranktopo.design.crank import Side
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
 from cranktopo.throw.moments import body_moments
 from cranktopo.throw.raw_part.bodies import RawHalf
 

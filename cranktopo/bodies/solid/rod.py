@@ -8,11 +8,12 @@ from typing import Any
 
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.solid.checked import ClosedForm, check_body
-from cranktopo.bodies.solid.shapes import DimTags, cut
+from cranktopo.bodies.solid.shapes import cut
 from cranktopo.design.checks.rod import rod_of
 from cranktopo.design.rod import Rod
 from cranktopo.design.rod_body import fillet, rod_mass
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
 
 
 def add_rod(occ: Any, scene: Scene) -> DimTags:

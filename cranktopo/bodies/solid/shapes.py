@@ -15,6 +15,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import solver_error
+from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
 from cranktopo.throw.feature import Body
 from cranktopo.throw.primitives import (
     Arc,
@@ -33,7 +34,6 @@ from cranktopo.throw.primitives import (
     Solid,
 )
 
-DimTags = list[tuple[int, int]]
 _PIECE = 2.5
 """Radius of the piece of a cylinder over that of the outlet with its rounding."""
 _ON_EDGE_MM = 1e-3

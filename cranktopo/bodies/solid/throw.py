@@ -14,7 +14,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid.checked import ClosedForm, check_body, misfit
 from cranktopo.bodies.solid.culprit import culprit
 from cranktopo.bodies.solid.drilled import drilled
-from cranktopo.bodies.solid.shapes import DimTags, add_all, add_bodies, add_solid, cut
+from cranktopo.bodies.solid.shapes import add_all, add_bodies, add_solid, cut
 from cranktopo.bodies.volume import half_throw_volume_mm3, outlet_roundings_mm3, throw_volume_mm3
 from cranktopo.design.checks.scene import check_solid
 from cranktopo.design.halves import (
@@ -26,6 +26,7 @@ from cranktopo.design.halves import (
     require_equal_halves,
 )
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
 from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.journal import Journal

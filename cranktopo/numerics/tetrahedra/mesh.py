@@ -31,6 +31,8 @@ from cranktopo.numerics.surfaces.mesh import (
 
 EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 """Corners of the edges of a ten-node tetrahedron, VTK order."""
+RATIO = 1.5
+"""Element size of the coarse mesh over that of the fine one where two are compared."""
 _LEAST_RATIO = 0.1
 """Least Jacobian of a curved element over that of its straight counterpart."""
 _UNBENT = 1e-6

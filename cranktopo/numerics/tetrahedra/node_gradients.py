@@ -36,17 +36,44 @@ def work_slopes(
     elements: NDArray[np.intp] | None = None,
 ) -> Array:
     """Return the derivative of first' K second by the nodes, (3, nodes), N; by default of all elements."""
-    total = np.zeros(model.nodes_mm.shape)
+    return sums_of_work_slopes(model, youngs_MPa, poisson, first[None], second[None, None], elements)[0]
+
+
+def sums_of_work_slopes(
+    model: Elasticity,
+    youngs_MPa: float,
+    poisson: float,
+    firsts: Array,
+    seconds: Array,
+    elements: NDArray[np.intp] | None = None,
+) -> Array:
+    """Return the derivatives of sums of first' K second over fields by the nodes, (sums, 3, nodes), N.
+
+    Args:
+        firsts: shape (fields, unknowns), the same in every sum.
+        seconds: shape (sums, fields, unknowns).
+    """
+    totals = np.zeros((len(seconds), *model.nodes_mm.shape))
     for basis in chunks(model, STIFFNESS_ORDER, elements):
         shapes = shape_slopes(basis)
-        slopes = [displacement_slopes(basis, shapes, u) for u in (first, second)]
-        stresses = [full_tensor(hooke(tensor_strain(s), youngs_MPa, poisson)) for s in slopes]
-        density = np.einsum("eqij,eqij->eq", stresses[0], slopes[1])
-        flow = -np.einsum("eqik,eqij->eqkj", slopes[0], stresses[1])
-        flow -= np.einsum("eqik,eqij->eqkj", slopes[1], stresses[0])
-        flow += density[:, :, None, None] * np.eye(3)
-        gather(total, basis, np.einsum("eqkj,njeq,eq->nke", flow, shapes, basis.dx, optimize=True))
-    return total
+
+        def strained(field: Array, basis: Any = basis, shapes: Array = shapes) -> tuple[Array, Array]:
+            slopes = displacement_slopes(basis, shapes, field)
+            return slopes, full_tensor(hooke(tensor_strain(slopes), youngs_MPa, poisson))
+
+        before = [strained(field) for field in firsts]
+        for total, fields in zip(totals, seconds, strict=True):
+            flow = sum(_flow(one, strained(other)) for one, other in zip(before, fields, strict=True))
+            gather(total, basis, np.einsum("eqkj,njeq,eq->nke", flow, shapes, basis.dx, optimize=True))
+    return totals
+
+
+def _flow(first: tuple[Array, Array], second: tuple[Array, Array]) -> Array:
+    """Return what the works of two fields, by slopes and stresses, change by per slope of a move."""
+    density = np.einsum("eqij,eqij->eq", first[1], second[0])
+    flow = -np.einsum("eqik,eqij->eqkj", first[0], second[1])
+    flow -= np.einsum("eqik,eqij->eqkj", second[0], first[1])
+    return np.asarray(flow + density[:, :, None, None] * np.eye(3))
 
 
 def mean_slopes(model: Elasticity, axis: int, z_from_mm: float, field: Array) -> Array:
@@ -65,17 +92,27 @@ def mean_slopes(model: Elasticity, axis: int, z_from_mm: float, field: Array) ->
 
 def centrifugal_slopes(model: Elasticity, density_tonne_per_mm3: float, field: Array) -> Array:
     """Return the derivative of `centrifugal_force(model, density) @ field` by the nodes, (3, nodes)."""
+    by_place = field.reshape(-1, 3).T.copy()
+    by_place[2] = 0.0
+    return density_tonne_per_mm3 * integral_slopes(model, None, by_place)
+
+
+def integral_slopes(model: Elasticity, even: Array | None, by_place: Array) -> Array:
+    """Return the derivative by the nodes of the integral of a field and of place times fields, (3, nodes).
+
+    Args:
+        even: field by its values at the nodes, (nodes,); none is 0.
+        by_place: fields that x, y and z are multiplied by, (3, nodes).
+    """
     total = np.zeros(model.nodes_mm.shape)
     for basis in chunks(model, LOAD_ORDER):
         values, place = nodal_values(basis), np.asarray(basis.global_coordinates())
-        nodes = field.reshape(-1, 3)[basis.element_dofs]  # (10, e, 3)
-        moved = np.einsum("neq,nei->ieq", values, nodes)
-        moved[2] = 0.0
-        pull = density_tonne_per_mm3 * basis.dx
-        found = np.einsum(
-            "eq,njeq->nje", pull * (place * moved).sum(axis=0), shape_slopes(basis), optimize=True
-        )
-        found += np.einsum("eq,ieq,neq->nie", pull, moved, values, optimize=True)
+        weights = np.einsum("neq,ine->ieq", values, by_place[:, basis.element_dofs])
+        density = (place * weights).sum(axis=0)
+        if even is not None:
+            density += np.einsum("neq,ne->eq", values, even[basis.element_dofs])
+        found = np.einsum("eq,njeq->nje", basis.dx * density, shape_slopes(basis), optimize=True)
+        found += np.einsum("eq,ieq,neq->nie", basis.dx, weights, values, optimize=True)
         gather(total, basis, found)
     return total
 

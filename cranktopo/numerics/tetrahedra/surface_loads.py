@@ -57,6 +57,16 @@ def face_shares(model: Elasticity, faces: Any) -> Array:
     return np.asarray(total / faces.dx.sum())
 
 
-def at_faces(faces: Any, field: Array) -> Array:
-    """Return a field of nodes (nodes, k) at the points of faces, shape (k, faces, points)."""
-    return np.asarray(np.einsum("neq,nek->keq", nodal_values(faces), field[faces.element_dofs]))
+def from_faces(model: Elasticity, faces: Any, weights: Array) -> Array:
+    """Return rows that displacements of the nodes give sums of weights by, (k, unknowns).
+
+    Args:
+        weights: of the components of the displacement at the points of faces, (k, faces * points, 3).
+    """
+    values, count = nodal_values(faces), model.nodes_mm.shape[1]
+    at_points = weights.reshape(len(weights), *faces.dx.shape, 3)
+    shares = np.einsum("neq,keqi->kine", values, at_points, optimize=True)
+    rows = np.zeros((len(weights), 3, count))
+    for row, share in zip(rows.reshape(-1, count), shares.reshape(-1, *shares.shape[2:]), strict=True):
+        np.add.at(row, faces.element_dofs, share)
+    return rows.transpose(0, 2, 1).reshape(len(weights), -1)

@@ -36,11 +36,12 @@ from cranktopo.engine.plan.simulated import apply_physics_plan
 from cranktopo.engine.states import load_cases
 from cranktopo.numerics.precision import CompileClock, double_precision
 from cranktopo.numerics.surfaces.files import write_stl
+from cranktopo.numerics.tetrahedra.mesh import RATIO
 from cranktopo.tasks.density import loop, stage
 from cranktopo.tasks.density.assess import assess
 from cranktopo.tasks.density.problem import Assessment, SolverSettings, model_error_percent
 from cranktopo.tasks.extraction.checked_surface import checked_surface
-from cranktopo.tasks.fea.evaluation import RATIO, evaluate
+from cranktopo.tasks.fea.evaluation import evaluate
 from cranktopo.tasks.fea.levels import EvaluationMesh, expected_seconds
 from cranktopo.tasks.fea.studies import (
     BENDING,

@@ -28,10 +28,9 @@ from cranktopo.tasks.balancer.result import (
     WeightForce,
 )
 from cranktopo.tasks.bolts.stage import weight_joints
-from cranktopo.tasks.fatigue.criteria import strengths_of
+from cranktopo.tasks.fatigue.criteria import check_method, strengths_of
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa, lsa_strength
-from cranktopo.tasks.fatigue.needs import check_method
 
 _METHOD = "lsa"
 _TURN_POINTS = 360

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from cranktopo.base.errors import CranktopoError, ExitCode
 
 if TYPE_CHECKING:
+    from cranktopo.design.schema import Scene
     from cranktopo.tasks.fatigue.criterion import FatigueCriterion, SafetyMethod
 
 LOCAL_METHODS = {
@@ -58,3 +59,22 @@ def criterion(name: str) -> FatigueCriterion:
             code=ExitCode.USAGE,
         )
     return found
+
+
+def check_method(scene: Scene, method: str) -> None:
+    """Check that material, fillets and packages are what a method needs.
+
+    Raises:
+        CranktopoError: a strength or a package is missing, or an elliptical fillet, of which the rule has no
+            strength.
+    """
+    found = safety_method(method)
+    found.load_packages()
+    for key in found.needs:
+        if getattr(scene.material, key) is None:
+            raise CranktopoError(
+                f"{scene.name}: material.{key}: is missing, method '{method}' needs it "
+                f"(material '{scene.material.name}').",
+                hint=f"Give material.{key}, or name a material of the library.",
+            )
+    found.check(scene)

@@ -36,6 +36,10 @@ class LocalStress:
     gradient_per_mm: Array
 
 
+Judge = Callable[[LocalStress], Array]
+"""Safety of points, (n,)."""
+
+
 @dataclass(frozen=True)
 class PointSafety:
     """Safety of points and what makes it; arrays of shape (n,).

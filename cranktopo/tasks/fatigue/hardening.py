@@ -7,7 +7,6 @@ at each depth; the local strength over that of the core comes from `hardened_lay
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,14 +16,11 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.halves import halves
 from cranktopo.design.hardening import Fillet
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fatigue.criterion import LocalStress
+from cranktopo.tasks.fatigue.criterion import Judge, LocalStress
 from cranktopo.tasks.fatigue.hardened_layer import HardenedLayer, layers
 from cranktopo.tasks.fatigue.result import HardenedFillet
 from cranktopo.tasks.fatigue.stress_below import NotchShape, notch_shape, stress_share
 from cranktopo.tasks.fatigue.stress_model import StressModel
-
-Judge = Callable[[LocalStress], Array]
-"""Safety of points by a criterion, with the strength of the core."""
 
 
 @dataclass(frozen=True)

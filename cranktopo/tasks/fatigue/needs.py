@@ -7,7 +7,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import Loads, WebLoads
 from cranktopo.engine.judged_histories import counts_tangential, histories_of
 from cranktopo.engine.plan.planning import plan_for_stress, stress_left_off
-from cranktopo.tasks.fatigue.criteria import safety_method
+from cranktopo.tasks.fatigue.criteria import check_method
 from cranktopo.tasks.fatigue.stress_model import check_fillets
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind
@@ -15,25 +15,6 @@ from cranktopo.tasks.shaft.stage import shaft_left_off
 
 _EVERY: tuple[FieldKind, ...] = ("bending", "tangential", "torsion", "centrifugal")
 _IN_SHAFT: tuple[FieldKind, ...] = ("moment", "side_moment", *_EVERY)
-
-
-def check_method(scene: Scene, method: str) -> None:
-    """Check that material, fillets and packages are what a method needs.
-
-    Raises:
-        CranktopoError: a strength or a package is missing, or an elliptical fillet, of which the rule has no
-            strength.
-    """
-    found = safety_method(method)
-    found.load_packages()
-    for key in found.needs:
-        if getattr(scene.material, key) is None:
-            raise CranktopoError(
-                f"{scene.name}: material.{key}: is missing, method '{method}' needs it "
-                f"(material '{scene.material.name}').",
-                hint=f"Give material.{key}, or name a material of the library.",
-            )
-    found.check(scene)
 
 
 def check_inputs(target: Target, method: str, kind: Loads) -> None:

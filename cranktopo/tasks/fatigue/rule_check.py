@@ -17,6 +17,7 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.histories import HistoryKind, radial_amplitude_N, torque_amplitude_Nm
 from cranktopo.engine.throw_compliance import web_lever_mm
 from cranktopo.numerics.tetrahedra.stress import principal_stresses, von_mises
+from cranktopo.tasks.fatigue.criteria import check_method
 from cranktopo.tasks.fatigue.hardened_layer import layers
 from cranktopo.tasks.fatigue.m53 import (
     LEAST_FACTOR,
@@ -42,7 +43,7 @@ from cranktopo.tasks.fatigue.m53_outlet import (
     unchecked_journal_outlets,
 )
 from cranktopo.tasks.fatigue.mesh_quality import RuleQuality
-from cranktopo.tasks.fatigue.needs import check_method, load_kinds
+from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.outlet_elements import off_plane
 from cranktopo.tasks.fatigue.result import AlternatingLoads
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, solve_stresses

@@ -13,10 +13,9 @@ from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import LoadHistory, WebHistory
 from cranktopo.tasks.fatigue.criteria import criterion, safety_method
-from cranktopo.tasks.fatigue.criterion import LocalStress, PointSafety
+from cranktopo.tasks.fatigue.criterion import Judge, LocalStress, PointSafety
 from cranktopo.tasks.fatigue.fillets import place
 from cranktopo.tasks.fatigue.hardening import (
-    Judge,
     TreatedFillet,
     at_nodes,
     fillet_result,

@@ -26,12 +26,10 @@ from cranktopo.numerics.tetrahedra.stress import (
     Surface,
     SurfaceStress,
     boundary_faces,
-    nodal_stress,
-    outer_surface,
     principal_stresses,
-    surface_stress,
     von_mises,
 )
+from cranktopo.numerics.tetrahedra.unit_stress import UnitStress
 from cranktopo.tasks.fatigue.fillets import (
     Fillet,
     cut_outlet_nodes,
@@ -199,11 +197,10 @@ def stress_model(
     """
     elastic = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
     moved = np.stack([f.displacement_mm for f in fields])
-    found = nodal_stress(model, moved, *elastic)
     end = scene.pitch_mm if meshed.whole else scene.pitch_mm / 2
     planes = [(2, 0.0), (2, end)] + ([(0, 0.0)] if meshed.mesh.mirrored else [])
-    surface = outer_surface(model, found.elements, tuple(planes))
-    stress = surface_stress(model, surface, found)
+    found = UnitStress(model, moved, elastic, tuple(planes))
+    surface, stress = found.surface, found.stress
     journal, pin = _fillets(scene, meshed.whole, surface.points_mm)
     fitted = serves_polynomials(fillet_fraction) and not by_rule
     if fitted:

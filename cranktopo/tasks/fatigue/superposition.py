@@ -65,13 +65,27 @@ def signed_von_mises_ranges(
 
 def _range(stress: SurfaceStress, loads: Array, high: Index, low: Index) -> SignedVonMisesRange:
     """Return the range between the states of the largest and the smallest value of every node."""
-    upper, lower = (_at(stress.stress_MPa, loads[state]) for state in (high, low))
-    top, bottom = signed_von_mises(upper), signed_von_mises(lower)
-    worst = np.where(np.abs(top) >= np.abs(bottom), high, low)
-    gradient = _related_gradient(
-        _at(stress.stress_MPa, loads[worst]), _at(stress.depth_MPa_per_mm, loads[worst])
-    )
-    return SignedVonMisesRange(LocalStress((top - bottom) / 2, (top + bottom) / 2, gradient), high, low)
+    return SignedVonMisesRange(local_stress(*extreme_stresses(stress, loads[high], loads[low])), high, low)
+
+
+def extreme_stresses(stress: SurfaceStress, high: Array, low: Array) -> tuple[Array, Array]:
+    """Return stresses, and their derivatives into the depth, in two states of every node, (2, n, 6) each.
+
+    Args:
+        high, low: factors of the fields in both states of every node, (n, fields).
+    """
+    both = (stress.stress_MPa, stress.depth_MPa_per_mm)
+    values, slopes = (np.stack([_at(part, loads) for loads in (high, low)]) for part in both)
+    return values, slopes
+
+
+def local_stress(stress_MPa: Array, depth_MPa_per_mm: Array) -> LocalStress:
+    """Return the cyclic stress of nodes between their highest and lowest states, (2, n, 6) each."""
+    top, bottom = (signed_von_mises(one) for one in stress_MPa)
+    first = (np.abs(top) >= np.abs(bottom))[:, None]
+    worst, below = (np.where(first, both[0], both[1]) for both in (stress_MPa, depth_MPa_per_mm))
+    gradient = _related_gradient(worst, below)
+    return LocalStress((top - bottom) / 2, (top + bottom) / 2, gradient)
 
 
 def _pairs(fields: int) -> list[tuple[int, int]]:

@@ -12,9 +12,9 @@ from cranktopo.base.arrays import Array, Index
 from cranktopo.base.notes import note
 from cranktopo.engine.histories import HistoryKind, LoadHistory, WebLoads
 from cranktopo.engine.judged_histories import histories_of, states_words
-from cranktopo.tasks.fatigue.criteria import safety_method
+from cranktopo.tasks.fatigue.criteria import check_method, safety_method
 from cranktopo.tasks.fatigue.criterion import LocalStress
-from cranktopo.tasks.fatigue.needs import check_method, load_kinds
+from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.result import CriticalPoint
 from cranktopo.tasks.fatigue.safety_field import FatigueField, point_safety, safety_field, unit_loads
 from cranktopo.tasks.fatigue.spectrum import counts_lives, part_lives, speed_histories

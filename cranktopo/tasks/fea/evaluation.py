@@ -21,6 +21,7 @@ from cranktopo.design.halves import default_element_size_mm, halves, of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, Order, assemble
+from cranktopo.numerics.tetrahedra.mesh import RATIO
 from cranktopo.numerics.tetrahedra.solver import get_ready
 from cranktopo.tasks.fea.condense import (
     BendingSupport,
@@ -46,8 +47,6 @@ from cranktopo.tasks.fea.targets import Target
 from cranktopo.throw.moments import Moments
 
 SCHEMA_VERSION = 1
-RATIO = 1.5
-"""Element size of the coarse mesh over that of the fine one where two are compared."""
 _VOLUME_TOLERANCE = 0.02
 """Mesh against solid: sound meshes of 15 mm elements are within 1 %, of the default size within 0.01 %."""
 

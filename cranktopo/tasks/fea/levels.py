@@ -9,7 +9,8 @@ from cranktopo.base.machine import forget_peak_memory, peak_memory_MiB
 from cranktopo.base.notes import silent
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.numerics.tetrahedra.elasticity import Order
-from cranktopo.tasks.fea.evaluation import RATIO, Evaluation, MeshResult, evaluate_on_mesh, evaluation
+from cranktopo.numerics.tetrahedra.mesh import RATIO
+from cranktopo.tasks.fea.evaluation import Evaluation, MeshResult, evaluate_on_mesh, evaluation
 from cranktopo.tasks.fea.studies import (
     BENDING,
     EVALUATION,

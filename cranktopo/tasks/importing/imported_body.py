@@ -15,23 +15,17 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.frames import Z
 from cranktopo.base.notes import note
 from cranktopo.base.units import MM_PER_INCH
-from cranktopo.bodies.mesh.solid_mesh import (
-    MeshedThrow,
-    by_smaller_elements,
-    mesh_body,
-    positive_x,
-    ring_size_mm,
-)
+from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_body, ring_size_mm
 from cranktopo.bodies.prisms import is_mirror_image, web_region
 from cranktopo.bodies.solid.checked import NotCutError, SolidProperties, solid_properties, volume_mm3
 from cranktopo.bodies.solid.files import cut_in_halves, surface_of
-from cranktopo.bodies.solid.shapes import DimTags
 from cranktopo.bodies.solid.step import STEP_SUFFIXES, in_cad_kernel, kernel_surface, step_solid
 from cranktopo.design.halves import difference
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.surfaces.files import as_stored, read_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, shell_volumes_mm3, solid_of
+from cranktopo.numerics.tetrahedra.cad_mesh import DimTags, by_smaller_elements, positive_x
 from cranktopo.numerics.tetrahedra.mesh import TetMesh, tetrahedralise
 from cranktopo.tasks.importing.cad_body import (
     ALIKE,

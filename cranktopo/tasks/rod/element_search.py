@@ -1,18 +1,17 @@
 """A lighter rod at no less safety by finite elements: the closed form searches, elements correct it.
 
-Each place by elements has a section of the closed form. The ratio of both safeties, and of the
-ovalisation of a bore with a limit, is known for each rod that elements have judged. Between and beyond these
-rods it is a product of powers of the dimensions, with the smallest exponents that meet all of them: the next
-search knows what the last one has lost without a gradient of elements. Where a rod is no better than the best
-so far all the same, the next one is nearer to that. One exponent is known before: the small end carries its
-push over the width of the shank alone, not over its own.
+Each place by elements has a section of the closed form. The ratio of both safeties, and of the ovalisation of
+a bore with a limit, is a product of powers of the dimensions that has the value and the slopes of the best
+rod so far: these are exact, so that a corrected search that no longer moves is at an optimum of the elements.
+The own rod, which may be far from it, tells its value alone. Where a rod is no better than the best so far,
+the next one is nearer to that.
 
-Source: D. Echeverria, P. W. Hemker, Space mapping and defect correction, CMAM 5, 2005 (manifold mapping).
+Source: N. M. Alexandrov, R. M. Lewis, Optimization and Engineering 2, 2001 (first-order model management).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -26,7 +25,10 @@ from cranktopo.base.notes import note
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.rod import Eye
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.optimisers.gradient_search import central_difference
 from cranktopo.runs.destination import check_folder
+from cranktopo.tasks.rod.element_gradients import MARGIN, SAFETIES
+from cranktopo.tasks.rod.element_gradients import Quantity as _Quantity
 from cranktopo.tasks.rod.element_stage import RodOnElements, rod_on_elements, write_rod_folder
 from cranktopo.tasks.rod.lighter import Limits, RodSearch, ovalisation_um, rod_search
 from cranktopo.tasks.rod.result import EyeShape, LighterRod, RodElements, RodStrength
@@ -37,18 +39,16 @@ _ROUNDS = 8
 """Most rods that are judged by elements after the own one."""
 _KEPT = 5e-3
 """Share by which safeties are kept above those of the own rod: rods come from below, and meshes differ."""
-_SETTLED = 5e-3
-"""Share of the mass that one rod saves beside the last one, below which the rounds end."""
+_SETTLED = 3e-3
+"""Share of the mass that the next rod would save beside the best one, below which the rounds end."""
 _SHORTER, _LONGER, _NEAREST = 0.5, 2.0, 0.03
 """Reach of the next search over the distance of a rod that is no better, over the last reach; the least."""
+_NEAR = 1.5
+"""Value over the required one from which no slope is found: the search is far from that limit."""
 _NOISE = 0.1
-"""Share of the largest difference of rods below which directions have no slope: meshes differ, too."""
-
-_CARRIED, _WIDTH = "small end", "shank_width_mm"
-_SAFETIES = ("yield_safety", "fatigue_safety")
-_MARGIN = "margin of ovalisation"
-_Quantity = tuple[str, str]
-"""A place or bore, and what is judged of it: one of `_SAFETIES`, or `_MARGIN`."""
+"""Share of the largest ways of rods below which directions have no second derivative: meshes differ, too."""
+_STEP = 1e-4
+"""Step of differences of the closed form, of the logarithms of the dimensions."""
 
 
 def lighten_rod_by_elements(
@@ -90,12 +90,16 @@ def corrected_search(search: RodSearch, judge: Judge) -> tuple[Scene, RodOnEleme
     Raises:
         CranktopoError: as the judge does of the own rod or of every other, or no lighter rod was found.
     """
-    own = _JudgedRod(search.scene, np.ones(len(search.names)), judge(search.scene).strength)
-    tried, best, found, reach, refused = [own], own, None, np.inf, None
+    own = JudgedRod(search.scene, np.ones(len(search.names)), judge(search.scene))
+    tried, best, slopes, reach, refused = [own], own, dict[_Quantity, Array](), np.inf, None
     for number in range(1, _ROUNDS + 1):
         near = search.within(best.values, reach)
-        lighter = search.rod_at(near.best(_limits(search.names, tried, best), best.values))
-        values = search.values_of(lighter)
+        if best is not own and not slopes:
+            slopes = _ratio_slopes(search, own, best)
+        lighter = search.rod_at(near.best(_limits(tried, best, slopes), best.values))
+        values, least = search.values_of(lighter), np.inf if best is own else _lost(search, own, best)
+        if least == 0 and search.kg_of(lighter) > (1 - _SETTLED) * best.kg:
+            break
         try:
             answer = judge(lighter)
         except CranktopoError as error:
@@ -103,24 +107,21 @@ def corrected_search(search: RodSearch, judge: Judge) -> tuple[Scene, RodOnEleme
             note(f"{own.scene.name}: rod {number} is left out: {refused.message}")
             reach = _SHORTER * best.distance(values)
             continue
-        last = _JudgedRod(lighter, values, answer.strength)
+        last = JudgedRod(lighter, values, answer)
         tried.append(last)
         note(f"{own.scene.name}: rod {number} by elements, {_line(own, last)}")
-        lost, least = _lost(search, own, last), np.inf if best is own else _lost(search, own, best)
-        if (lost, last.kg) < (least, best.kg):
-            settled = least == lost == 0 and last.kg > (1 - _SETTLED) * best.kg
-            best, found, reach = last, answer, _LONGER * reach
-        else:
-            reach = _SHORTER * best.distance(values)
-            settled = least == 0 and reach < _NEAREST
-        if settled:
+        if (_lost(search, own, last), last.kg) < (least, best.kg):
+            best, slopes, reach = last, {}, _LONGER * reach
+            continue
+        reach = _SHORTER * best.distance(values)
+        if least == 0 and reach < _NEAREST:
             break
     if refused is not None and len(tried) == 1:
         raise refused
-    if found is None or _lost(search, own, best) > 0:
+    if best is own or _lost(search, own, best) > 0:
         raise search.no_lighter_rod(" by elements")
     closed_form = search.result_of(best.scene, best.strength)
-    return best.scene, found.with_search(_with_elements(closed_form, own, best, len(tried) - 1))
+    return best.scene, best.judged.with_search(_with_elements(closed_form, own, best, len(tried) - 1))
 
 
 def _of_the_mesh(error: CranktopoError) -> CranktopoError:
@@ -130,26 +131,33 @@ def _of_the_mesh(error: CranktopoError) -> CranktopoError:
     return error
 
 
-def _lost(search: RodSearch, own: _JudgedRod, one: _JudgedRod) -> float:
+def _lost(search: RodSearch, own: JudgedRod, one: JudgedRod) -> float:
     """Share of what is wanted by elements that a rod lacks; 0 of one that is lighter and lacks nothing."""
     lost = max(1 - one.least(kind) / required for kind, required in _required_values(own).items())
     return max(lost, 0.0) + (not search.is_better(one.scene, one.strength))
 
 
 @dataclass(frozen=True, eq=False)
-class _JudgedRod:
+class JudgedRod:
     """A rod that elements have judged, with its dimensions over those of the own one."""
 
     scene: Scene
     values: Array
-    strength: RodStrength
+    judged: RodOnElements
+
+    @property
+    def strength(self) -> RodStrength:
+        """Return its strength, that by elements included."""
+        return self.judged.strength
 
     @property
     def kg(self) -> float:
+        """Return its mass."""
         return self.strength.masses.total_kg
 
     @property
     def elements(self) -> RodElements:
+        """Return what elements found."""
         assert self.strength.elements is not None
         return self.strength.elements
 
@@ -161,7 +169,7 @@ class _JudgedRod:
     @cached_property
     def by_elements(self) -> dict[_Quantity, float]:
         """Both safeties of each place, and the margin of each bore that has a limit."""
-        places = {(p.place, kind): getattr(p, kind) for p in self.elements.places for kind in _SAFETIES}
+        places = {(p.place, kind): getattr(p, kind) for p in self.elements.places for kind in SAFETIES}
         return places | _margins(self.elements.eyes)
 
     def least(self, kind: str) -> float:
@@ -182,7 +190,7 @@ def _closed_form(strength: RodStrength, keys: Iterable[_Quantity]) -> dict[_Quan
     """Values of the closed form, as far as it has them."""
     margins = _margins(strength.eyes)
     safeties = {
-        (place, kind): getattr(strength.section_of(place), kind) for place, kind in keys if kind in _SAFETIES
+        (place, kind): getattr(strength.section_of(place), kind) for place, kind in keys if kind in SAFETIES
     }
     return safeties | {key: margins[key] for key in keys if key in margins}
 
@@ -193,51 +201,71 @@ def _margins(eyes: Sequence[EyeShape]) -> dict[_Quantity, float]:
     for eye in eyes:
         if eye.permitted_um and eye.ovalisation_um:
             margin = eye.permitted_um / eye.ovalisation_um
-            found[eye.eye, _MARGIN] = min(margin, found.get((eye.eye, _MARGIN), np.inf))
+            found[eye.eye, MARGIN] = min(margin, found.get((eye.eye, MARGIN), np.inf))
     return found
 
 
-def _required_values(own: _JudgedRod) -> dict[str, float]:
+def _required_values(own: JudgedRod) -> dict[str, float]:
     """Least value of each kind: safeties of the own rod, and the limits of the design."""
-    return {**{kind: own.least(kind) for kind in _SAFETIES}, _MARGIN: 1.0}
+    return {**{kind: own.least(kind) for kind in SAFETIES}, MARGIN: 1.0}
 
 
-def _limits(names: Sequence[str], tried: Sequence[_JudgedRod], at: _JudgedRod) -> Limits:
+def _limits(tried: Sequence[JudgedRod], at: JudgedRod, exponents: Mapping[_Quantity, Array]) -> Limits:
     """Return the limits by corrected safeties, exact at one rod: values that must stay below 0.
 
-    The first rod that was tried is the own one.
+    The first rod that was tried is the own one; exponents are those of `_ratio_slopes`.
     """
-    known = [one.ratios() for one in tried]
+    known, required = [one.ratios() for one in tried], _required_values(tried[0])
     keys = [key for key in known[0] if all(key in one for one in known)]
-    ratios = np.array([[one[key] for key in keys] for one in known])
-    here, there = ratios[tried.index(at)], np.log(at.values)
-    moves = np.log([one.values for one in tried]) - there
-    # far and near rods count alike, but for those so near that the change of the mesh is in their slope
-    scale = 1 / np.maximum(np.abs(moves).max(axis=1), _NEAREST)
-    slopes = _known_slopes(names, keys)
-    missed = ratios - here - moves @ slopes
-    slopes += np.linalg.pinv(scale[:, None] * moves, _NOISE) @ (scale[:, None] * missed)
-    required = _required_values(tried[0])
-    least = np.array([required[kind] for _, kind in keys])
+    all_ratios = np.array([[one[key] for key in keys] for one in known])
+    ratios, least = all_ratios[tried.index(at)], np.array([required[kind] for _, kind in keys])
+    there, none = np.log(at.values), np.zeros(len(at.values))
+    slopes = np.array([exponents.get(key, none) for key in keys])
+    others = [k for k, one in enumerate(tried) if one is not at]
+    moves = np.log([tried[k].values for k in others]).reshape(-1, len(there)) - there
+    bend = _bends(moves, all_ratios[others] - ratios - moves @ slopes.T)
 
     def limits(values: Array, strength: RodStrength) -> Array:
-        closed = _closed_form(strength, keys)
-        ratio = here + (np.log(values) - there) @ slopes
+        closed, move = _closed_form(strength, keys), np.log(values) - there
+        ratio = ratios + slopes @ move + bend(move)
         return np.asarray(1 + _KEPT - np.array([closed[key] for key in keys]) * np.exp(ratio) / least)
 
     return limits
 
 
-def _known_slopes(names: Sequence[str], keys: Sequence[_Quantity]) -> Array:
-    """Exponents of the dimensions in the ratios that are expected, (dimensions, quantities)."""
-    slopes = np.zeros((len(names), len(keys)))
-    if _WIDTH in names:
-        carried = [place == _CARRIED and kind in _SAFETIES for place, kind in keys]
-        slopes[list(names).index(_WIDTH)] = carried
-    return slopes
+def _bends(moves: Array, missed: Array) -> Callable[[Array], Array]:
+    """Return the least quadratic terms that meet what other rods miss of a tangent, (quantities,) of a move.
+
+    Far and near rods count alike, but for those so near that the change of the mesh is in what they miss.
+    Source: M. J. D. Powell, Mathematical Programming 100, 2004 (least change of second derivatives).
+
+    Args:
+        moves: to the other rods, (rods, dimensions).
+        missed: (rods, quantities).
+    """
+    scale = np.maximum(np.linalg.norm(moves, axis=1), _NEAREST)[:, None]
+    ways = moves / scale
+    weights = np.linalg.pinv((ways @ ways.T) ** 2, _NOISE) @ (missed / scale**2)
+    return lambda move: (ways @ move) ** 2 @ weights
 
 
-def _line(own: _JudgedRod, one: _JudgedRod) -> str:
+def _ratio_slopes(search: RodSearch, own: JudgedRod, at: JudgedRod) -> dict[_Quantity, Array]:
+    """Exponents of the dimensions in the ratios of one rod, (dimensions,), of what is near its limit."""
+    required, ratios = _required_values(own), at.ratios()
+    near = [key for key in own.ratios() if key in ratios and at.by_elements[key] < _NEAR * required[key[1]]]
+
+    def closed(logs: Array) -> Array:
+        found = _closed_form(search.strength_at(np.exp(logs)), near)
+        return np.log([found[key] for key in near])
+
+    by_closed = central_difference(closed, np.log(at.values), _STEP)
+    by_elements, sizes_mm = at.judged.slopes(search.names, near), at.values * search.start_mm
+    return {
+        key: by_elements[key] * sizes_mm - exponents for key, exponents in zip(near, by_closed, strict=True)
+    }
+
+
+def _line(own: JudgedRod, one: JudgedRod) -> str:
     (stress, fatigue), (own_stress, own_fatigue) = one.safeties, own.safeties
     return (
         f"{one.kg:.4f} kg: least safety {stress:.3f} against yield ({own_stress:.3f} before), "
@@ -245,7 +273,7 @@ def _line(own: _JudgedRod, one: _JudgedRod) -> str:
     )
 
 
-def _with_elements(lighter: LighterRod, own: _JudgedRod, best: _JudgedRod, rods: int) -> LighterRod:
+def _with_elements(lighter: LighterRod, own: JudgedRod, best: JudgedRod, rods: int) -> LighterRod:
     against_yield, for_fatigue = zip(own.safeties, best.safeties, strict=True)
     return lighter.model_copy(
         update={
@@ -258,5 +286,5 @@ def _with_elements(lighter: LighterRod, own: _JudgedRod, best: _JudgedRod, rods:
     )
 
 
-def _ovalisations(own: _JudgedRod, best: _JudgedRod, eye: Eye) -> tuple[float, float]:
+def _ovalisations(own: JudgedRod, best: JudgedRod, eye: Eye) -> tuple[float, float]:
     return ovalisation_um(own.elements.eyes, eye), ovalisation_um(best.elements.eyes, eye)

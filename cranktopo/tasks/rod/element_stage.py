@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.files import as_path, write_json
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
+from cranktopo.engine.rod_forces import RodMotion
 from cranktopo.runs.destination import check_folder
+from cranktopo.tasks.rod.element_gradients import Quantity, RodGradients
 from cranktopo.tasks.rod.element_stress import ElementStress
 from cranktopo.tasks.rod.elements import rod_elements
 from cranktopo.tasks.rod.pictures import write_rod_files
@@ -18,10 +22,19 @@ from cranktopo.tasks.rod.stage import loaded_rod, strength_of
 
 @dataclass(frozen=True)
 class RodOnElements:
-    """Strength of a rod with that by elements, and the stresses that it was found from."""
+    """Strength of a rod with that by elements, and the stresses under its cycles that it was found from."""
 
     strength: RodStrength
     stress: ElementStress
+    motions: tuple[RodMotion, ...]
+
+    def slopes(self, names: Sequence[str], quantities: Collection[Quantity]) -> dict[Quantity, Array]:
+        """Return the derivatives of logarithms of quantities by dimensions of some names, (names,), 1/mm.
+
+        Raises:
+            CranktopoError: a failed solve.
+        """
+        return RodGradients(self.stress, self.motions, self.strength.method, names).of(quantities)
 
     def with_search(self, lighter: LighterRod) -> RodOnElements:
         """Return the same with the search that the rod was found by."""
@@ -59,7 +72,7 @@ def rod_on_elements(scene: Scene, method: str, element_size_mm: float | None, co
     loaded = loaded_rod(scene, method)
     found = strength_of(scene, loaded)
     elements, stress = rod_elements(loaded.scene, loaded.motions, method, element_size_mm, contact=contact)
-    return RodOnElements(found.model_copy(update={"elements": elements}), stress)
+    return RodOnElements(found.model_copy(update={"elements": elements}), stress, loaded.motions)
 
 
 def write_rod_folder(out: Path, name: str, rod: RodOnElements) -> None:

@@ -10,22 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array, Index
-from cranktopo.design.rod_body import RodMass, fillet
+from cranktopo.design.rod_body import RodMass, fillet, rod_mass
 from cranktopo.design.rod_fitted import bush_kg
 from cranktopo.design.rod_split import in_split
 from cranktopo.engine.rod_forces import RodMotion
 from cranktopo.numerics.tetrahedra.sharp_edges import from_sharp_edges_mm
-from cranktopo.numerics.tetrahedra.stress import (
-    Surface,
-    SurfaceStress,
-    nodal_stress,
-    outer_surface,
-    surface_stress,
-)
+from cranktopo.numerics.tetrahedra.stress import Surface
+from cranktopo.numerics.tetrahedra.unit_stress import UnitStress
 from cranktopo.tasks.fatigue.criteria import criterion
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_ranges
+from cranktopo.tasks.rod.eye import bush_pressure_MPa
 from cranktopo.tasks.rod.unit_fields import RodFields
-from cranktopo.tasks.rod.unit_loads import ACROSS, ALONG, is_quarter
+from cranktopo.tasks.rod.unit_loads import ACROSS, ALONG, is_quarter, rod_material
 
 PLACES = ("small end", "eye to shank", "mid-shank", "shank to big end", "big end", "cap")
 _AT_ONCE = 3
@@ -54,6 +50,18 @@ class WorstPoint:
     def largest_MPa(self) -> float:
         """Return the largest von Mises stress."""
         return max(abs(self.high_MPa), abs(self.low_MPa))
+
+
+def cycle_states(fields: RodFields, motions: Sequence[RodMotion]) -> Array:
+    """Return the factors of the unit loads in every state of a rod's cycles, (states, loads)."""
+    mass = rod_mass(fields.rod, fields.length_mm, fields.scene.material)
+    return cycle_loads(fields, mass, motions, bush_pressure_MPa(fields.rod, rod_material(fields.scene)))
+
+
+def image_cycles(loads: Array) -> tuple[Array, Array]:
+    """Return the states (..., loads) of the nodes, and of their images x < 0 or in the rod turned around."""
+    across = np.array([name in ACROSS for name in (*ALONG, *ACROSS)])
+    return loads, loads * np.where(across, -1.0, 1.0)
 
 
 def cycle_loads(
@@ -137,15 +145,13 @@ class ElementStress:
 
 def element_stress(fields: RodFields, loads: Array, method: str, edge_distance_mm: float) -> ElementStress:
     """Return the stresses of a rod over the states of its cycle, and their safety by a fatigue method."""
-    surface, found = surface_stresses(fields)
-    across = np.array([name in ACROSS for name in (*ALONG, *ACROSS)])
-    turned = np.where(across, -1.0, 1.0)
-    ranges = signed_von_mises_ranges(found, (loads, loads * turned))
+    found = unit_stress(fields)
+    ranges = signed_von_mises_ranges(found.stress, image_cycles(loads))
     local = [one.local for one in ranges]
     safety = [criterion(method).point_safety(fields.scene, one).safety for one in local]
     return ElementStress(
         fields,
-        surface,
+        found.surface,
         np.stack([one.mean_MPa + one.amplitude_MPa for one in local]),
         np.stack([one.mean_MPa - one.amplitude_MPa for one in local]),
         np.stack([one.gradient_per_mm for one in local]),
@@ -154,20 +160,10 @@ def element_stress(fields: RodFields, loads: Array, method: str, edge_distance_m
     )
 
 
-def surface_stresses(fields: RodFields) -> tuple[Surface, SurfaceStress]:
-    """Return the surface of the model, and the stresses of the unit loads on it."""
-    model, moved = fields.model, fields.displacement_mm
-    mirrors = ((0, 0.0), (2, 0.0)) if is_quarter(model) else ((2, 0.0),)
-    surface = outer_surface(model, model.mesh.dofs.element_dofs, mirrors)
-    parts = [
-        surface_stress(model, surface, nodal_stress(model, moved[first : first + _AT_ONCE], *fields.elastic))
-        for first in range(0, len(moved), _AT_ONCE)
-    ]
-    joined = (
-        np.concatenate([getattr(part, name) for part in parts])
-        for name in ("stress_MPa", "depth_MPa_per_mm", "jump_MPa")
-    )
-    return surface, SurfaceStress(*joined)
+def unit_stress(fields: RodFields) -> UnitStress:
+    """Return the stresses of the unit loads on the surface of the model."""
+    planes = ((0, 0.0), (2, 0.0)) if is_quarter(fields.model) else ((2, 0.0),)
+    return UnitStress(fields.model, fields.displacement_mm, fields.elastic, planes, _AT_ONCE)
 
 
 def place_of(fields: RodFields, points_mm: Array) -> Index:

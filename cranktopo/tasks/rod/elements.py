@@ -10,15 +10,13 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.notes import Pace, note
 from cranktopo.base.units import MM_PER_M
 from cranktopo.bodies.mesh.rod_mesh import default_rod_element_mm, rod_volume_mm3
-from cranktopo.design.rod import Eye
-from cranktopo.design.rod_body import rod_mass
+from cranktopo.design.rod import EYES, Eye
 from cranktopo.design.schema import Scene
 from cranktopo.engine.rod_forces import RodMotion
-from cranktopo.numerics.tetrahedra.surface_loads import at_faces
-from cranktopo.tasks.fea.evaluation import RATIO
+from cranktopo.numerics.tetrahedra.mesh import RATIO
+from cranktopo.numerics.tetrahedra.surface_loads import from_faces
 from cranktopo.tasks.rod.contact import contact_deg, cosine
-from cranktopo.tasks.rod.element_stress import ElementStress, WorstPoint, cycle_loads, element_stress
-from cranktopo.tasks.rod.eye import bush_pressure_MPa
+from cranktopo.tasks.rod.element_stress import ElementStress, WorstPoint, cycle_states, element_stress
 from cranktopo.tasks.rod.ovalisation import DIAMETERS_RAD, eye_shape
 from cranktopo.tasks.rod.result import EyeShape, RodElements, RodPlace, SharpEdge
 from cranktopo.tasks.rod.unit_fields import RodFields, contact_pressures, rod_model, solve_rod
@@ -68,16 +66,10 @@ def rod_elements(
         if pressures is None:
             pressures = contact_pressures(scene, model) if contact else {}
         fields = solve_rod(scene, model, pressures)
-        loads = _states(fields, motions)
+        loads = cycle_states(fields, motions)
         found.append(element_stress(fields, loads, method, away))
     coarse, fine = found
     return _elements_result(coarse, fine, loads, size), fine
-
-
-def _states(fields: RodFields, motions: Sequence[RodMotion]) -> Array:
-    mass = rod_mass(fields.rod, fields.length_mm, fields.scene.material)
-    pressure = bush_pressure_MPa(fields.rod, rod_material(fields.scene))
-    return cycle_loads(fields, mass, motions, pressure)
 
 
 def _elements_result(coarse: ElementStress, fine: ElementStress, loads: Array, size: float) -> RodElements:
@@ -135,35 +127,44 @@ def _place(
 
 def eye_shapes(fields: RodFields, loads: Array) -> tuple[EyeShape, ...]:
     """Return what the largest push and pull of either eye make of its bore."""
-    found = []
+    found, rows = [], {eye: diameter_rows(fields, eye) for eye in EYES}
     for number, (eye, side) in enumerate(PRESSED):
         state = int(loads[:, number].argmax())
-        across, along, oblique = _diameters_um(fields, loads[state], eye)
+        across, along, oblique = _diameters_um(fields, loads[state], rows[eye])
         load, force = ALONG[number].split()[1], float(loads[state, number])
         pressed = contact_deg(fields.pressures.get((eye, side), cosine))
         found.append(eye_shape(fields.scene, eye, load, force, pressed, across, along, oblique))
     return tuple(found)
 
 
-def _diameters_um(fields: RodFields, loads: Array, eye: Eye) -> tuple[float, float, float]:
-    """Return the changes of a bore's diameter across and along the rod, by waves around it.
+def _diameters_um(fields: RodFields, loads: Array, rows: Array) -> tuple[float, float, float]:
+    """Return the changes of a bore's diameter across and along the rod.
 
     The third is the largest of all directions, on a half; a quarter has none.
     """
+    along = len(ALONG)
+    moved = loads[:along] @ fields.displacement_mm[:along]
+    changes = MM_PER_M * rows @ moved
+    most = 0.0 if is_quarter(fields.model) else float(np.abs(changes).max())
+    return float(changes[0]), float(changes[1]), most
+
+
+def diameter_rows(fields: RodFields, eye: Eye) -> Array:
+    """Return what displacements change a bore's diameters by, (directions, unknowns), by waves around it.
+
+    Across and along the rod, then in directions between both on a half; mean over the bore's width.
+    """
     bore = bore_of(fields.scene, fields.model, eye)
     x, y, _ = np.asarray(bore.faces.global_coordinates()).reshape(3, -1)
-    angle, count = np.arctan2(x, y - bore.y_mm), len(ALONG)
-    moved = (loads[:count] @ fields.displacement_mm[:count]).reshape(-1, 3)
-    at_x, at_y, _ = at_faces(bore.faces, moved).reshape(3, -1)
-    outward = at_x * np.sin(angle) + at_y * np.cos(angle)
-    root, quarter = np.sqrt(bore.faces.dx.ravel()), is_quarter(fields.model)
-    fitted = np.linalg.lstsq(root[:, None] * _waves(angle, quarter), root * outward, rcond=None)[0]
+    angle, quarter = np.arctan2(x, y - bore.y_mm), is_quarter(fields.model)
+    root = np.sqrt(bore.faces.dx.ravel())
     directions = np.concatenate([[np.pi / 2, 0.0], [] if quarter else DIAMETERS_RAD])
     # odd waves move a bore and leave its diameters
-    ends = (_waves(directions + turn, quarter) @ fitted for turn in (0.0, np.pi))
-    changes = MM_PER_M * np.sum(list(ends), axis=0)
-    most = 0.0 if quarter else float(np.abs(changes).max())
-    return float(changes[0]), float(changes[1]), most
+    ends = sum(_waves(directions + turn, quarter) for turn in (0.0, np.pi))
+    waves = root[:, None] * _waves(angle, quarter)
+    fit = ends @ np.linalg.solve(waves.T @ waves, waves.T) * root  # (directions, points)
+    outward = np.stack([fit * np.sin(angle), fit * np.cos(angle), 0 * fit], axis=-1)
+    return from_faces(fields.model, bore.faces, outward)
 
 
 def _waves(angle_rad: Array, alike: bool) -> Array:

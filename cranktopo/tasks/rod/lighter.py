@@ -16,6 +16,7 @@ from cranktopo.base.notes import at_work
 from cranktopo.design.checks.rod import least_dimensions, rod_of, split_shortfalls
 from cranktopo.design.named import DesignLike, as_scene, with_values
 from cranktopo.design.rod import Eye, Rod
+from cranktopo.design.rod_body import rod_mass
 from cranktopo.design.rod_bolts import thread_end_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
@@ -95,7 +96,7 @@ class RodSearch:
 
         def judged(values: Array) -> Array:
             """Mass and all that must stay below 0, relative."""
-            tried = _with(self.scene, self.names, values * self.start_mm)
+            tried = resized(self.scene, self.names, values * self.start_mm)
             found = check_rod_strength(tried, self.method)
             mass = found.masses.total_kg / before.masses.total_kg
             beside = np.array([]) if more is None else more(values, found)
@@ -117,6 +118,14 @@ class RodSearch:
         """Return the design with the rod of these dimensions, rounded to a micrometre, checked."""
         rounded = zip(self.names, values * self.start_mm, strict=True)
         return with_values(self.scene, {f"rod.{name}": round(float(value), 3) for name, value in rounded})
+
+    def strength_at(self, values: Array) -> RodStrength:
+        """Return the strength of the rod of these dimensions in closed form, neither rounded nor checked."""
+        return check_rod_strength(resized(self.scene, self.names, values * self.start_mm), self.method)
+
+    def kg_of(self, scene: Scene) -> float:
+        """Return the mass of a design's rod."""
+        return rod_mass(*rod_of(scene), scene.material).total_kg
 
     def values_of(self, scene: Scene) -> Array:
         """Return the dimensions of another design's rod."""
@@ -211,10 +220,10 @@ def _bounds(rod: Rod, names: tuple[str, ...], start: Array, least_wall_mm: float
     return low, high
 
 
-def _with(scene: Scene, names: tuple[str, ...], values: Array) -> Scene:
-    """The scene with a rod of these dimensions and its masses, not checked."""
+def resized(scene: Scene, names: Sequence[str], values_mm: Array) -> Scene:
+    """Return the scene with a rod of these dimensions, not checked."""
     assert scene.rod is not None
-    rod = scene.rod.model_copy(update=dict(zip(names, map(float, values), strict=True)))
+    rod = scene.rod.model_copy(update=dict(zip(names, map(float, values_mm), strict=True)))
     return scene.model_copy(update={"rod": rod})
 
 

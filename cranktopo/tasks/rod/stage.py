@@ -21,9 +21,8 @@ from cranktopo.design.rod_strength import rod_strength_remarks
 from cranktopo.design.schema import Scene
 from cranktopo.engine.rod_forces import RodMotion, rod_bolt_force_N, rod_motions
 from cranktopo.tasks.bolts.stage import check_rod_bolt, rod_bolt_assumed
-from cranktopo.tasks.fatigue.criteria import criterion, strengths_of
+from cranktopo.tasks.fatigue.criteria import check_method, criterion, strengths_of
 from cranktopo.tasks.fatigue.criterion import LocalStress
-from cranktopo.tasks.fatigue.needs import check_method
 from cranktopo.tasks.rod.eye import (
     bush_pressure_MPa,
     bush_share,

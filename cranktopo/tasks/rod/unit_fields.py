@@ -19,6 +19,9 @@ from cranktopo.numerics.tetrahedra.solver import get_ready
 from cranktopo.tasks.rod.contact import touching
 from cranktopo.tasks.rod.unit_loads import PRESSED, LoadGroup, Pressures, RodLoads, rod_material
 
+_RESIDUAL_OF_STRIPS = 1e-4
+"""Accepted where the pressure of a pin is sought; solves aim at a hundredth of it."""
+
 
 @dataclass(frozen=True)
 class RodFields:
@@ -73,9 +76,9 @@ def contact_pressures(scene: Scene, model: Elasticity) -> Pressures:
     """Return the pressures of rigid pins on both sides of both bores."""
     loads = RodLoads(scene, model, {})
     parts = [loads.strips(eye, side) for eye, side in PRESSED]
-    first = parts[0][0]
-    every = LoadGroup(np.hstack([group.forces for group, _ in parts]), first.mirrors, first.supports)
-    each = np.split(_solved(model, every)[0], len(PRESSED), axis=1)
+    every = np.hstack([group.forces for group, _ in parts])
+    solve = model.equations.solver(parts[0][0].held, _RESIDUAL_OF_STRIPS)
+    each = np.split(solve(every), len(PRESSED), axis=1)
     return {
         at: touching(group.forces, own, forces)
         for at, (group, forces), own in zip(PRESSED, parts, each, strict=True)
@@ -97,7 +100,7 @@ def solve_rod(scene: Scene, model: Elasticity, pressures: Pressures) -> RodField
 
 def _solved(model: Elasticity, group: LoadGroup) -> tuple[Array, float]:
     """Return displacements under loads (unknowns, k), and the largest force left where no mirror holds."""
-    found = model.equations.solver(np.union1d(group.mirrors, group.supports))(group.forces)
+    found = model.equations.solver(group.held)(group.forces)
     left = model.stiffness @ found - group.forces
     left[group.mirrors] = 0.0
     return found, float((np.linalg.norm(left, axis=0) / np.linalg.norm(group.forces, axis=0)).max())

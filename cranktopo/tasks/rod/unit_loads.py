@@ -6,9 +6,9 @@ closed in itself, by even acceleration along the rod and by both eyes across it:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Literal
 
 import numpy as np
@@ -23,6 +23,7 @@ from cranktopo.design.rod_fitted import bolts_kg
 from cranktopo.design.rod_split import in_split
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mass_matrix
+from cranktopo.numerics.tetrahedra.node_gradients import integral_slopes
 from cranktopo.numerics.tetrahedra.surface_loads import face_shares, faces_where, pressure_force
 from cranktopo.tasks.rod.contact import Pressure, cosine, strips
 
@@ -41,6 +42,13 @@ Motion = Literal["along", "across", "whole"]
 """Motions of a quarter under loads of `ALONG` and of `ACROSS`, and of a half under either."""
 _RESULTANTS: dict[Motion, list[int]] = {"along": [1], "across": [0, 2], "whole": [0, 1, 2]}
 """Forces along x and y and moment about the pins' direction that loads of a motion may have."""
+_ACCELERATED = {
+    "small inertia": (0.0, 1.0),
+    "big inertia": (1.0, -1.0),
+    "small whip": (0.0, 1.0),
+    "big whip": (1.0, -1.0),
+}
+"""Loads by the acceleration at the axis of the big end, and its growth to that of the small end, m/s2."""
 _PLANE_MM = 1e-6
 _ON_BORE = 1e-5
 """Distance of nodes on a bore from it, over its radius."""
@@ -63,11 +71,26 @@ def copies(model: Elasticity) -> int:
 
 @dataclass(frozen=True)
 class LoadGroup:
-    """Closed loads (unknowns, k) with the unknowns that mirror planes hold, and those of the supports."""
+    """Closed loads of a motion.
 
+    Attributes:
+        forces: shape (unknowns, k).
+        mirrors, supports: unknowns that mirror planes hold, and those of the supports.
+        carriers: what the loads are closed by, (unknowns, c).
+        carried: how much of each carrier every load has, (c, k).
+    """
+
+    motion: Motion
     forces: Array
     mirrors: Index
     supports: Index
+    carriers: Array
+    carried: Array
+
+    @property
+    def held(self) -> Index:
+        """Unknowns that are held."""
+        return np.union1d(self.mirrors, self.supports)
 
 
 @dataclass(frozen=True)
@@ -81,12 +104,7 @@ class Bore:
     @cached_property
     def faces(self) -> Any:
         """Return the basis of the faces on the bore."""
-
-        def on_bore(points: Array) -> NDArray[np.bool_]:
-            away = np.hypot(points[0], points[1] - self.y_mm) / self.radius_mm - 1
-            return np.asarray(np.abs(away) < _ON_BORE)
-
-        return faces_where(self.model, on_bore)
+        return faces_where(self.model, partial(_on_cylinder, self.y_mm, self.radius_mm))
 
     def _force(self, pressure: Callable[[Array, Array], Array]) -> Array:
         """Nodal forces of a pressure over x and y from the axis, both over the radius."""
@@ -115,10 +133,23 @@ class Bore:
 
 def bore_of(scene: Scene, model: Elasticity, eye: Eye) -> Bore:
     """Return the bore of small or big end on a model of the rod."""
+    return Bore(model, *_bore_mm(scene, eye))
+
+
+def _bore_mm(scene: Scene, eye: Eye) -> tuple[float, float]:
+    """Place of a bore's axis along the rod, and its radius."""
     rod, length = rod_of(scene)
-    if eye == "small":
-        return Bore(model, length, rod.small_end_bore_mm / 2)
-    return Bore(model, 0.0, rod.big_end_bore_mm / 2)
+    return (length, rod.small_end_bore_mm / 2) if eye == "small" else (0.0, rod.big_end_bore_mm / 2)
+
+
+def on_bore(scene: Scene, eye: Eye, points_mm: Array) -> NDArray[np.bool_]:
+    """Tell which points (3, n) lie on the bore of an eye."""
+    return _on_cylinder(*_bore_mm(scene, eye), points_mm)
+
+
+def _on_cylinder(y_mm: float, radius_mm: float, points: Array) -> NDArray[np.bool_]:
+    away = np.hypot(points[0], points[1] - y_mm) / radius_mm - 1
+    return np.asarray(np.abs(away) < _ON_BORE)
 
 
 class RodLoads:
@@ -130,7 +161,8 @@ class RodLoads:
         self._model = model
         self._bores = {eye: bore_of(scene, model, eye) for eye in EYES}
         self._pressures = pressures
-        self._mass = mass_matrix(model, density_tonne_per_mm3(rod_material(scene).density_kg_m3))
+        self._density = density_tonne_per_mm3(rod_material(scene).density_kg_m3)
+        self._mass = mass_matrix(model, self._density)
         self._bolts = _bolt_masses(model, rod)
         self._share = model.nodes_mm[1] / self._length
 
@@ -150,6 +182,40 @@ class RodLoads:
         """Mass of the whole rod that each end's acceleration moves."""
         small, big = (float(force[1::3].sum()) * copies(self._model) for force in self._of_both_ends(1))
         return small, big
+
+    def slopes(self, group: LoadGroup, adjoint: Array) -> Array:
+        """Return the derivative of sum(adjoint * forces) by the nodes, (3, nodes), while bores stand still.
+
+        Of every load of `ALONG`, `ACROSS` or both, as the group has them; adjoint (unknowns, k).
+        """
+        names = {"along": ALONG, "across": ACROSS, "whole": (*ALONG, *ACROSS)}[group.motion]
+        rows, moments = _RESULTANTS[group.motion], np.zeros_like(self._model.nodes_mm)
+        rigid = self._rigid(rows)
+        needed = np.linalg.solve(self._sums(group.carriers)[rows].T, group.carriers.T @ adjoint)
+        free = adjoint - rigid @ needed
+        if 2 in rows:
+            turned = group.forces @ needed[rows.index(2)]
+            moments[0], moments[1] = -turned[1::3], turned[::3]
+        even, linear = np.zeros_like(self._share), np.zeros_like(self._share)
+        carried = group.carried[0] if group.motion != "across" else np.zeros(len(names))
+        for column, (name, share) in enumerate(zip(names, carried, strict=True)):
+            along, across = free[1::3, column], free[::3, column]
+            even -= share * along
+            if name in _ACCELERATED:
+                field = along if name in ALONG else -across
+                start, growth = _ACCELERATED[name]
+                even += start * field
+                linear += growth / self._length * field
+        by_place = np.stack([0 * linear, linear, 0 * linear])
+        factor = self._density * MM_PER_M
+        return np.asarray(factor * integral_slopes(self._model, even, by_place) + moments)
+
+    def _rigid(self, rows: Sequence[int]) -> Array:
+        """Motions of the whole body whose works are the resultants of `_sums`, (unknowns, rows)."""
+        x, y, _ = self._model.nodes_mm
+        one, none = np.ones_like(x), np.zeros_like(x)
+        motions = (one, none, none), (none, one, none), (-y, x, none)
+        return np.column_stack([np.stack(motions[row], axis=1).ravel() for row in rows])
 
     def groups(self) -> list[LoadGroup]:
         """Loads of `ALONG` and `ACROSS` in this order, in one group of a half and in two of a quarter."""
@@ -181,8 +247,11 @@ class RodLoads:
     def _group(self, motion: Motion, loads: Array, carriers: Array) -> LoadGroup:
         """Loads of a motion, closed by others."""
         rows = _RESULTANTS[motion]
-        carried = np.linalg.solve(self._sums(carriers)[rows], self._sums(loads)[rows])
-        return LoadGroup(np.asarray(loads - carriers @ carried), *self._held(motion))
+        carried = np.asarray(
+            np.linalg.solve(self._sums(carriers)[rows], self._sums(loads)[rows]), dtype=np.float64
+        )
+        closed = np.asarray(loads - carriers @ carried)
+        return LoadGroup(motion, closed, *self._held(motion), carriers, carried)
 
     def _sums(self, forces: Array) -> Array:
         """Forces along x and y and moment about the pins' direction of nodal forces, (3, k)."""
@@ -209,11 +278,12 @@ def _bolt_masses(model: Elasticity, rod: Rod) -> Array:
     """
     if rod.bolt is None:
         return np.zeros(model.nodes_mm.shape[1])
-    radius, middle = rod.bolt_hole_mm / 2, rod.bolt_distance_mm / 2
+    cap = faces_where(model, partial(in_cap_hole, rod))
+    return face_shares(model, cap) * bolts_kg(rod) / KG_PER_TONNE / copies(model)
 
-    def in_hole(points: Array) -> NDArray[np.bool_]:
-        u, v = in_split(rod, points[0], points[1])
-        away = np.hypot(np.abs(u) - middle, points[2]) / radius - 1
-        return np.asarray((v <= 0) & (np.abs(away) < _ON_BORE))
 
-    return face_shares(model, faces_where(model, in_hole)) * bolts_kg(rod) / KG_PER_TONNE / copies(model)
+def in_cap_hole(rod: Rod, points_mm: Array) -> NDArray[np.bool_]:
+    """Tell which points (3, n) lie on the holes of the bolts in the cap."""
+    u, v = in_split(rod, points_mm[0], points_mm[1])
+    away = np.hypot(np.abs(u) - rod.bolt_distance_mm / 2, points_mm[2]) / (rod.bolt_hole_mm / 2) - 1
+    return np.asarray((v <= 0) & (np.abs(away) < _ON_BORE))

@@ -25,13 +25,9 @@ from cranktopo.engine.performance import pressure_words
 from cranktopo.engine.plan.planning import left_off, plan
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.engine.vibration.shaft_chain import bare_chain
+from cranktopo.numerics.tetrahedra.mesh import RATIO
 from cranktopo.tasks.fea.error_bound import change_bound_percent
-from cranktopo.tasks.fea.evaluation import (
-    RATIO,
-    mesh_target,
-    meshed_throw_kg,
-    throw_inertia_kg_mm2,
-)
+from cranktopo.tasks.fea.evaluation import mesh_target, meshed_throw_kg, throw_inertia_kg_mm2
 from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
 from cranktopo.tasks.film.permitted import films_hold
 from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings, ShaftStiffness

@@ -18,10 +18,9 @@ from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.engine.histories import WebHistory
 from cranktopo.tasks.dynamics.stage import DynamicShaft
 from cranktopo.tasks.dynamics.stress import moving_factors
-from cranktopo.tasks.fatigue.criteria import criterion
+from cranktopo.tasks.fatigue.criteria import check_method, criterion
 from cranktopo.tasks.fatigue.least import PARTS, Part, least_safeties
 from cranktopo.tasks.fatigue.mesh_quality import JudgedQuality
-from cranktopo.tasks.fatigue.needs import check_method
 from cranktopo.tasks.fatigue.remarks import mesh_shortfall, note_quality, note_yielding
 from cranktopo.tasks.fatigue.safety_field import FatigueField, field_of_states
 from cranktopo.tasks.fatigue.shaft_stress import (

@@ -42,9 +42,9 @@ from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.bearing_films import film_slopes, limits_films
 from cranktopo.tasks.shape.mesh_stress import MeshStress
-from cranktopo.tasks.shape.moved_mesh import MovedMesh
 from cranktopo.tasks.shape.search_goal import Quantities
 from cranktopo.tasks.shape.shaft_frequency import NAME, frequency_of, needed_for, slope_of
+from cranktopo.tasks.shape.web_faces import moved_web
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.recess import require_no_recess
 
@@ -103,7 +103,7 @@ class MeshModel:
         self.scene = scene_with_web(sized, exact_web_of(layout, values, sized))
         meshed = mesh_throw(self.scene, element_size_mm, fillet_fraction=fillet_fraction)
         self._layout = layout
-        self.moved = MovedMesh(meshed.mesh, self.scene, layout, values)
+        self.moved = moved_web(meshed.mesh, self.scene, layout, values)
         self._parts = 2 if meshed.mesh.mirrored else 1
         self._unmoved = self._model(self.moved.mesh)
         self._missing = _exact(meshed) - self._parts * moments(self._unmoved)[0]

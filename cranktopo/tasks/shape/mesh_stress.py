@@ -18,17 +18,15 @@ from cranktopo.engine.histories import Loads, WebLoads
 from cranktopo.engine.judged_histories import histories_by_speed
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_force
 from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes, mean_slopes, work_slopes
-from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface, surface_stress
+from cranktopo.numerics.tetrahedra.unit_stress import UnitStress
 from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.safety_field import unit_loads
 from cranktopo.tasks.fatigue.stress_model import images_of
 from cranktopo.tasks.fea.condense import Lateral, Superelement, bending_motion, section_slopes, torsion_motion
 from cranktopo.tasks.fea.unit_fields import FieldKind, UnitField, loaded, support_spring, twisted
-from cranktopo.tasks.shape.smooth_safety import least_safety
-from cranktopo.tasks.shape.smooth_stress import judged_surface, largest_stress
-from cranktopo.tasks.shape.stress_adjoint import stress_adjoint
+from cranktopo.tasks.shape.judged_throw import judged_throw, largest_stress, safety_by_lsa
 
-_SMOOTH = {"fatigue_safety": (least_safety, min), "stress": (largest_stress, max)}
+_SMOOTH = {"fatigue_safety": (safety_by_lsa, min), "stress": (largest_stress, max)}
 """Smooth value of each quantity, and which of two speeds decides it: a sum would count the other one too."""
 _PUSH: dict[FieldKind, tuple[int, float]] = {"bending": (1, -1.0), "tangential": (0, 1.0)}
 """Axis and sign of the unit forces on the pin."""
@@ -79,17 +77,15 @@ class MeshStress:
         )
         fields = [by_kind[kind] for kind in self.kinds]
         moved = np.stack([field.displacement_mm for field in fields])
-        found = nodal_stress(model, moved, *self._elastic)
         mirrored = bend.parts == 2
         planes = [(2, 0.0), (2, scene.pitch_mm / 2)] + ([(0, 0.0)] if mirrored else [])
-        surface = outer_surface(model, found.elements, tuple(planes))
+        found = UnitStress(model, moved, self._elastic, tuple(planes))
         images = [i for i in images_of(fields, mirrored) if not (self._near_alone and i.flip_z)]
-        stress = surface_stress(model, surface, found)
         judged = [
-            judged_surface(
+            judged_throw(
                 scene,
-                surface,
-                stress,
+                found.surface,
+                found.stress,
                 [unit_loads(one, self.kinds) * image.signs for one in of_speed for image in images],
             )
             for of_speed in self.histories
@@ -98,7 +94,7 @@ class MeshStress:
         for name in self.names:
             value, deciding = _SMOOTH[name]
             smooth = deciding((value(self.scene, one) for one in judged), key=lambda one: one.extreme)
-            forces, gradients = stress_adjoint(model, surface, found, moved, smooth.adjoint, self._elastic)
+            forces, gradients = found.adjoint(smooth.adjoint)
             gradients += self._through_fields(model, blocks, fields, forces)
             responses_by_name[name] = smooth.extreme, smooth.value, gradients
         return responses_by_name

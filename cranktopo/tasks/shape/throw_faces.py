@@ -1,11 +1,7 @@
-"""A face of the web, and those of the throw around its outline and features: distances by scene.
-
-A point that stays on a face while a parameter p changes moves by V with gradient.V + d(distance)/dp = 0.
-"""
+"""Faces of the throw around the outline of its web and its features: distances by scene."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -16,6 +12,7 @@ from typing_extensions import override
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import central_difference
+from cranktopo.numerics.tetrahedra.moving_faces import STEP, Contact, LeadingFace, MovingFace, contact_of
 from cranktopo.tasks.refit.family import Layout, scene_at
 from cranktopo.throw.counterweight.edge import EdgeCut
 from cranktopo.throw.counterweight.holes import AxialHole, RadialHole
@@ -25,46 +22,12 @@ from cranktopo.throw.journal import FilletSection
 
 _DistanceOf = Callable[[Scene, Array], Array]
 """Of a scene and points (3, n), mm; zero on the face."""
-STEP = 1e-6
-"""Step of central differences, mm or degrees; the distances are smooth and of the size of the web."""
 _BESIDE_MM = 1e-3
 """Distance beyond its rims at which a point still counts as on a fillet."""
 
 
 @dataclass(frozen=True)
-class Contact:
-    """Distance from a face at some points, (n,), and its gradient by the place, (n, 3)."""
-
-    distance_mm: Array
-    gradient: Array
-
-    @property
-    def steepness(self) -> Array:
-        """Length of the gradient, (n, 1)."""
-        return np.asarray(np.linalg.norm(self.gradient, axis=1)[:, None])
-
-    @property
-    def normal(self) -> Array:
-        """Unit normal, (n, 3)."""
-        return self.gradient / self.steepness
-
-
-class WebFace(ABC):
-    """One face of the web, or a seam: a surface that crosses the face before where that leaves a tangent."""
-
-    seam: bool = False
-
-    @abstractmethod
-    def contact(self, points_mm: Array, values: Array) -> Contact:
-        """Return the face at points (3, n) for some values of the parameters."""
-
-    @abstractmethod
-    def gradients(self, points_mm: Array, values: Array) -> Array:
-        """Return derivatives of the distance by the parameters, (n, parameters), per mm or degree."""
-
-
-@dataclass(frozen=True)
-class ThrowFace(WebFace):
+class ThrowFace(MovingFace):
     """A face that only the dimensions of the throw move: web faces, bores, journals, planes of symmetry."""
 
     scene: Scene
@@ -85,13 +48,13 @@ class ThrowFace(WebFace):
 
 
 @dataclass(frozen=True)
-class FilletFace(ThrowFace):
+class FilletFace(ThrowFace, LeadingFace):
     """A fillet, at the main journal or the pin, whose nodes keep their angles around it and along its arc."""
 
     number: int
 
+    @override
     def moved(self, points_mm: Array, start: Array, values: Array) -> Array:
-        """Return where points (3, n) of the fillet come to from some values to others: linear in these."""
         _, y = self.scene.throw.journals[self.number]
         section, distance, height = self._centre(start)
         across = np.stack([points_mm[0], points_mm[1] - y])
@@ -109,11 +72,6 @@ class FilletFace(ThrowFace):
         section, side = journal.fillet, 1.0 if self.number else -1.0
         height = scene.web_z_mm[self.number] + side * section.axial_mm
         return section, journal.radius_mm + section.radial_mm, height
-
-
-def contact_of(distance_mm: Callable[[Array], Array], points_mm: Array) -> Contact:
-    """Return a face at points (3, n), whose distance is given."""
-    return Contact(distance_mm(points_mm), central_difference(distance_mm, points_mm, STEP))
 
 
 def throw_faces(scene: Scene, mirrored: bool, with_journals: bool) -> Iterator[_DistanceOf]:

@@ -14,19 +14,12 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import DimensionName, move_journals
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import central_difference, complex_step
+from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.numerics.tetrahedra.moved_mesh import MovedMesh
+from cranktopo.numerics.tetrahedra.moving_faces import STEP, Contact, MovingFace, contact_of
 from cranktopo.tasks.refit.family import Layout, flank_of, scene_at
 from cranktopo.tasks.refit.model_fill import MovedFillet, moved_fillet
-from cranktopo.tasks.shape.throw_faces import (
-    STEP,
-    Contact,
-    FilletFace,
-    ThrowFace,
-    WebFace,
-    contact_of,
-    off_fillet,
-    sector_of,
-    throw_faces,
-)
+from cranktopo.tasks.shape.throw_faces import FilletFace, ThrowFace, off_fillet, sector_of, throw_faces
 from cranktopo.throw.counterweight.tangent_circle import flank_directions
 from cranktopo.throw.fitted import FittedFeature
 from cranktopo.throw.profile import Flank
@@ -34,11 +27,13 @@ from cranktopo.throw.profile import Flank
 _SAMPLES = 24
 """Places per piece of the outline among which the search for the nearest begins."""
 _NEWTON = 12
+_OUTSIDE_MM = 1e-6
+"""Height beyond the web's faces at which a point still counts as on them."""
 _THICKNESS: DimensionName = "web_thickness"
 
 
 @dataclass(frozen=True)
-class _FeatureFace(WebFace):
+class _FeatureFace(MovingFace):
     """A face or a seam of a feature, whose first value has the place `first` among all."""
 
     scene: Scene
@@ -79,7 +74,7 @@ class _FeatureFace(WebFace):
 
 
 @dataclass(frozen=True)
-class _FilletedFlank(WebFace):
+class _FilletedFlank(MovingFace):
     """Flank of a counterweight and the fillet it ends in, one smooth face; distances positive inside."""
 
     scene: Scene
@@ -118,7 +113,7 @@ class _FilletedFlank(WebFace):
 
 
 @dataclass(frozen=True)
-class _OutlineFace(WebFace):
+class _OutlineFace(MovingFace):
     """The outline, swept along the crank axis; distances positive inside."""
 
     layout: Layout
@@ -147,7 +142,7 @@ class _OutlineFace(WebFace):
         return foot, across / np.linalg.norm(tangent, axis=1)[:, None]
 
 
-def web_faces(scene: Scene, layout: Layout, *, mirrored: bool) -> list[WebFace]:
+def web_faces(scene: Scene, layout: Layout, *, mirrored: bool) -> list[MovingFace]:
     """Return all faces of the web of a layout: those of the throw, its outline, those of its features.
 
     With free dimensions of the journals theirs and those of their fillets as well; of a mirrored model the
@@ -164,7 +159,25 @@ def web_faces(scene: Scene, layout: Layout, *, mirrored: bool) -> list[WebFace]:
     return [*throw, *fillets, *flanks, _OutlineFace(layout), *_feature_faces(scene, layout)]
 
 
-def _feature_faces(scene: Scene, layout: Layout) -> Iterator[WebFace]:
+def moved_web(mesh: TetMesh, scene: Scene, layout: Layout, values: Array) -> MovedMesh:
+    """Return a mesh of a throw that follows its web; journals and their fillets stand still.
+
+    With free dimensions of the throw their faces are followed too.
+
+    Raises:
+        CranktopoError: part of the web's surface belongs to none of its faces.
+    """
+    low, high = (-np.inf, np.inf) if move_journals(layout.dimensions) else scene.web_z_mm
+
+    def beyond(points_mm: Array) -> NDArray[np.bool_]:
+        z = points_mm[2, :3]
+        return np.asarray((z.min(axis=0) < low - _OUTSIDE_MM) | (z.max(axis=0) > high + _OUTSIDE_MM))
+
+    faces = web_faces(scene, layout, mirrored=mesh.mirrored)
+    return MovedMesh(mesh, faces, values, beyond, "web")
+
+
+def _feature_faces(scene: Scene, layout: Layout) -> Iterator[MovingFace]:
     first = layout.stations
     one = (np.ones(1),) * 3
     for part in layout.parts:

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from cranktopo.bodies.mesh.solid_mesh import extract_mesh
 from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.numerics.tetrahedra.cad_mesh import extract_mesh
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.stress import (

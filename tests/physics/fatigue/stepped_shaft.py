@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.bodies.mesh.solid_mesh import extract_mesh
 from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.numerics.tetrahedra.cad_mesh import extract_mesh
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.stress import (

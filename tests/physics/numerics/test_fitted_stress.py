@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cranktopo.bodies.mesh.solid_mesh import extract_mesh
 from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.numerics.tetrahedra.cad_mesh import extract_mesh
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
 from cranktopo.numerics.tetrahedra.fitted_stress import fitted_stress
 from cranktopo.numerics.tetrahedra.mesh import TetMesh

@@ -5,21 +5,22 @@ import math
 import numpy as np
 import pytest
 
-from cranktopo.bodies.mesh.solid_mesh import generate
 from cranktopo.design.loading import load_scene
 from cranktopo.design.named import with_values
 from cranktopo.design.rod_body import rod_mass, section
 from cranktopo.engine.rod_forces import rod_motions
 from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.numerics.tetrahedra.cad_mesh import generate
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.numerics.tetrahedra.sharp_edges import from_sharp_edges_mm, near_sharp_edges
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface, surface_stress
-from cranktopo.numerics.tetrahedra.surface_loads import at_faces, face_shares, faces_where, pressure_force
+from cranktopo.numerics.tetrahedra.surface_loads import face_shares, faces_where, pressure_force
 from cranktopo.tasks.rod.contact import contact_deg, cosine, strips
-from cranktopo.tasks.rod.element_stress import PLACES, cycle_loads, element_stress, place_of, surface_stresses
+from cranktopo.tasks.rod.element_stress import PLACES, cycle_loads, element_stress, place_of, unit_stress
 from cranktopo.tasks.rod.elements import eye_shapes
 from cranktopo.tasks.rod.unit_fields import contact_pressures, rod_model, solve_rod
 from cranktopo.tasks.rod.unit_loads import ACROSS, ALONG, PRESSED, bore_of
+from tests.physics.rod.face_values import at_faces
 
 LOADS = (*ALONG, *ACROSS)
 RING_MM = 10.0, 20.0
@@ -109,7 +110,8 @@ def fields():
 
 @pytest.fixture(scope="module")
 def stresses(fields):
-    return surface_stresses(fields)
+    found = unit_stress(fields)
+    return found.surface, found.stress
 
 
 def of(name, factor=1.0):

@@ -13,14 +13,14 @@ from cranktopo.design.rod_split import in_rod
 from cranktopo.engine.rod_forces import rod_motions
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.numerics.tetrahedra.surface_loads import at_faces
 from cranktopo.tasks.rod.contact import strips
 from cranktopo.tasks.rod.element_stage import check_rod_elements
-from cranktopo.tasks.rod.element_stress import PLACES, cycle_loads, element_stress, place_of, surface_stresses
+from cranktopo.tasks.rod.element_stress import PLACES, cycle_loads, element_stress, place_of, unit_stress
 from cranktopo.tasks.rod.elements import eye_shapes
 from cranktopo.tasks.rod.pictures import write_rod_vtu
 from cranktopo.tasks.rod.unit_fields import contact_pressures, rod_model, solve_rod
 from cranktopo.tasks.rod.unit_loads import ACROSS, ALONG, PRESSED, RodLoads, bore_of
+from tests.physics.rod.face_values import at_faces
 
 LOADS = (*ALONG, *ACROSS)
 LENGTH_MM = 166.0
@@ -112,7 +112,8 @@ def test_a_mass_beside_the_axis_bends_the_shank(oblique):
     body = mass.across_mm * mass.total_kg - bolts_y @ bolts_kg * np.tan(turn)
     bolts = bolts_kg.sum() * -rod.boss_below_mm / 2 * np.sin(turn)
     aside = (body + bolts) / sum(oblique.inertia_kg)
-    surface, found = surface_stresses(oblique)
+    unit = unit_stress(oblique)
+    surface, found = unit.surface, unit.stress
     near = np.abs(surface.points_mm[1] - y) < 6.0
     stress = np.einsum("f,fnc->nc", of("small push", 1e4), found.stress_MPa[:, near])[:, 1]
     slope = np.polyfit(surface.points_mm[0, near], stress, 1)[0]

@@ -17,6 +17,7 @@ from cranktopo.engine.judged_histories import histories_of
 from cranktopo.numerics.tetrahedra.elasticity import assemble, centrifugal_force
 from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface, surface_stress
+from cranktopo.numerics.tetrahedra.stress_adjoint import stress_adjoint
 from cranktopo.tasks.fatigue.fillets import fillet_nodes
 from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa
 from cranktopo.tasks.fatigue.mesh_quality import Quality
@@ -27,7 +28,6 @@ from cranktopo.tasks.fatigue.target_safety import least_field
 from cranktopo.tasks.fea.unit_fields import unit_fields
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.shape.mesh_model import MeshModel, MeshResponses
-from cranktopo.tasks.shape.stress_adjoint import stress_adjoint
 from tests.physics.shape.shape_cases import (
     COARSE_FILLET,
     COARSE_MM,

@@ -11,6 +11,7 @@ from cranktopo import load_scene
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
+from cranktopo.tasks.fatigue.criteria import check_method
 from cranktopo.tasks.fatigue.hardened_layer import HardenedLayer
 from cranktopo.tasks.fatigue.m53 import (
     FilletCheck,
@@ -28,7 +29,6 @@ from cranktopo.tasks.fatigue.m53_hardening import (
     transition_strength_MPa,
     treated_check,
 )
-from cranktopo.tasks.fatigue.needs import check_method
 from cranktopo.tasks.fatigue.rule_check import fillet_checks
 from tests.unit.fatigue.hardened_layers import INDUCTION, NITRIDED
 

@@ -182,6 +182,64 @@ def test_numerics_names_no_part_of_an_engine(file: Path) -> None:
     assert file.parent.name == "bearing_film" or not re.search(r"(?<![a-z])journal", text, re.I)
 
 
+METHODS_OF_FATIGUE = (
+    "criteria",
+    "criterion",
+    "dang_van",
+    "findley",
+    "fkm",
+    "lsa",
+    "plane_criterion",
+    "plane_field",
+    "planes",
+    "smooth_extremes",
+    "superposition",
+    "taken_keys",
+)
+"""Modules of `tasks/fatigue` that judge the surface of any part."""
+BESIDE_THE_CRANK = sorted(
+    [
+        *(file for part in ("rod", "bolts", "balancer") for file in PACKAGE.glob(f"tasks/{part}/*.py")),
+        PACKAGE / "bodies" / "mesh" / "rod_mesh.py",
+        PACKAGE / "bodies" / "solid" / "rod.py",
+    ]
+)
+
+
+def known(file: Path) -> set[str]:
+    """What a file imports of the package, by path; reading a scene is no knowledge of its parts."""
+    files = (found for found in imported_files(file) if found.name != "__init__.py")
+    return {found.relative_to(PACKAGE).as_posix() for found in files}
+
+
+@pytest.mark.parametrize("name", METHODS_OF_FATIGUE)
+def test_methods_of_fatigue_know_no_part(name: str) -> None:
+    """Of a scene they take material and settings; who calls says which points of what are judged."""
+    file = PACKAGE / "tasks" / "fatigue" / f"{name}.py"
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    spelt = {getattr(node, key, None) for node in ast.walk(tree) for key in ("id", "attr", "arg", "name")}
+    assert not [one for one in spelt if isinstance(one, str) and PARTS_OF_AN_ENGINE.search(one)]
+    allowed = {f"tasks/fatigue/{one}.py" for one in METHODS_OF_FATIGUE}
+    below = ("base/", "numerics/", "design/schema.py", "design/material.py", "design/assumed.py")
+    assert not [one for one in known(file) - allowed if not one.startswith(below)]
+
+
+@pytest.mark.parametrize("file", BESIDE_THE_CRANK, ids=lambda f: str(f.relative_to(PACKAGE)))
+def test_parts_beside_the_crank_take_nothing_of_the_throw(file: Path) -> None:
+    """All the same they mesh, solve, recover stresses, judge and move meshes as the web does."""
+    general = {f"tasks/fatigue/{one}.py" for one in METHODS_OF_FATIGUE}
+    of_throw = ("throw/", "tasks/fea/", "tasks/fatigue/", "tasks/shaft/", "bodies/mesh/solid_mesh.py")
+    assert not [one for one in known(file) - general if one.startswith((*of_throw, "bodies/solid/throw.py"))]
+
+
+@pytest.mark.parametrize("task", ["fatigue", "shape", "rod"])
+def test_web_and_rod_take_one_path_through_stresses(task: str) -> None:
+    """None of them takes the way back from stresses by itself."""
+    taken = {name for file in (PACKAGE / "tasks" / task).glob("*.py") for name in known(file)}
+    assert "numerics/tetrahedra/unit_stress.py" in taken
+    assert "numerics/tetrahedra/stress_adjoint.py" not in taken
+
+
 def test_docstrings_are_statements() -> None:
     """Of modules, classes, functions and attributes; Args and messages may ask."""
     trees = {file: ast.parse(file.read_text(encoding="utf-8")) for file in PACKAGE.rglob("*.py")}

@@ -1,12 +1,13 @@
-"""A mesh of the throw that follows the parameters of its web, its elements and nodes staying the same.
+"""A mesh of a body that follows the parameters of its faces, its elements and nodes staying the same.
 
-Nodes on the faces of the web stay on them and slide along them, edges stay edges. The journals and their
-fillets stand still; with free dimensions of the throw their faces are followed too. The move is spread over
-the surface, then through the body, as in a net of springs that are the stiffer the shorter they are.
+Nodes on the faces stay on them and slide along them, edges stay edges; parts of the surface may stand still.
+The move is spread over the surface, then through the body, as in a net of springs that are the stiffer the
+shorter they are.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -16,18 +17,13 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array, Index
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.design.free_dimensions import move_journals
-from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.mesh import EDGES, TetMesh, least_jacobian_ratio
+from cranktopo.numerics.tetrahedra.moving_faces import Contact, LeadingFace, MovingFace
 from cranktopo.numerics.tetrahedra.solver import solve_directly
 from cranktopo.numerics.tetrahedra.stress import boundary_faces
-from cranktopo.tasks.refit.family import Layout
-from cranktopo.tasks.shape.throw_faces import Contact, FilletFace, WebFace
-from cranktopo.tasks.shape.web_faces import web_faces
 
 _ON_FACE_MM = 1e-3
 """Nodes of a mesh lie on the exact surface to the accuracy of the CAD kernel's edges."""
-_OUTSIDE_MM = 1e-6
 _SETTLED_MM = 1e-9
 _ROUNDS = 12
 _PARALLEL = 1e-3
@@ -58,15 +54,29 @@ class _Rules:
         return np.asarray((vectors * inverse[:, None]) @ vectors.swapaxes(1, 2))
 
 
-class MovedMesh:
-    """A mesh of the web, numbered as scikit-fem does, and how it moves with the web's parameters."""
+Stands = Callable[[Array], NDArray[np.bool_]]
+"""Mask (f,) of the faces of elements that stand still, from their nodes (3, 6, f), corners first."""
 
-    def __init__(self, mesh: TetMesh, scene: Scene, layout: Layout, values: Array) -> None:
+
+class MovedMesh:
+    """A mesh of a body, numbered as scikit-fem does, and how it moves with the parameters of its faces."""
+
+    def __init__(
+        self, mesh: TetMesh, faces: Sequence[MovingFace], values: Array, stands: Stands, body: str
+    ) -> None:
+        """Find the nodes of each face.
+
+        Args:
+            values: of the parameters, with which the mesh was made.
+            body: what the faces are of, for messages.
+
+        Raises:
+            CranktopoError: part of the surface that moves belongs to no face.
+        """
         self.mesh, self.values = _numbered(mesh), np.asarray(values, dtype=np.float64)
-        self._faces = web_faces(scene, layout, mirrored=mesh.mirrored)
-        moving = (-np.inf, np.inf) if move_journals(layout.dimensions) else scene.web_z_mm
+        self._faces, self._body_name = list(faces), body
         self._surface, self._triangles, self._on, self._still = _surface_nodes(
-            self.mesh, self._faces, self.values, moving
+            self.mesh, self._faces, self.values, stands, body
         )
         self._ends = _edge_ends(self.mesh.cells)
         self._corners = int(self.mesh.cells[:4].max()) + 1
@@ -79,7 +89,7 @@ class MovedMesh:
         return np.array([np.abs(d).max() if len(d) else 0.0 for d in found])
 
     def at(self, values: Array) -> TetMesh:
-        """Return the mesh of the web with other values; with its own it is as it was made.
+        """Return the mesh of the body with other values; with its own it is as it was made.
 
         There the nodes are off the faces by what the CAD kernel's edges are, and a flat element may fold when
         they are put right.
@@ -104,7 +114,7 @@ class MovedMesh:
         mesh = replace(self.mesh, points_mm=start + moved)
         if self.quality(mesh) <= 0:
             raise CranktopoError(
-                "mesh: an element folds while the web's dimensions change.",
+                f"mesh: an element folds while the {self._body_name}'s dimensions change.",
                 hint="Make a new mesh, or smaller steps.",
                 code=ExitCode.SOLVER,
             )
@@ -122,33 +132,33 @@ class MovedMesh:
         led = [np.stack([w[k] - here[k] for w in there], axis=-1) for k in range(len(here))]
         return self._spread(self._rules(contacts, normal_motions, led))
 
-    def _contacts(self, points_mm: Array, values: Array) -> list[tuple[Index, WebFace, Contact]]:
+    def _contacts(self, points_mm: Array, values: Array) -> list[tuple[Index, MovingFace, Contact]]:
         """Return each face with its nodes as positions among the surface nodes."""
         at = points_mm[:, self._surface]
         pairs = [(np.flatnonzero(on), face) for on, face in zip(self._on, self._faces, strict=True)]
         return [(nodes, face, face.contact(at[:, nodes], values)) for nodes, face in pairs]
 
     def _led(self, values: Array) -> list[Array]:
-        """Return the motion of the nodes of each fillet from the first mesh, (n, 3), linear in the values."""
+        """Return the motion of the nodes of leading faces from the first mesh, (n, 3), linear in values."""
         ways = []
         for on, face in zip(self._on, self._faces, strict=True):
-            if isinstance(face, FilletFace):
+            if isinstance(face, LeadingFace):
                 start = self.mesh.points_mm[:, self._surface[on]]
                 ways.append((face.moved(start, self.values, values) - start).T)
         return ways
 
     def _rules(
-        self, contacts: list[tuple[Index, WebFace, Contact]], normal_motions: list[Array], led: list[Array]
+        self, contacts: list[tuple[Index, MovingFace, Contact]], normal_motions: list[Array], led: list[Array]
     ) -> _Rules:
-        """Return the rules of motions along the normal of each face, (n, k), and of fillets, (n, 3, k)."""
+        """Return the rules of motions along each face's normal, (n, k), and of leading faces, (n, 3, k)."""
         count = len(self._surface)
         matrix, motions = np.zeros((count, 3, 3)), np.zeros((count, 3, normal_motions[0].shape[1]))
         for (nodes, _, contact), motion in zip(contacts, normal_motions, strict=True):
             matrix[nodes] += contact.normal[:, :, None] * contact.normal[:, None, :]
             motions[nodes] += contact.normal[:, :, None] * motion[:, None, :]
         matrix[self._still], motions[self._still] = np.eye(3), 0.0
-        fillets = [nodes for nodes, face, _ in contacts if isinstance(face, FilletFace)]
-        for nodes, way in zip(fillets, led, strict=True):
+        leading = [nodes for nodes, face, _ in contacts if isinstance(face, LeadingFace)]
+        for nodes, way in zip(leading, led, strict=True):
             matrix[nodes], motions[nodes] = np.eye(3), way
         return _Rules(matrix, motions)
 
@@ -226,24 +236,23 @@ def _edge_ends(cells: Index) -> Index:
 
 
 def _surface_nodes(
-    mesh: TetMesh, faces: list[WebFace], values: Array, web_z_mm: tuple[float, float]
+    mesh: TetMesh, faces: list[MovingFace], values: Array, stands: Stands, body: str
 ) -> tuple[Index, Index, NDArray[np.bool_], NDArray[np.bool_]]:
     """Return surface nodes, corners of the triangles (3, f), which node is on which face, which stand still.
 
     Raises:
-        CranktopoError: part of the web's surface belongs to none of its faces.
+        CranktopoError: part of the surface that moves belongs to none of the faces.
     """
     local, owners = boundary_faces(mesh.cells)
     numbers = mesh.cells[local, owners]
     points = mesh.points_mm[:, numbers]  # (3, 6, f)
-    low, high = web_z_mm[0] - _OUTSIDE_MM, web_z_mm[1] + _OUTSIDE_MM
-    away = (points[2, :3].min(axis=0) < low) | (points[2, :3].max(axis=0) > high)
+    away = stands(points)
     face = _face_of(points, faces, values)
     lost = ~away & (face < 0)
     if lost.any():
         x, y, z = points[:, :3, lost][:, :, 0].mean(axis=1)
         raise CranktopoError(
-            f"mesh: the surface at x {x:.2f}, y {y:.2f}, z {z:.2f} mm belongs to no face of the web.",
+            f"mesh: the surface at x {x:.2f}, y {y:.2f}, z {z:.2f} mm belongs to no face of the {body}.",
             hint="Report this design.",
             code=ExitCode.INTERNAL,
         )
@@ -259,10 +268,11 @@ def _surface_nodes(
         on[k, nodes[np.abs(near) < _ON_FACE_MM]] = True  # edge nodes of straightened elements are off it
     still = np.zeros(len(surface), dtype=bool)
     still[np.unique(place[numbers[:, away]])] = True
+    on[:, still] = False  # a node that stands still leaves faces that move away from it
     return surface, numbers[:3], on, still
 
 
-def _face_of(points: Array, faces: list[WebFace], values: Array) -> Index:
+def _face_of(points: Array, faces: list[MovingFace], values: Array) -> Index:
     """Return the face of each triangle, (f,), the most parallel one through its corners; -1 for none."""
     corners = points[:, :3]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], axis=0)

@@ -1,6 +1,6 @@
 """Way back from stresses at the surface to displacements and nodes: the adjoint of the stress recovery.
 
-Every step of `numerics.tetrahedra.stress` and of `surface_stress` in reverse order.
+Every step of `nodal_stress` and of `surface_stress` in reverse order.
 """
 
 from __future__ import annotations
