@@ -113,11 +113,16 @@ def _above_big_end(rod: Rod, length: float, at: Array) -> Array:
 
 
 def _above_shank(rod: Rod, length: float, at: Array) -> Array:
-    """Faces of an end may be as high: they lie within it."""
-    within = np.min(
-        [_off_small_end(rod, length, at), _off_big_end(rod, length, at), _off_boss(rod, at)], axis=0
+    """Without what lies within a higher or lower end; faces of one height are one face, triangles across."""
+    small, big = (
+        _off_small_end(rod, length, at),
+        np.minimum(_off_big_end(rod, length, at), _off_boss(rod, at)),
     )
-    return np.asarray(at[2] - rod.shank_width_mm / 2 + _FAR_MM * (within < -_BESIDE_MM))
+    within = np.zeros(at[2].shape, dtype=bool)
+    for distance, width in ((small, rod.small_end_width_mm), (big, rod.big_end_width_mm)):
+        if abs(width - rod.shank_width_mm) > _BESIDE_MM:
+            within |= distance < -_BESIDE_MM
+    return np.asarray(at[2] - rod.shank_width_mm / 2 + _FAR_MM * within)
 
 
 def _half_height(rod: Rod, length: float, y: Array) -> tuple[Array, float]:

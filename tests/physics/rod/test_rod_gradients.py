@@ -135,3 +135,12 @@ def test_every_part_of_a_random_rod_belongs_to_a_face(seed: int) -> None:
     mesh = mesh_rod(scene, 4 * default_rod_element_mm(scene))
     moved = moved_rod(mesh, scene, rod_search(scene, "lsa", 0.5).names)
     assert np.isfinite(moved.velocities(moved.mesh, moved.values)).all()
+
+
+@pytest.mark.parametrize("width_mm", [27.41, 28.0])
+def test_all_of_the_surface_has_a_face_where_shank_and_eye_are_of_one_width(width_mm: float) -> None:
+    """In one plane a triangle may lie across the edge of the eye."""
+    sizes = {"rod.shank_width_mm": width_mm, "rod.small_end_diameter_mm": 38.971, "rod.boss_above_mm": 14.0}
+    scene = with_values(load_scene("mikron-iiic-rod"), sizes)
+    moved = moved_rod(mesh_rod(scene, 4.0), scene, ("shank_width_mm", "small_end_diameter_mm"))
+    assert moved.mesh.points_mm[2].max() == pytest.approx(15.0)
