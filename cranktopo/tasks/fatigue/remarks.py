@@ -3,23 +3,50 @@
 from __future__ import annotations
 
 from cranktopo.base.notes import note
+from cranktopo.engine.histories import speed_words
 from cranktopo.tasks.fatigue.criterion import larger_end_MPa
 from cranktopo.tasks.fatigue.cut_outlets import judged_places
+from cranktopo.tasks.fatigue.result import CriticalPoint
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.stress_model import StressModel
 
 
 def note_quality(field: FatigueField) -> None:
-    """Tell in a line where means miss the rule's checks of a mesh, and what is not counted."""
-    if missed := mesh_shortfall(field.model):
-        note(f"note: {field.model.name}: {missed}; a smaller --fillet-fraction helps.")
-    sharp = field.at_sharp_edges
-    if sharp is not None and sharp.safety < field.critical.safety:
-        note(
-            f"note: {field.model.name}: {sharp.safety:.3f} at a sharp inner edge ({sharp.place}) is not "
-            "counted: it falls with every finer mesh. Give the edge a radius."
-        )
-    note_cut_outlets(field.model)
+    """Tell in a line each what `quality_remarks` returns."""
+    for remark in quality_remarks(field):
+        note(f"note: {field.model.name}: {remark}")
+
+
+def quality_remarks(field: FatigueField) -> tuple[str, ...]:
+    """Return where means miss the rule's checks of a mesh, and which places are not counted or judged."""
+    missed, sharp = mesh_shortfall(field.model), field.at_sharp_edges
+    lower = sharp is not None and sharp.safety < field.critical.safety
+    return (
+        *([f"{missed}; a smaller --fillet-fraction helps."] if missed else []),
+        *([_sharp_words(sharp)] if sharp is not None and lower else []),
+        *([words] if (words := cut_outlet_words(field.model)) else []),
+    )
+
+
+def _sharp_words(sharp: CriticalPoint) -> str:
+    return (
+        f"{sharp.safety:.3f} at a sharp inner edge ({sharp.place}) is not counted: it falls with every finer "
+        "mesh. Give the edge a radius."
+    )
+
+
+def overspeed_words(field: FatigueField) -> str:
+    """Return that the least safety is that at the overspeed; empty where it is not."""
+    engine = field.model.scene.engine
+    if not engine or not engine.overspeed_rpm:
+        return ""
+    decides = field.critical.states[0].endswith(speed_words(engine.overspeed_rpm))
+    return f"the least safety is that at the overspeed of {engine.overspeed_rpm:g} rpm." if decides else ""
+
+
+def safety_remarks(field: FatigueField) -> list[str]:
+    """Return all that stands beside a least safety: the speed that decides, and `quality_remarks`."""
+    return [*filter(None, [overspeed_words(field)]), *quality_remarks(field)]
 
 
 def mesh_shortfall(model: StressModel) -> str:
@@ -27,13 +54,14 @@ def mesh_shortfall(model: StressModel) -> str:
     return "" if model.quality.within_limits else model.quality.shortfall
 
 
-def note_cut_outlets(model: StressModel) -> None:
-    """Tell in a line of outlets that are not judged because the model ends in them."""
-    if model.at_cut.any():
-        note(
-            f"note: {model.name}: the oil outlet in the middle of the main journal is not judged: the throw "
-            f"is cut there. {judged_places(model.scene, model.whole)}"
-        )
+def cut_outlet_words(model: StressModel) -> str:
+    """Return that outlets are not judged because the model ends in them; empty where none is."""
+    if not model.at_cut.any():
+        return ""
+    return (
+        "the oil outlet in the middle of the main journal is not judged: the throw is cut there. "
+        f"{judged_places(model.scene, model.whole)}"
+    )
 
 
 def note_yielding(field: FatigueField, yield_MPa: float | None) -> None:

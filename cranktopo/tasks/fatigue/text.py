@@ -8,9 +8,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from cranktopo.engine.histories import LoadsName, speed_words
+from cranktopo.engine.histories import LoadsName
 from cranktopo.engine.judged_histories import states_words
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
+from cranktopo.tasks.fatigue.remarks import overspeed_words
 from cranktopo.tasks.fatigue.result import FatigueResult, FieldFatigue, HardenedFillet, PartLife
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.safety_field import FatigueField
@@ -256,14 +257,8 @@ def _failures(fields: Sequence[FatigueField]) -> list[str]:
 
 def _overspeed_remarks(fields: Sequence[FatigueField]) -> list[str]:
     """Return one line for each target whose least safety is that at its overspeed."""
-    engines = [(field, field.model.scene.engine) for field in fields]
-    return [
-        f"{field.model.name}: the least safety is that at the overspeed of {engine.overspeed_rpm:g} rpm."
-        for field, engine in engines
-        if engine
-        and engine.overspeed_rpm
-        and field.critical.states[0].endswith(speed_words(engine.overspeed_rpm))
-    ]
+    found = [(field.model.name, overspeed_words(field)) for field in fields]
+    return [f"{name}: {words}" for name, words in found if words]
 
 
 def _hardening_remarks(fields: Sequence[FatigueField]) -> list[str]:

@@ -18,6 +18,7 @@ from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
 from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa, largest_stress_MPa
 from cranktopo.tasks.fatigue.needs import check_inputs, check_loads
+from cranktopo.tasks.fatigue.remarks import safety_remarks
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fatigue.target_safety import fatigue_field, web_field
@@ -204,5 +205,10 @@ def _stressed(target: Target, stressed: Collection[str], judging: Judging) -> Js
 
 
 def _least(field: FatigueField, loads: Loads) -> Json:
-    safety, place = float(field.critical.safety), field.critical.place
-    return {"fatigue_safety": safety, "fatigue_place": place, "fatigue_loads": loads_name(loads)}
+    remarks = safety_remarks(field)
+    return {
+        "fatigue_safety": float(field.critical.safety),
+        "fatigue_place": field.critical.place,
+        "fatigue_loads": loads_name(loads),
+        **({"fatigue_remarks": remarks} if remarks else {}),
+    }

@@ -27,6 +27,7 @@ from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
 from cranktopo.runs.manifest import Manifest
 from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.extraction.text import release_text, release_verdict
+from cranktopo.tasks.fatigue.verdicts import SAME
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.fea.quantities import SAFETY, STRESS
 from cranktopo.tasks.fea.section import clearance_sections
@@ -44,6 +45,7 @@ from cranktopo.tasks.shape.text import (
     original_keeps,
     rounds_table,
     safety_places,
+    safety_remarks,
     shape_headline,
     stress_loads,
     value_words,
@@ -123,6 +125,8 @@ def release_fact(shape: ShapeResult) -> Fact:
 
 
 def _change_error_percent(shape: ShapeResult, key: str) -> float:
+    if QUANTITIES_TOLD[key] in (SAFETY, STRESS):
+        return 100 * SAME
     kind, entries = key.removesuffix("_per_mass"), (shape.original, shape.result)
     if kind not in shape.original.error_estimate_percent:
         return 0.0
@@ -135,6 +139,7 @@ def _goal_section(shape: ShapeResult) -> Section:
     goal, doubt = shape.goal, multiplier_doubt(shape)
     sense = "minimise" if goal.minimise else "maximise"
     said = [shape.stop_reason.capitalize(), safety_places(shape), stress_loads(shape)]
+    said += [line.removesuffix(".") for line in safety_remarks(shape)]
     said += [original_keeps(shape), ended_words(shape)]
     return Section(
         "goal",

@@ -225,14 +225,24 @@ def safety_places(shape: ShapeResult) -> str:
     return f"least {SAFETY.label} {'; '.join(places)}" if places else ""
 
 
+def safety_remarks(shape: ShapeResult) -> list[str]:
+    """Return what the least safeties of result and original rest on or leave out, a sentence each."""
+    result, original = (set(of.fatigue_remarks or ()) for of in (shape.result, shape.original))
+    both = [line for line in shape.result.fatigue_remarks or () if line in original]
+    own = [f"result: {line}" for line in shape.result.fatigue_remarks or () if line not in original]
+    others = [f"original: {line}" for line in shape.original.fatigue_remarks or () if line not in result]
+    return [*both, *own, *others]
+
+
 def shape_summary(shape: ShapeResult, folder: Path) -> str:
     """Return what `cranktopo shape` prints of a finished optimisation."""
     lines = [
         shape_headline(shape),
         *filter(
             None,
-            [shape.left_off, safety_places(shape), shape.balance, original_keeps(shape), shape.stop_reason],
+            [shape.left_off, safety_places(shape), *safety_remarks(shape), shape.balance],
         ),
+        *filter(None, [original_keeps(shape), shape.stop_reason]),
         *([judged] if (judged := stress_loads(shape)) else []),
         *filter(None, [ended_words(shape)]),
         *([f"go on from this web: {shlex.join(_going_on(shape, folder))}"] if shape.unfinished else []),

@@ -41,6 +41,7 @@ def test_the_search_need_not_wait_for_the_safety(
 
     monkeypatch.setattr(module, "evaluate", lambda *_: evaluation)
     monkeypatch.setattr(module, "fatigue_field", safety)
+    monkeypatch.setattr(module, "safety_remarks", lambda _: [])
     work = StageMemory()
     web, judged = evaluated_original(scene, {"fatigue_safety"}, None, work)
     assert begun.wait(600.0)

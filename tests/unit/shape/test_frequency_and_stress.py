@@ -182,6 +182,7 @@ def test_stress_is_found_with_the_safety_or_alone(monkeypatch: pytest.MonkeyPatc
 
     monkeypatch.setattr(module, "fatigue_field", lambda *given: told(field, given[-2]))
     monkeypatch.setattr(module, "largest_stress_MPa", lambda *given: told(123.0, given[-2]))
+    monkeypatch.setattr(module, "safety_remarks", lambda _: [])
     stressed, cycle = module._stressed, Judging("cycle")
     least = {"fatigue_safety": 1.2, "fatigue_place": "pin fillet", "fatigue_loads": "cycle"}
     assert stressed(target, {"fatigue_safety", "stress"}, cycle) == {**least, "stress_MPa": 75.0}

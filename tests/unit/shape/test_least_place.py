@@ -41,6 +41,7 @@ from tests.unit.sweep.test_sweep_shown import sweep
 
 OUTLET = "oil outlet on the crankpin, x 0.1, y 55.7, z 30.0 mm"
 FILLET = "pin fillet, +12 deg around, 45 deg along"
+CUT, FAST = "the oil outlet is not judged.", "the least safety is that at the overspeed of 11500 rpm."
 FIELD = SimpleNamespace(critical=SimpleNamespace(safety=0.97, place=OUTLET), on_bearings=None)
 
 
@@ -60,11 +61,13 @@ def test_an_evaluated_web_has_the_place_beside_its_safety(monkeypatch: pytest.Mo
     evaluation = SimpleNamespace(result=SimpleNamespace(as_json=told_evaluation))
     monkeypatch.setattr(module, "evaluate", lambda *_: evaluation)
     monkeypatch.setattr(module, "fatigue_field", lambda *_: FIELD)
+    monkeypatch.setattr(module, "safety_remarks", lambda _: [CUT])
     scene = load_scene("mikron-iiic-plain")
     found = evaluated_web(scene, {"fatigue_safety"}, None, "web", StageMemory()).evaluation
     assert (found.fatigue_safety, found.fatigue_place) == (0.97, OUTLET)
     assert found.as_json()["fatigue_place"] == OUTLET
     assert found.fatigue_loads == "extremes"
+    assert found.fatigue_remarks == (CUT,)
 
 
 @pytest.mark.slow
@@ -87,6 +90,27 @@ def test_shape_names_both_places(monkeypatch: pytest.MonkeyPatch) -> None:
     manifest = new_manifest(run="out", design="", command=(), scene={}, options={}, inputs={})
     page = shape_page(found, manifest, load_scene("mikron-iiic-plain"), ())
     assert f"at {OUTLET}; of the original" in page.sections[0].text
+
+
+def test_shape_tells_what_its_safeties_leave_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    data = shaped().as_json()
+    data["result"]["fatigue_remarks"], data["original"]["fatigue_remarks"] = [FAST, CUT], [CUT]
+    found = ShapeResult.of_json(data, "shape.json")
+    lines = shape_summary(found, Path("out")).splitlines()
+    assert [line for line in lines if CUT in line or FAST in line] == [CUT, f"result: {FAST}"]
+    monkeypatch.setattr("cranktopo.tasks.shape.page.gallery_picture", lambda *_: None)
+    manifest = new_manifest(run="out", design="", command=(), scene={}, options={}, inputs={})
+    page = shape_page(found, manifest, load_scene("mikron-iiic-plain"), ())
+    assert f"{CUT.removesuffix('.')}; result: {FAST.removesuffix('.')}" in page.sections[0].text
+
+
+def test_a_change_within_the_scatter_of_the_worst_node_is_no_gain() -> None:
+    data = shaped().as_json()
+    data["values"]["result"]["fatigue_safety"] = 1.02
+    for percent, status in ((0.7, "neutral"), (-1.9, "neutral"), (2.1, "good"), (-2.1, "bad")):
+        data["change_percent"] = {"fatigue_safety": percent}
+        fact = quantity_fact(ShapeResult.of_json(data, "shape.json"), "fatigue_safety")
+        assert fact.status == status
 
 
 def test_a_result_of_an_earlier_version_names_none() -> None:
