@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from cranktopo.engine.histories import LoadsName
 from cranktopo.engine.judged_histories import states_words
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
-from cranktopo.tasks.fatigue.remarks import overspeed_words
+from cranktopo.tasks.fatigue.remarks import overspeed_words, quality_remarks
 from cranktopo.tasks.fatigue.result import FatigueResult, FieldFatigue, HardenedFillet, PartLife
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.safety_field import FatigueField
@@ -130,6 +130,7 @@ def compare_fatigue(
     remarks = [*(f"{one.target}: {one.words}." for one in answers), *rule_remarks(checks)]
     fields = [result for result in results if isinstance(result, FatigueField)]
     remarks += field_remarks(fields)
+    remarks += [f"{field.model.name}: {line}" for field in fields for line in quality_remarks(field)]
     remarks += dict.fromkeys(
         f"{entry.target}: material: {remark}."
         for entry in fatigue_result.fatigue
