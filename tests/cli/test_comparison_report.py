@@ -136,6 +136,7 @@ def test_html(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "no clear best" not in text
     assert "SHA-256 of the scene" in text
     assert f"Loads: {NAMES[0]}" in text, "whose they are"
+    assert "A load counts here by the stress" not in text, "no fatigue was asked for"
 
 
 @pytest.fixture

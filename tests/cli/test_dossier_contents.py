@@ -71,6 +71,7 @@ def test_engine_data_of_the_design_and_unknown_for_what_it_does_not_give(tmp_pat
     assert row(text, "charge-air pressure (intake, absolute)")[1] == "0.08793 MPa (given)"
     assert row(text, "pressure during exhaust (absolute)")[1].endswith("(assumed, ambient)")
     assert row(text, "burn duration")[1] == "60 deg (assumed)"
+    assert "A load counts here by the stress that it makes; cranktopo loads and plan list the cases" in text
     for name in ("rated power", "sense of rotation, seen from the output end"):
         assert row(text, name)[1] == "unknown"
 

@@ -116,7 +116,7 @@ def comparison_page(record: ComparisonRecord) -> Page:
             *_goals(comparison),
             _accuracy(comparison),
             stress_section(scene3d, f"{record.command} --stress", record.no_stresses),
-            _of(base, loads_section(record.loads, record.cases)),
+            _of(base, loads_section(record.loads, record.cases, of_stresses=comparison.fatigue is not None)),
             _of(base, effects_section(record.effects.effects)),
             _provenance(record),
             versions_section(record.versions),

@@ -99,7 +99,7 @@ def rule_page(record: RuleRecord) -> Page:
             engine_section(record.scene, record.loads.cycle if record.loads else None),
             shaft_section(record.scene),
             *_each(checks, _size),
-            loads_section(record.loads, record.cases),
+            loads_section(record.loads, record.cases, of_stresses=True),
             effects_section(record.effects.effects),
             *vibration_sections(record.vibration, checks[0].loads.torque_Nm),
             *_each(checks, lambda check: _nominal(check, record.history)),

@@ -18,20 +18,31 @@ _LOAD_COLUMNS: tuple[Column[LoadCase], ...] = (
     Column("torque_Nm", 1, lambda case: case.torque_Nm or None),
     Column("from", 0, lambda case: case.source),
 )
+_OF_STRESSES = (
+    "A load counts here by the stress that it makes; cranktopo loads and plan list the cases of the "
+    "optimiser, which count by their weights in [optimise.weights]."
+)
 _LOAD_ALT = (
     "Gas force, inertia force of the piston and their sum over the crank angle",
     "Radial and tangential force on the crankpin over the crank angle",
 )
 
 
-def loads_section(analysis: LoadAnalysis | None, cases: Sequence[LoadCase]) -> Section:
-    """Return the section of load cases and the curves over the cycle of an engine with gas data."""
+def loads_section(
+    analysis: LoadAnalysis | None, cases: Sequence[LoadCase], *, of_stresses: bool = False
+) -> Section:
+    """Return the section of load cases and the curves over the cycle of an engine with gas data.
+
+    Args:
+        of_stresses: the cases are those of a plan for stress and fatigue.
+    """
     table = tabulate(_LOAD_COLUMNS, cases)
     pictures: tuple[Picture, ...] = ()
     text = "The scene names no engine: unit loads, so that stiffnesses are what counts."
     if analysis is not None:
         count = analysis.engine.cylinders
         text = f"{count} cylinder{'s' * (count > 1)} at {analysis.engine.speed_rpm:g} rpm."
+        text += f" {_OF_STRESSES}" if of_stresses else ""
         if analysis.cycle is not None:
             pictures = tuple(
                 picture(f"loads-{number}", alt, panel, analysis)
