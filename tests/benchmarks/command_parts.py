@@ -34,7 +34,7 @@ PARTS: dict[str, tuple[tuple[str, Sequence[str]], ...]] = {
     "largest eigenvalue": ((f"{_TETRAHEDRA}.solver", ("largest_eigenvalue",)),),
     "cycles": ((f"{_TETRAHEDRA}.solver", ("_conjugate_gradients",)),),
     "stress": (
-        ("cranktopo.tasks.fatigue.stress_model", ("nodal_stress", "outer_surface", "surface_stress")),
+        (f"{_TETRAHEDRA}.unit_stress", ("nodal_stress", "outer_surface", "surface_stress")),
         ("cranktopo.tasks.fatigue.target_safety", ("safety_field",)),
     ),
     "error estimate": ((f"{_FEA}.discretisation_error", ("_part", "_answered", "_added", "_volume")),),

@@ -159,7 +159,7 @@ def test_inner_moment_against_cuts() -> None:
 def test_equal_halves_have_no_couple_and_half_of_all(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bit for bit: a second web like the first changes nothing, and no couple is integrated."""
     plain, named = engine(4), engine(4, second_web=WEB)
-    monkeypatch.setattr("cranktopo.engine.balance.throw.body_moments", None)
+    monkeypatch.setattr("cranktopo.engine.balance.throw._half_product", None)
     for one, other in zip(*(counterweights(turning_masses(scene)) for scene in (plain, named)), strict=True):
         assert one == other
     masses = turning_masses(named)

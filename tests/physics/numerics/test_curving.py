@@ -98,7 +98,7 @@ def test_a_coarse_throw_has_some(monkeypatch: pytest.MonkeyPatch) -> None:
         found.append((least_jacobian(points, cells), count, least_jacobian(kept, cells)))
         return kept, count
 
-    monkeypatch.setattr(meshing, "straighten_folded", spied)
+    monkeypatch.setattr("cranktopo.numerics.tetrahedra.cad_mesh.straighten_folded", spied)
     meshing.mesh_throw(mikron_with(), 15.0, graded=False)
     before, count, after = found[0]
     assert before < 0 < after
