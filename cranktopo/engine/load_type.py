@@ -25,12 +25,12 @@ class LoadFacts(Protocol):
 
     @property
     def centrifugal_N(self) -> tuple[float, float]:
-        """Outward force on the pin at the top speed, its own and that of the rods, and of both webs, N."""
+        """Outward force on pin and webs of cells at the top speed, rods counted, fastened masses not, N."""
 
     def state(self, kind: str) -> ExtremeState:
         """Return the state that would be the load case of a kind."""
 
-    def centrifugal_Nmm(self, pin: float, webs: float) -> float:
+    def centrifugal_Nmm(self, pin: float, webs: float, *, fastened: bool = True) -> float:
         """Energy of bending by pin and webs, N, and of webs that their counterweights stretch."""
 
 

@@ -29,7 +29,7 @@ PARTS: dict[str, tuple[tuple[str, Sequence[str]], ...]] = {
         (f"{_TETRAHEDRA}.elasticity", ("_add_elements",)),
         (f"{_TETRAHEDRA}.symmetric_blocks:Pattern", ("__init__", "matrix")),
     ),
-    "loads": ((f"{_TETRAHEDRA}.elasticity", ("_load_points", "_gathered")),),
+    "loads": ((f"{_TETRAHEDRA}.elasticity", ("load_points", "gathered")),),
     "factorisation": ((f"{_TETRAHEDRA}.solver", ("cholesky",)),),
     "largest eigenvalue": ((f"{_TETRAHEDRA}.solver", ("largest_eigenvalue",)),),
     "cycles": ((f"{_TETRAHEDRA}.solver", ("_conjugate_gradients",)),),

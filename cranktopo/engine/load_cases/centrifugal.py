@@ -12,6 +12,7 @@ import numpy as np
 
 from cranktopo.base.near_ties import clearly_more
 from cranktopo.design.engine import Engine
+from cranktopo.design.halves import halves
 from cranktopo.design.load_kinds import MAIN_KINDS
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Extreme
@@ -84,40 +85,48 @@ def _pulling_kg(scene: Scene, engine: Engine, enabled: frozenset[str]) -> tuple[
 
 
 def _energy_Nmm(facts: LoadFacts) -> float:
-    return facts.centrifugal_Nmm(*facts.centrifugal_N)
+    return facts.centrifugal_Nmm(*facts.centrifugal_N, fastened=False)
 
 
 def _estimate(context: PlanningContext) -> Estimate:
     """Pull of pistons and rods at overspeed and of the crankpin on the pin, of each web in its mid-plane."""
     if context.scene.engine is None or context.top_speed_rpm == 0:
         return Estimate(0.0, "the throw does not turn", "nothing", absent="no speed in the scene")
-    weight = context.scene.web.counterweight
-    fastened = weight is not None and [
-        name for name, there in (("bolted counterweight", weight.bolted), ("plugs", weight.plug)) if there
-    ]
-    left_out = f", the pull of {' and '.join(fastened)} left out" if fastened else ""
     if context.for_stress and not context.unit_loads:
-        return _own_stress(context, left_out)
+        return _own_stress(context)
     speed, (pin, webs) = context.top_speed_rpm, context.centrifugal_N
     forces = (
         f"outward {pin:,.0f} N on the pin, rods and pistons at their worst among them, and {webs:,.0f} N in "
-        f"the mid-planes of the webs at {speed:g} rpm{left_out}"
+        f"the mid-planes of the webs at {speed:g} rpm{_left_out(context)}"
     )
     return by_size_or_goal(context, LOAD_TYPE, forces)
 
 
-def _own_stress(context: PlanningContext, left_out: str) -> Estimate:
+def _left_out(context: PlanningContext) -> str:
+    """Tell what of the pull cells leave out, and how much of it."""
+    pull = context.fastened_N
+    weights = [half.web.counterweight for half in halves(context.scene)]
+    bolted = any(weight is not None and weight.bolted for weight in weights)
+    plugs = any(weight is not None and weight.plug for weight in weights)
+    named = [name for name, there in (("bolted counterweights", bolted), ("plugs", plugs)) if there]
+    if not named:
+        return ""
+    way = "away from" if pull < 0 else "towards"
+    return f"; {abs(pull):,.0f} N {way} the pin by {' and '.join(named)} act on meshes, not on cells"
+
+
+def _own_stress(context: PlanningContext) -> Estimate:
     """Stress by the throw's own centrifugal load over that of the largest load: the root of their energies.
 
     Rods and pistons are left out: their pull is part of the radial force.
     """
-    pin, webs = context.own_centrifugal_N
+    (pin, webs), speed = context.own_centrifugal_N, context.top_speed_rpm
     energy = context.centrifugal_Nmm(pin, webs)
     dominant = max(MAIN_KINDS, key=lambda name: context.energy_Nmm[name])
     percent = 100 * math.sqrt(energy / context.energy_Nmm[dominant])
     because = (
-        f"outward {pin:,.0f} N of the crankpin and {webs:,.0f} N of the webs at {context.top_speed_rpm:g} rpm"
-        f"{left_out}: stress about {percent:.3g} % of {dominant}'s"
+        f"outward {pin:,.0f} N of the crankpin and {webs:,.0f} N of the webs at {speed:g} rpm: "
+        f"stress about {percent:.3g} % of {dominant}'s"
     )
     return Estimate(percent, because, f"stress about {percent:.3g} %", context.costing.load_case())
 

@@ -8,8 +8,9 @@ from functools import cached_property
 import numpy as np
 
 from cranktopo.base.units import MM_PER_M, angular_speed_rad_s
+from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.halves import halves
+from cranktopo.design.halves import halves, of_halves
 from cranktopo.design.misfire import all_firing
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse
@@ -106,24 +107,41 @@ class PlanningContext:
 
     @property
     def centrifugal_N(self) -> tuple[float, float]:
-        """Outward force on the pin at the top speed, its own and that of the rods, and of both webs, N."""
+        """Outward force on the pin at the top speed, its own and that of the rods, and of both webs, N.
+
+        On cells, which leave out the pull of what is fastened to the webs.
+        """
         pin, webs = self.own_centrifugal_N
-        return self.overspeed_pull_N + pin, webs
+        return self.overspeed_pull_N + pin, webs - self.fastened_N
+
+    @property
+    def fastened_N(self) -> float:
+        """Outward pull of bolted counterweights and plugs on both webs at the top speed, N."""
+        kg_mm = sum(of_halves(self.scene, lambda half: bolted_mass(half).first_y))
+        return kg_mm / MM_PER_M * angular_speed_rad_s(self.top_speed_rpm) ** 2
 
     @property
     def own_centrifugal_N(self) -> tuple[float, float]:
-        """The same without rods and pistons, whose pull is part of the radial force."""
+        """The same on meshes, all of the webs' pull, without rods and pistons: theirs is a radial force."""
         throw = self.rotating(self.top_speed_rpm).throw_N
         webs = sum(self.balance.web_kg_mm) / MM_PER_M * angular_speed_rad_s(self.top_speed_rpm) ** 2
         return throw - webs, webs
 
-    def centrifugal_Nmm(self, pin: float, webs: float) -> float:
-        """Energy of bending by pin and webs, N, and of webs that their counterweights stretch."""
+    def centrifugal_Nmm(self, pin: float, webs: float, *, fastened: bool = True) -> float:
+        """Energy of bending by pin and webs, N, and of webs that their counterweights stretch.
+
+        Args:
+            fastened: bolted counterweights and plugs stretch them, too.
+        """
         bent = radial_energy_Nmm(strip_features(self.scene, "fillets"), pin, webs / 2)
         per_kg_mm = angular_speed_rad_s(self.top_speed_rpm) ** 2 / MM_PER_M
         own = zip(self.balance.own_counterweights_kg_mm, self.balance.own_counterweights_kg, strict=True)
         return bent + sum(
-            web_stretch_energy_Nmm(half, moment * per_kg_mm, abs(moment) / kg)
+            web_stretch_energy_Nmm(
+                half,
+                (moment if fastened else moment + bolted_mass(half).first_y) * per_kg_mm,
+                abs(moment) / kg,
+            )
             for half, (moment, kg) in zip(halves(self.scene), own, strict=True)
             if kg
         )

@@ -146,7 +146,7 @@ def mean_displacement(model: Elasticity, axis: int, z_from_mm: float, z_to_mm: f
     """
     elements, inside = _between(model, z_from_mm, z_to_mm)
     mean = np.zeros(model.nodes_mm.shape)
-    mean[axis] = _gathered(model, elements, inside) / inside.sum()
+    mean[axis] = gathered(model, elements, inside) / inside.sum()
     return mean.T.ravel()
 
 
@@ -155,11 +155,11 @@ def _between(model: Elasticity, z_from_mm: float, z_to_mm: float) -> tuple[NDArr
     heights = model.mesh.p[2][model.mesh.t]
     reach = (heights.max(axis=0) > z_from_mm + _PLANE_MM) & (heights.min(axis=0) < z_to_mm - _PLANE_MM)
     elements = np.nonzero(reach)[0]
-    (_, _, z), dx = _load_points(model, elements)
+    (_, _, z), dx = load_points(model, elements)
     return elements, dx * ((z > z_from_mm - _PLANE_MM) & (z < z_to_mm + _PLANE_MM))
 
 
-def _load_points(model: Elasticity, elements: NDArray[np.intp]) -> tuple[Array, Array]:
+def load_points(model: Elasticity, elements: NDArray[np.intp]) -> tuple[Array, Array]:
     """Return the quadrature points of loads, (3, elements, points), and the weights of each, mm3."""
     points, weights = quadrature(LOAD_ORDER)
     reference, values = shape_gradients(points), shape_values(points)
@@ -170,7 +170,7 @@ def _load_points(model: Elasticity, elements: NDArray[np.intp]) -> tuple[Array, 
     return places, np.concatenate([_product(a, _crossed(b, c)) for a, b, c in parts]) * weights
 
 
-def _gathered(model: Elasticity, elements: NDArray[np.intp], weights: Array) -> Array:
+def gathered(model: Elasticity, elements: NDArray[np.intp], weights: Array) -> Array:
     """Return what weights at the points of loads give the nodes by the shape functions, (nodes,)."""
     points, _ = quadrature(LOAD_ORDER)
     values = shape_values(points) if model.order == 2 else points
@@ -191,10 +191,10 @@ def basis_above_plane(model: Elasticity, z_from_mm: float, z_to_mm: float = math
 def centrifugal_force(model: Elasticity, density_tonne_per_mm3: float) -> Array:
     """Return the nodal forces of rotation about the z axis at 1 rad/s, shape (unknowns,), N."""
     elements = np.arange(model.mesh.nelements)
-    places, dx = _load_points(model, elements)
+    places, dx = load_points(model, elements)
     force = np.zeros(model.nodes_mm.shape)
     for axis in (0, 1):
-        force[axis] = _gathered(model, elements, density_tonne_per_mm3 * places[axis] * dx)
+        force[axis] = gathered(model, elements, density_tonne_per_mm3 * places[axis] * dx)
     return force.T.ravel()
 
 
@@ -212,7 +212,7 @@ def mass_matrix(
     values = shape_values(points) if model.order == 2 else points
     pairs = (values[:, :, None] * values[:, None, :]).reshape(len(values), -1)
     dofs = (model.mesh.dofs.element_dofs if model.order == 2 else model.mesh.t)[:, chosen]
-    _, dx = _load_points(model, chosen)
+    _, dx = load_points(model, chosen)
     rows = np.broadcast_to(dofs[:, None, :], (len(dofs), *dofs.shape))
     mass = density_tonne_per_mm3 * (dx @ pairs).T.reshape(rows.shape)
     size = (model.nodes_mm.shape[1],) * 2

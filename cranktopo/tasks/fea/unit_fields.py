@@ -12,17 +12,12 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.frames import Span
 from cranktopo.base.notes import note
 from cranktopo.base.side_by_side import side_by_side
-from cranktopo.base.units import MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s, density_tonne_per_mm3
+from cranktopo.base.units import MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s
 from cranktopo.design.halves import default_element_size_mm, require_equal_halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.engine.load_case import LoadCase
-from cranktopo.numerics.tetrahedra.elasticity import (
-    Elasticity,
-    assemble,
-    centrifugal_force,
-    mean_displacement,
-)
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, mean_displacement
 from cranktopo.numerics.tetrahedra.solver import RESIDUAL_LIMIT
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, von_mises
 from cranktopo.tasks.fea.condense import (
@@ -38,6 +33,7 @@ from cranktopo.tasks.fea.condense import (
 )
 from cranktopo.tasks.fea.evaluation import mesh_target
 from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.fea.turning_load import turning_load
 
 FieldKind = Literal["moment", "side_moment", "bending", "tangential", "torsion", "centrifugal", "shaft"]
 _KINDS: tuple[FieldKind, ...] = ("moment", "side_moment", "bending", "tangential", "torsion", "centrifugal")
@@ -174,7 +170,7 @@ def unit_force(model: Elasticity, scene: Scene, kind: FieldKind, span: Span, lat
     Models like it make up the throw, and share the force on the pin.
     """
     if kind == "centrifugal":
-        return centrifugal_force(model, density_tonne_per_mm3(scene.material.density_kg_m3))
+        return turning_load(model, scene, span, lateral)
     models = (1 if span == "whole" else 2) * (1 if lateral == "none" else 2)
     return mean_displacement(model, 0, *loaded_mm(scene, span == "whole")) / models
 

@@ -10,16 +10,12 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import Span
 from cranktopo.base.side_by_side import side_by_side
-from cranktopo.base.units import MPA_PER_GPA, density_tonne_per_mm3
+from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.elasticity import (
-    Elasticity,
-    assemble,
-    centrifugal_force,
-    mean_displacement,
-)
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, mean_displacement
 from cranktopo.tasks.fea.condense import RX, UY, Lateral, Superelement, condense, loaded_mm
+from cranktopo.tasks.fea.turning_load import turning_load
 from cranktopo.tasks.shaft.assembly import SPLITS, symmetries, throw_matrix
 
 _PIN = ("radial", "tangential")
@@ -168,5 +164,5 @@ def _unit_loads(model: Elasticity, scene: Scene, span: Span, lateral: Lateral) -
         if span != "symmetric":
             found[f"{name} aside"] = (near - far) / 2 if span == "whole" else near
     if span != "antisymmetric" and lateral != "odd":
-        found["centrifugal"] = centrifugal_force(model, density_tonne_per_mm3(scene.material.density_kg_m3))
+        found["centrifugal"] = turning_load(model, scene, span, lateral)
     return found

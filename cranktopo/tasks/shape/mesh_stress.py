@@ -16,13 +16,14 @@ from cranktopo.base.units import MPA_PER_GPA, density_tonne_per_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import Loads, WebLoads
 from cranktopo.engine.judged_histories import histories_by_speed
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_force
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity
 from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes, mean_slopes, work_slopes
 from cranktopo.numerics.tetrahedra.unit_stress import UnitStress
 from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.safety_field import unit_loads
 from cranktopo.tasks.fatigue.stress_model import images_of
 from cranktopo.tasks.fea.condense import Lateral, Superelement, bending_motion, section_slopes, torsion_motion
+from cranktopo.tasks.fea.turning_load import turning_load
 from cranktopo.tasks.fea.unit_fields import FieldKind, UnitField, loaded, support_spring, twisted
 from cranktopo.tasks.shape.judged_throw import judged_throw, largest_stress, safety_by_lsa
 
@@ -142,7 +143,8 @@ class MeshStress:
             gradients += sign * mean_slopes(model, axis, scene.web_z_mm[1], adjoint) / (2 * block.parts)
         if kind == "centrifugal":
             density = density_tonne_per_mm3(scene.material.density_kg_m3)
-            load = centrifugal_force(model, density)
+            load = turning_load(model, scene, "symmetric", "even" if block.parts == 2 else "none")
+            # What is fastened to a web has a force of its own; how it spreads over the web counts as fixed.
             gradients += centrifugal_slopes(model, density, adjoint)
         gradients += section_slopes(model, load - model.stiffness @ moved, adjoint)
         gradients += section_slopes(model, force - model.stiffness @ adjoint, moved)

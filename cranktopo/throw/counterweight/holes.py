@@ -231,8 +231,8 @@ class Plug(DrilledHole):
     """Plug of heavy metal in a hole of a counterweight: a full cylinder, held by its fit or a bolt.
 
     An axial one begins at the face that the counterweight is flush with; a radial one sits in a hole from the
-    rim. Mass, unbalance and inertia count; the hole is empty for stiffness, stress, solids and meshes, and
-    the plug's own pull is no load.
+    rim. Mass, unbalance, inertia and pull count; the hole is empty for stiffness, stress, solids and meshes.
+    The pull acts on meshes, not on cells.
     """
 
     axis: Literal["axial", "radial"] = Field(examples=["axial"])
