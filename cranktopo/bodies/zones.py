@@ -1,4 +1,7 @@
-"""Parts of a web that stay as they are: in frozen zones, and outside those to remove material from."""
+"""Parts of a web that stay as they are: in frozen zones, and outside those to remove material from.
+
+What a bolted counterweight needs is a frozen zone too: its seat in the web stays, its own space stays empty.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +16,9 @@ from manifold3d import Manifold
 
 from cranktopo.base.spans import Section, common, polygon_section, section_difference, superpose_sections
 from cranktopo.bodies.envelope_file import SECTIONS, envelope_from_file
+from cranktopo.bodies.seat import seat_section, seat_solid, seat_z_mm
 from cranktopo.bodies.solid.files import kernel_surface_of
-from cranktopo.design.halves import has_zones
+from cranktopo.design.halves import keeps_parts
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import solid_of
 from cranktopo.throw.feature import DrilledBody
@@ -29,19 +33,25 @@ _BEYOND_MM = 1.0
 """Length by which a zone where material may be removed goes on beyond the web's faces."""
 
 
-def frozen_at(scene: Scene, z_mm: float) -> list[Section]:
-    """Return the frozen zones at a height, where nothing is designed."""
-    return [] if scene.envelope is None else _sections(scene, "frozen", z_mm)
+def frozen_at(scene: Scene, z_mm: float, *, seated: bool = True) -> list[Section]:
+    """Return the frozen zones at a height, where nothing is designed.
+
+    `seated`: with that of a bolted counterweight. Of webs by dimensions it moves with the outline.
+    """
+    if scene.envelope is None:
+        return []
+    seat = seat_section(scene, z_mm) if seated else None
+    return [*_sections(scene, "frozen", z_mm), *([seat] if seat else [])]
 
 
-def staying_at(scene: Scene, z_mm: float) -> Iterator[tuple[Section, bool]]:
+def staying_at(scene: Scene, z_mm: float, *, seated: bool = True) -> Iterator[tuple[Section, bool]]:
     """Yield what of the web stays as it is at a height: in frozen zones, and beside those to remove from.
 
     Each with whether it lies in what else would be designed.
     """
-    if scene.envelope is None or not has_zones(scene):
+    if scene.envelope is None or not keeps_parts(scene):
         return
-    own, frozen = own_section(scene, z_mm), frozen_at(scene, z_mm)
+    own, frozen = own_section(scene, z_mm), frozen_at(scene, z_mm, seated=seated)
     if frozen:
         yield common(own, frozen[0] if len(frozen) == 1 else superpose_sections(*frozen)), False
     if scene.envelope.removable:
@@ -83,19 +93,20 @@ def _slice(body: Manifold, z_mm: float) -> Section:
 
 def zone_heights_mm(scene: Scene) -> list[float]:
     """Return heights between which zones, and the web in them, have one section or change smoothly."""
-    if scene.envelope is None or not has_zones(scene):
+    if scene.envelope is None or not keeps_parts(scene):
         return []
     zones = (*scene.envelope.frozen, *scene.envelope.removable)
     found = [z for zone in zones for z in zone.z_mm if abs(z) < _FAR_MM * scene.throw.radius_mm]
     if scene.original is not None or any(zone.body_file for zone in zones):
         found += np.linspace(*scene.web_z_mm, SECTIONS + 1).tolist()
     bodies = web_bodies(scene) if scene.original is None else []
+    found += seat_z_mm(scene) or ()
     return found + [z for body in bodies for ends in (body.z_mm, *body.changing_z_mm) for z in ends]
 
 
 def zones_change(scene: Scene, z_mm: float) -> bool:
     """Tell whether the web that stays in zones changes along the crank axis at a height."""
-    bodies = web_bodies(scene) if has_zones(scene) and scene.original is None else []
+    bodies = web_bodies(scene) if keeps_parts(scene) and scene.original is None else []
     ranges = (ends for body in bodies if not isinstance(body, DrilledBody) for ends in body.changing_z_mm)
     return any(low < z_mm < high for low, high in ranges)
 
@@ -103,12 +114,12 @@ def zones_change(scene: Scene, z_mm: float) -> bool:
 @lru_cache(maxsize=4)
 def zone_solids(scene: Scene) -> tuple[Manifold, Manifold]:
     """Return what of the web stays, and what of zones stays empty, as bodies."""
-    if scene.envelope is None or not has_zones(scene):
+    if scene.envelope is None or not keeps_parts(scene):
         return Manifold(), Manifold()
     start, end = scene.web_z_mm
     own = _own_solid(scene)
     solids = (_solid(zone, key, start, end) for key, zone in _zones(scene, "frozen"))
-    frozen = reduce(operator.add, solids, Manifold())
+    frozen = reduce(operator.add, solids, seat_solid(scene))
     kept = own ^ frozen
     if scene.envelope.removable:
         ends = start - _BEYOND_MM, end + _BEYOND_MM

@@ -12,6 +12,7 @@ from cranktopo.base.units import plain_number
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Scene
+from cranktopo.design.seat import seat_mm
 from cranktopo.design.shaft import ROTORS, Rotor
 
 THROW, LOADS, SUPPORTS, ENVELOPE, FATIGUE = "throw", "engine", "supports", "envelope", "fatigue"
@@ -75,6 +76,8 @@ def assumptions(scene: Scene, tables: Sequence[str]) -> tuple[Assumption, ...]:
             found += _limits(scene)
         elif isinstance(value, SceneTable):
             found += _left_out(value, table)
+        if table == ENVELOPE and value is not None:
+            found += _seat(scene)
         if table == THROW and scene.throw.mirrored_web:
             meaning = "the half beyond the crankpin is taken as its mirror image"
             found.append(Assumption("throw.mirrored_web", scene.throw.mirrored_web, meaning))
@@ -117,6 +120,14 @@ def assumed_text(entries: Sequence[Assumption]) -> str:
 def assumed_json(entries: Sequence[Assumption]) -> list[dict[str, Any]]:
     """Return the entries of `assumed` in metrics.json."""
     return [asdict(item) for item in entries]
+
+
+def _seat(scene: Scene) -> Iterator[Assumption]:
+    """Yield that a bolted counterweight keeps its seat, which no key says."""
+    layer = seat_mm(scene)
+    if layer is not None:
+        meaning = f"{plain_number(layer, 3)} mm of the web along its inner face stay, its own space stays empty"
+        yield Assumption("envelope.frozen", "seat of web.counterweight", meaning)
 
 
 def _limits(scene: Scene) -> Iterator[Assumption]:

@@ -126,15 +126,20 @@ def envelope_asymmetry(scene: Scene) -> str:
 
 def _zones_asymmetry(scene: Scene) -> str:
     """Key of a zone without its mirror image, or of what of a web that has zones has none."""
-    if not has_zones(scene):
+    if scene.envelope is None or not keeps_parts(scene):
         return ""
-    assert scene.envelope is not None
     return zones_asymmetry(scene.envelope.frozen, scene.envelope.removable) or web_asymmetry(scene)
 
 
 def has_zones(scene: Scene) -> bool:
-    """Tell whether part of the web stays as it is."""
+    """Tell whether zones of the envelope keep part of the web as it is."""
     return scene.envelope is not None and bool(scene.envelope.frozen or scene.envelope.removable)
+
+
+def keeps_parts(scene: Scene) -> bool:
+    """Tell whether part of the web stays as it is: in zones, or below a bolted counterweight."""
+    weight = scene.web.counterweight
+    return has_zones(scene) or bool(scene.envelope and weight and weight.bolted)
 
 
 def without_zones(scene: Scene) -> Scene:

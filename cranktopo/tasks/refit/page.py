@@ -4,13 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cranktopo.base.units import stem_and_unit
-from cranktopo.report.page import Fact, Page, Section, pairs, versions_section, with_unit
+from cranktopo.base.units import plain_number, stem_and_unit
+from cranktopo.report.page import Fact, FactStatus, Page, Section, pairs, versions_section, with_unit
 from cranktopo.report.result_table import Column, ResultTable, labelled, tabulate, terminal
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
 from cranktopo.tasks.extraction.text import release_text, release_verdict
-from cranktopo.tasks.fea.quantities import estimate_line
-from cranktopo.tasks.refit.result import RefitResult, RefitStiffness, UnrepresentedRegion
+from cranktopo.tasks.fea.quantities import (
+    MASS,
+    NOTICEABLE_PERCENT,
+    estimate_line,
+    percent_change,
+    worse_line,
+)
+from cranktopo.tasks.refit.result import (
+    RefitResult,
+    RefitStiffness,
+    RefitThrows,
+    ThrowMasses,
+    UnrepresentedRegion,
+)
 from cranktopo.tasks.refit.select import FitTrial
 
 _FILES = ("report", "design", "step", "stl", "drawing", "drawing_svg", "json")
@@ -34,6 +46,7 @@ def refit_text(data: RefitResult) -> str:
     """Return the content of remodel.json for a terminal."""
     rows = [*_shape_rows(data), *_stiffness_rows(data.stiffness)]
     lines = [
+        *_worse(data),
         terminal(tabulate(_TRIALS, data.trials)),
         *_fit_lines(data),
         "",
@@ -57,8 +70,41 @@ def _shape_rows(data: RefitResult) -> list[tuple[str, str]]:
             "mass of the web",
             f"{mass.fitted:.3f} kg, body {mass.body:.3f} kg ({mass.difference_percent:+z.1f} %)",
         ),
+        *_throw_rows(data.throws),
         *_release_rows(data),
     ]
+
+
+def _throw_rows(throws: RefitThrows | None) -> list[tuple[str, str]]:
+    """Return mass and balance of the throw, of its body and of the original, each with its counterweights."""
+    if throws is None:
+        return []
+    named = {"body ": throws.body, **({"original ": throws.original} if throws.original else {})}
+    all_of = {"": throws.fitted, **named}
+    mass = [f"{name}{throw.mass_kg:.3f} kg" for name, throw in all_of.items()]
+    if throws.original:
+        mass[-1] += f" ({_heavier_percent(throws.fitted, throws.original):+z.1f} %)"
+    pull = [f"{name}{plain_number(throw.unbalance_kg_mm)} kg mm" for name, throw in all_of.items()]
+    rows = [("mass of the throw", ", ".join(mass)), ("unbalance", ", ".join(pull))]
+    factors = [(name, throw.balance_factor_percent) for name, throw in all_of.items()]
+    told = [f"{name}{plain_number(factor, 3)} %" for name, factor in factors if factor is not None]
+    return [*rows, *([("balance factor", ", ".join(told))] if told else [])]
+
+
+def _heavier_percent(throw: ThrowMasses, original: ThrowMasses) -> float:
+    return percent_change(throw.mass_kg, original.mass_kg)
+
+
+def _worse(data: RefitResult) -> list[str]:
+    """Return what is worse than the original web by mass and balance."""
+    throws = data.throws
+    if throws is None or throws.original is None:
+        return []
+    moved = [f"worse than the original web: {throws.moved.words}"] if throws.moved else []
+    heavier = worse_line({MASS: _heavier_percent(throws.fitted, throws.original)}, "the original web")
+    notes = [f"note: {throws.moved.told}"] if throws.moved else []
+    found = [*moved, *([heavier] if heavier else []), *notes]
+    return [*found, ""] if found else []
 
 
 def _release_rows(data: RefitResult) -> list[tuple[str, str]]:
@@ -145,15 +191,22 @@ def refit_page(
     data: RefitResult, bodies: tuple[ShownBody, ...], versions: Mapping[str, str | None], written: str
 ) -> Page:
     """Return the report of a re-model: the fitted half throw, and the body that it was fitted to."""
+    overlap = f"{100 * data.iou.web:.1f}"
     return Page(
         title=f"Re-modelled web {data.design}",
         subtitle=f"Fitted to the body of run {data.run}, {written}",
-        headline=f"The parametric web overlaps the body by {100 * data.iou.web:.1f} % (IoU).",
+        headline=" ".join([*_headline(data), f"The parametric web overlaps the body by {overlap} % (IoU)."]),
         facts=_facts(data),
         sections=(refit_section(data), _limits(data), versions_section(versions, data.files.as_json())),
         scene3d=Scene3D(bodies),
         picture=gallery_picture(bodies),
     )
+
+
+def _headline(data: RefitResult) -> list[str]:
+    """Return what is worse than the original web, in sentences."""
+    worse = [line for line in _worse(data) if line.startswith("worse")]
+    return [f"{line[0].upper()}{line[1:]}." for line in worse]
 
 
 def refit_section(data: RefitResult) -> Section:
@@ -183,6 +236,7 @@ def _facts(data: RefitResult) -> tuple[Fact, ...]:
             "neutral",
         )
     ]
+    facts += _throw_facts(data.throws)
     changes = {} if stiffness is None else stiffness.difference_percent
     for kind, label in _KINDS.items() if changes else ():
         change = f"{changes[kind]:+z.1f} %"
@@ -190,6 +244,21 @@ def _facts(data: RefitResult) -> tuple[Fact, ...]:
     distance = data.distance_mm
     note = f"{distance.mean:.2f} mm on average"
     return (*facts, Fact("Largest distance to the body", f"{distance.max:.1f} mm", note, "neutral"))
+
+
+def _throw_facts(throws: RefitThrows | None) -> list[Fact]:
+    """Return the mass of the throw, and where the balance factor went if no limit holds it there."""
+    if throws is None or throws.original is None:
+        return []
+    change = _heavier_percent(throws.fitted, throws.original)
+    note = f"{change:+z.1f} % against the original's {throws.original.mass_kg:.3f} kg"
+    status: FactStatus = "neutral" if abs(change) < NOTICEABLE_PERCENT else "bad" if change > 0 else "good"
+    facts = [Fact("Mass of the throw", f"{throws.fitted.mass_kg:.3f} kg", note, status)]
+    moved = throws.moved
+    if moved is not None:
+        value = f"{moved.original_percent:z.0f} -> {moved.balance_factor_percent:z.0f} %"
+        facts.append(Fact("Balance factor", value, moved.told, "bad"))
+    return facts
 
 
 def _limits(data: RefitResult) -> Section:

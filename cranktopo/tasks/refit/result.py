@@ -7,6 +7,7 @@ from typing import Any
 from pydantic import Field
 
 from cranktopo.base.result import UNLESS_NONE, FileName, Result
+from cranktopo.design.goal.balance_moved import MovedBalance
 from cranktopo.report.report_file import REPORT
 from cranktopo.tasks.extraction.result import ShapedUndercuts
 from cranktopo.tasks.fea.result import EvaluationResult
@@ -40,11 +41,38 @@ class SurfaceDistance(Result):
 
 
 class WebMasses(Result):
-    """Masses of fitted web and body, kg."""
+    """Masses of fitted web and body, kg, each with what is bolted to it."""
 
     fitted: float
     body: float
     difference_percent: float
+
+
+class ThrowMasses(Result):
+    """Mass and balance of a throw with what is bolted to its webs, rods left out but of the factor."""
+
+    mass_kg: float
+    unbalance_kg_mm: float
+    """Positive toward the crankpin."""
+    balance_factor_percent: float | None = UNLESS_NONE
+    """Of the oscillating mass; None where the design has none."""
+
+    @property
+    def quantities(self) -> dict[str, float]:
+        """Its balance by the names of the goal's quantities."""
+        factor = self.balance_factor_percent
+        return {"unbalance": self.unbalance_kg_mm, **({} if factor is None else {"balance_factor": factor})}
+
+
+class RefitThrows(Result):
+    """Throws of the original web, of the body of the run, which has no fillets, and of the fitted web."""
+
+    original: ThrowMasses | None
+    """None where a body from a file is the original."""
+    body: ThrowMasses
+    fitted: ThrowMasses
+    moved: MovedBalance | None = UNLESS_NONE
+    """Where the balance factor left the original's and no limit holds it."""
 
 
 class RefitStiffness(Result):
@@ -97,6 +125,8 @@ class RefitResult(Result):
     iou: Overlaps
     distance_mm: SurfaceDistance
     web_mass_kg: WebMasses
+    throws: RefitThrows | None = UNLESS_NONE
+    """None in results of an earlier version."""
     stiffness: RefitStiffness | None
     trials: list[FitTrial]
     overlap_by_start: list[float]

@@ -10,7 +10,6 @@ from pathlib import Path
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import as_path, write_json, write_text
 from cranktopo.base.notes import note
-from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.solid.files import export_solid, surface_of
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, toml_text
@@ -33,6 +32,7 @@ from cranktopo.tasks.fea.targets import Target, resolve_target
 from cranktopo.tasks.importing.imported_body import read_half_throw
 from cranktopo.tasks.refit.family import parameter_unit
 from cranktopo.tasks.refit.fit import FittedWeb, fit_web, usual_limits
+from cranktopo.tasks.refit.masses import throw_masses, web_masses
 from cranktopo.tasks.refit.page import refit_page
 from cranktopo.tasks.refit.process import fit_limits
 from cranktopo.tasks.refit.result import (
@@ -41,6 +41,7 @@ from cranktopo.tasks.refit.result import (
     RefitFiles,
     RefitResult,
     RefitStiffness,
+    RefitThrows,
     SurfaceDistance,
     UnrepresentedRegion,
     WebMasses,
@@ -84,7 +85,8 @@ def remodel_run(
         stiffness = _evaluated(target, fitted.scene) if evaluated else None
         undercuts = shaped_undercuts(half_throw, fitted.scene)
         total_s = time.perf_counter() - began
-        result = _result(run.name, fitted, near, limits, undercuts, stiffness, files, total_s)
+        weighed = web_masses(scene, fitted.scene, near), throw_masses(scene, fitted.scene, surface)
+        result = _result(run.name, fitted, near, weighed, limits, undercuts, stiffness, files, total_s)
         write_json(unfinished / files.result, result.as_json())
         _write_page(result, fitted.scene, half_throw, surface, unfinished)
         check()
@@ -160,6 +162,7 @@ def _result(
     run: str,
     fitted: FittedWeb,
     near: ShapeError,
+    weighed: tuple[WebMasses, RefitThrows],
     limits: ProcessLimits,
     undercuts: ShapedUndercuts,
     stiffness: RefitStiffness | None,
@@ -167,7 +170,6 @@ def _result(
     total_s: float,
 ) -> RefitResult:
     scene, body_mm3 = fitted.scene, near.body_web_volume_mm3
-    density = density_kg_per_mm3(scene.material.density_kg_m3)
     return RefitResult(
         run=run,
         design=scene.name,
@@ -180,11 +182,8 @@ def _result(
         distance_mm=SurfaceDistance(
             mean=near.mean_distance_mm, max=near.max_distance_mm, max_at=list(near.farthest_mm)
         ),
-        web_mass_kg=WebMasses(
-            fitted=density * near.web_volume_mm3,
-            body=density * body_mm3,
-            difference_percent=100 * (near.web_volume_mm3 / body_mm3 - 1),
-        ),
+        web_mass_kg=weighed[0],
+        throws=weighed[1],
         stiffness=stiffness,
         trials=list(fitted.trials),
         overlap_by_start=list(fitted.overlaps),

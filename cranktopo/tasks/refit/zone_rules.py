@@ -52,9 +52,9 @@ def zone_points(scene: Scene) -> ZonePoints | None:
     for z in _heights_mm(scene):
         holes = [hole.spans for hole in kept_holes(scene)]
         own = section_difference(own_section(scene, z), *holes)
-        stay = (section_difference(stays, *holes) for stays, _ in staying_at(scene, z))
+        stay = (section_difference(stays, *holes) for stays, _ in staying_at(scene, z, seated=False))
         solid += [_along_lines(scene, stays, own, z, solid=True) for stays in stay]
-        voids = (section_difference(zone, own, *holes) for zone in frozen_at(scene, z))
+        voids = (section_difference(zone, own, *holes) for zone in frozen_at(scene, z, seated=False))
         empty += [_along_lines(scene, void, own, z, solid=False) for void in voids]
     return ZonePoints(*(np.concatenate([np.zeros((3, 0)), *found], axis=1) for found in (solid, empty)))
 
