@@ -13,6 +13,7 @@ from cranktopo.base.frames import X
 from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.bodies.drill_tool import drill_tool, segments
 from cranktopo.bodies.envelope_file import envelope_from_file, envelope_z_mm, mirror_difference, through_holes
+from cranktopo.bodies.seat import seat_z_mm, sector_less_web
 from cranktopo.bodies.zones import zone_solids
 from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.schema import Scene
@@ -59,6 +60,15 @@ def feature_holes(scene: Scene) -> Manifold:
     """Return what no optimiser fills: holes of features, each as its tool, and empty parts of zones."""
     solids = (solid for body in kept_holes(scene) for solid in body.solids())
     return sum((_tool(solid) for solid in solids), zone_solids(scene)[1])
+
+
+def bolted_counterweight(scene: Scene) -> Manifold:
+    """Return a counterweight that is a part of its own, its holes and bevels cut; empty without one."""
+    weight, ends = scene.web.counterweight, seat_z_mm(scene)
+    if weight is None or ends is None:
+        return Manifold()
+    tools = (_tool(solid) for cut in weight.cuts(scene) for solid in cut.solids())
+    return _prism(sector_less_web(scene), *ends) - sum(tools, Manifold())
 
 
 def _tool(solid: Solid) -> Manifold:

@@ -41,14 +41,26 @@ def seat_solid(scene: Scene) -> Manifold:
     return _zone(scene).extrude(ends[1] - ends[0]).translate((0.0, 0.0, ends[0]))
 
 
+def sector_less_web(scene: Scene) -> CrossSection:
+    """Return the sector of a counterweight outside the outline of its web; empty without a bolted one."""
+    if seat_z_mm(scene) is None:
+        return CrossSection()
+    return _sector(scene) - CrossSection([_outline_mm(scene)], FillRule.NonZero)
+
+
 @lru_cache(maxsize=8)
 def _zone(scene: Scene) -> CrossSection:
     """Return the sector of the counterweight less what of the web lies deeper than the seat."""
-    weight, layer = scene.web.counterweight, seat_mm(scene)
-    assert weight is not None and layer is not None
-    sector = CrossSection([weight.sector(scene).polygon_mm(lambda _: _SIDES)], FillRule.NonZero)
+    layer = seat_mm(scene)
+    assert layer is not None
     deeper = CrossSection([_outline_mm(scene)], FillRule.NonZero).offset(-layer, JoinType.Round)
-    return sector - deeper
+    return _sector(scene) - deeper
+
+
+def _sector(scene: Scene) -> CrossSection:
+    weight = scene.web.counterweight
+    assert weight is not None
+    return CrossSection([weight.sector(scene).polygon_mm(lambda _: _SIDES)], FillRule.NonZero)
 
 
 def _outline_mm(scene: Scene) -> Array:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterator
 from typing import Any
 
 from cranktopo.design.bolt import BoltedJoint
 from cranktopo.design.checks.bolts import bolts_of
 from cranktopo.design.halves import difference
+from cranktopo.design.material import Material, material_library
 from cranktopo.design.rod import Rod
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import Carried, ShaftTable
@@ -37,14 +39,50 @@ def idle_keys(scene: Scene, given: dict[str, Any]) -> tuple[str, ...]:
     return tuple(f"{table}.{key}: {why}" for table, key, why in _idle(scene) if _stands(given, table, key))
 
 
-def _stands(given: Any, table: str, key: str) -> bool:
-    """Tell whether a table of a design, such as `bolted_joint[1]`, has a key."""
+def without_idle_keys(scene: Scene, data: dict[str, Any]) -> dict[str, Any]:
+    """Return the tables of a scene without keys that change nothing and that nobody needs to have given.
+
+    A stored scene has every key, also those that a default, a library or `[rod]` filled in.
+    """
+    found = copy.deepcopy(data)
+    for table, key, _ in _idle(scene):
+        if _stands(found, table, key) and _taken_as_usual(scene, table, key):
+            del _table(found, table)[key]
+    return found
+
+
+def _taken_as_usual(scene: Scene, table: str, key: str) -> bool:
+    """Tell whether a key has its default, is of the library of materials, or was computed from `[rod]`."""
+    if table == "engine.masses":
+        return True
+    model: Any = scene
+    for name, place in _steps(table):
+        model = getattr(model, name)
+        model = model if place is None else model[place]
+    known = material_library().get(model.name, {}) if isinstance(model, Material) else {}
+    return bool(getattr(model, key) in (type(model).model_fields[key].default, known.get(key)))
+
+
+def _table(data: Any, table: str) -> Any:
+    """Return a table of plain data; None where it is not there."""
+    for name, place in _steps(table):
+        data = data.get(name) if isinstance(data, dict) else None
+        if place is not None:
+            data = data[place] if isinstance(data, list) else None
+    return data
+
+
+def _steps(table: str) -> Iterator[tuple[str, int | None]]:
+    """Yield the parts of a path such as `bolted_joint[1]`, each with its place in a list."""
     for part in table.split("."):
         name, _, place = part.rstrip("]").partition("[")
-        given = given.get(name) if isinstance(given, dict) else None
-        if place:
-            given = given[int(place)] if isinstance(given, list) else None
-    return isinstance(given, dict) and key in given
+        yield name, int(place) if place else None
+
+
+def _stands(given: Any, table: str, key: str) -> bool:
+    """Tell whether a table of a design, such as `bolted_joint[1]`, has a key."""
+    found = _table(given, table)
+    return isinstance(found, dict) and key in found
 
 
 def _idle(scene: Scene) -> Iterator[_Idle]:

@@ -11,6 +11,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import as_path, write_text
 from cranktopo.design.assumed import Assumption, assumed_json
 from cranktopo.design.halves import halves
+from cranktopo.design.idle_keys import without_idle_keys
 from cranktopo.design.loading import (
     design_text,
     load_scene,
@@ -61,11 +62,13 @@ def design_from_run(run: RunStore) -> Scene:
 def toml_text(scene: Scene, heading: str, *, with_defaults: bool = False) -> str:
     """Return the scene as TOML below a comment; what was assumed stays out, so that commands go on saying so.
 
+    A scene that was stored has every key: of these stay out those that change nothing beside the others.
     `with_defaults` writes these values out: a record holds them whatever later versions assume.
     """
     import tomlkit
 
     data = scene.model_dump(mode="json", exclude_none=True, exclude_unset=not with_defaults)
+    data = data if with_defaults else without_idle_keys(scene, data)
     return f"# {heading}\n{tomlkit.dumps(data)}"
 
 

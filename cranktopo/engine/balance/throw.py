@@ -44,6 +44,7 @@ class ThrowBalance:
         web_kg_mm: unbalance of each web with its counterweight, first and second.
         own_counterweights_kg: mass that its counterweight adds to each web.
         own_counterweights_kg_mm: unbalance that its counterweight takes away from each web.
+        bolted_kg: mass of what is bolted to each web or let in, of another material than the throw.
     """
 
     mass_kg: float
@@ -61,6 +62,7 @@ class ThrowBalance:
     web_kg_mm: tuple[float, float]
     own_counterweights_kg: tuple[float, float]
     own_counterweights_kg_mm: tuple[float, float]
+    bolted_kg: tuple[float, float]
 
     @property
     def own_counterweight_kg_mm(self) -> float:
@@ -103,6 +105,7 @@ def throw_balance(scene: Scene) -> ThrowBalance:
         web_kg_mm=(first.web.first_y, second.web.first_y),
         own_counterweights_kg=(own[0].volume, own[1].volume),
         own_counterweights_kg_mm=(0.0 - own[0].first_y, 0.0 - own[1].first_y),
+        bolted_kg=(first.bolted.volume, second.bolted.volume),
     )
 
 
@@ -115,6 +118,7 @@ class _Half:
     crankpin: Moments
     fillets: Moments
     counterweight: Moments
+    bolted: Moments
 
 
 def _half(scene: Scene) -> _Half:
@@ -135,6 +139,7 @@ def _half_alone(scene: Scene) -> _Half:
         crankpin=crankpin.times(density),
         fillets=fillets.times(density / 2),
         counterweight=counterweight_mass(scene),
+        bolted=bolted_mass(scene),
     )
 
 

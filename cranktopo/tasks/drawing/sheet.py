@@ -126,7 +126,6 @@ def pages_figure(pages: Sequence[SheetPage], written: datetime, reduced: bool = 
 
 def _page(sheet: Sheet, balance: ThrowBalance) -> SheetPage:
     scene, symmetric = sheet.scene, ["Web symmetric in x."] * (not web_asymmetry(sheet.scene))
-    web_kg = balance.second_web_kg if sheet.half == "second" else balance.web_kg
     return SheetPage(
         rooms=sheet.rooms,
         views=tuple(
@@ -135,7 +134,7 @@ def _page(sheet: Sheet, balance: ThrowBalance) -> SheetPage:
         lines=table_lines(sheet),
         title=f"{scene.name}: crank throw, {_SHOWN[sheet.half]}",
         material=scene.material.name,
-        mass=f"throw {balance.mass_kg:.3f} kg, {sheet.half or 'one'} web {web_kg:.3f} kg",
+        mass=_mass_text(sheet, balance),
         notes=[
             *surface_notes(scene.drawing),
             *strength_notes(scene),
@@ -144,6 +143,15 @@ def _page(sheet: Sheet, balance: ThrowBalance) -> SheetPage:
         ],
         ghost="" if sheet.body is None else "body that was re-modelled",
     )
+
+
+def _mass_text(sheet: Sheet, balance: ThrowBalance) -> str:
+    """Return the masses of what the drawing's material makes, and of what is bolted on or let in beside it."""
+    second = sheet.half == "second"
+    web_kg = (balance.second_web_kg if second else balance.web_kg) - balance.bolted_kg[second]
+    beside = sum(balance.bolted_kg)
+    own = f"throw {balance.mass_kg - beside:.3f} kg, {sheet.half or 'one'} web {web_kg:.3f} kg"
+    return f"{own}; bolted on {beside:.3f} kg" if beside else own
 
 
 def _on_sheet(view: Callable[[Any, Sheet, float], None], sheet: Sheet, axes: Any, scale: float) -> None:

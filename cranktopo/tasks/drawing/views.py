@@ -14,7 +14,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.spans import polygon_section
-from cranktopo.bodies.prisms import web_region
+from cranktopo.bodies.prisms import bolted_counterweight, web_region
 from cranktopo.design.schema import Scene
 from cranktopo.report.drafting import (
     DROP_MM,
@@ -50,6 +50,8 @@ _OUTLET_MM = 3.0
 """Paper from a journal to the dimension of an outlet along it."""
 _SLIT_MM = 1e-3
 """Width of a slit, and height of a corner, that no drawing shows."""
+_OTHER_PART = "\\\\\\\\"
+"""Hatch of a part beside the one that is drawn."""
 _TEXT_MM = 46.0
 """Paper beside the front view for the stations of the outline."""
 
@@ -111,6 +113,11 @@ class Sheet:
         own = self.scene.web.half_width_mm(self.scene.throw.radius_mm, place)
         return float(max([own[0], *(right[0] for _, right in spans)]))
 
+    @cached_property
+    def bolted(self) -> Manifold:
+        """The counterweight that is a part of its own, bolted to the web; empty without one."""
+        return bolted_counterweight(self.scene)
+
     @property
     def places(self) -> list[tuple[float, float]]:
         """Points (x, y) that are dimensioned from both axes."""
@@ -167,6 +174,8 @@ def front_body(axes: Any, sheet: Sheet) -> None:
     """Draw what is seen along the crank axis from the crankpin side, without dimensions."""
     y, half = outline_points(sheet.scene)
     hatched(axes, _with_added(sheet, np.column_stack([np.r_[half, -half[::-1]], np.r_[y, y[::-1]]])), "")
+    if not sheet.bolted.is_empty():
+        hatched(axes, silhouette(sheet.bolted), "")
     if sheet.body is not None:
         ghost(axes, silhouette(sheet.body))
     _journals(axes, sheet.scene)
@@ -204,9 +213,16 @@ def _stations(axes: Any, web: ProfileWeb) -> Iterator[NamedPoint]:
         yield (x, y), f"{number}:  y {y:.2f}, x {x:.2f}"
 
 
+def _bolted_cut(axes: Any, polygons: list[Array]) -> None:
+    """Draw the cut of a bolted counterweight, hatched the other way than the part beside it."""
+    if polygons:
+        hatched(axes, polygons, _OTHER_PART)
+
+
 def lengthwise_body(axes: Any, sheet: Sheet, over_mm: float) -> None:
     """Draw the body cut through both axes, and these, which end so far beyond it; without dimensions."""
     hatched(axes, section_x(sheet.solid))
+    _bolted_cut(axes, section_x(sheet.bolted))
     if sheet.body is not None:
         ghost(axes, section_x(sheet.body))
     for centre in (0.0, sheet.scene.throw.radius_mm):
@@ -255,6 +271,7 @@ def _dimensioned(sheet: Sheet, y_mm: float) -> bool:
 def cross_body(axes: Any, sheet: Sheet, y_mm: float) -> None:
     """Draw the web cut across the throw, without dimensions."""
     hatched(axes, section_y(web_region(sheet.solid, sheet.scene), y_mm))
+    _bolted_cut(axes, section_y(sheet.bolted, y_mm))
     if sheet.body is not None:
         ghost(axes, section_y(web_region(sheet.body, sheet.scene), y_mm))
 
@@ -281,8 +298,10 @@ def cross_section(axes: Any, sheet: Sheet, scale: float) -> None:
 
 
 def _with_added(sheet: Sheet, outline: Array) -> list[Array]:
-    """Return the outline, (n, 2), and what features add to it, as polygons."""
-    added = [np.array(feature.added) for feature in sheet.features if feature.added]
+    """Return the outline, (n, 2), and what features add to it, as polygons; a bolted part is none of it."""
+    weight = sheet.scene.web.counterweight
+    apart = weight.drawing(sheet.scene).added if weight is not None and weight.bolted else ()
+    added = [np.array(one.added) for one in sheet.features if one.added and one.added != apart]
     if not added:
         return [outline]
     from manifold3d import CrossSection, FillRule

@@ -11,6 +11,7 @@ from cranktopo.base.notes import redirected
 from cranktopo.design.idle_keys import idle_keys
 from cranktopo.design.loading import builtin_designs, designs_folder, load_scene, scene_from_dict
 from cranktopo.design.toml_text import parse_toml
+from cranktopo.design.writing import toml_text
 from tests.hostile.scenes import dumped
 from tests.keys.readings import of_scene
 from tests.keys.scenes import Data, builtin, changed, files, resolved, throw, twin, web
@@ -154,3 +155,25 @@ def test_what_acts_is_not_told() -> None:
     ]
     for data in acting:
         assert idle_keys(scene_from_dict(data, whole=True), data) == ()
+
+
+@pytest.mark.parametrize("case", CASES, ids=[f"{case[0]} {case[2]}" for case in CASES])
+def test_a_stored_scene_is_written_without_what_nobody_gave_and_changes_nothing(
+    case: Case, tmp_path: Path
+) -> None:
+    """A run holds every key; the design written of it reads back the same, and nothing of it is told."""
+    _, data, key, _, _ = case
+    files(tmp_path)
+    plain = scene_from_dict(resolved(changed(data, {key: None}), tmp_path), whole=True)
+    stored = scene_from_dict(plain.model_dump(mode="json"), whole=True)
+    written = parse_toml(toml_text(stored, "of a run"), "written")
+    again = scene_from_dict(written, whole=True)
+    assert again == stored
+    assert not [line for line in idle_keys(again, written) if line.startswith(f"{key}: ")]
+
+
+def test_what_a_user_gave_is_written_and_told_though_it_changes_nothing() -> None:
+    data = joint(shank_diameter_mm=9.0)
+    written = parse_toml(toml_text(scene_from_dict(data, whole=True), "given"), "written")
+    assert written["bolted_joint"][0]["shank_diameter_mm"] == 9.0
+    assert idle_keys(scene_from_dict(written, whole=True), written)
