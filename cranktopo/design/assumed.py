@@ -18,6 +18,8 @@ from cranktopo.design.shaft import ROTORS, Rotor
 THROW, LOADS, SUPPORTS, ENVELOPE, FATIGUE = "throw", "engine", "supports", "envelope", "fatigue"
 GOAL, VIBRATION = "goal", "shaft"
 """Tables of the scene whose assumptions a command may ask for."""
+SEAT = "seat"
+"""No table: what a density optimisation keeps for a bolted counterweight."""
 EVALUATED = (THROW, SUPPORTS)
 """Tables that the stiffnesses of a throw depend on."""
 SHAFT = (THROW, "engine.strokes", "engine.cylinders", "engine.masses")
@@ -71,12 +73,12 @@ def assumptions(scene: Scene, tables: Sequence[str]) -> tuple[Assumption, ...]:
     """
     found: list[Assumption] = []
     for table in tables:
-        value = getattr(scene, table)
+        value = getattr(scene, table, None)
         if table == GOAL:
             found += _limits(scene)
         elif isinstance(value, SceneTable):
             found += _left_out(value, table)
-        if table == ENVELOPE and value is not None:
+        if table == SEAT:
             found += _seat(scene)
         if table == THROW and scene.throw.mirrored_web:
             meaning = "the half beyond the crankpin is taken as its mirror image"
@@ -126,7 +128,9 @@ def _seat(scene: Scene) -> Iterator[Assumption]:
     """Yield that a bolted counterweight keeps its seat, which no key says."""
     layer = seat_mm(scene)
     if layer is not None:
-        meaning = f"{plain_number(layer, 3)} mm of the web along its inner face stay, its own space stays empty"
+        meaning = (
+            f"{plain_number(layer, 3)} mm of the web along its inner face stay, its own space stays empty"
+        )
         yield Assumption("envelope.frozen", "seat of web.counterweight", meaning)
 
 

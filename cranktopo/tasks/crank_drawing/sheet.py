@@ -111,7 +111,7 @@ def crank_figure(
         notes=_notes(scene, shape),
         title=f"{scene.name}: crankshaft",
         number=number,
-        mass=f"{finished_mass_kg(scene, shape):.3f} kg",
+        mass=_mass_text(scene, shape),
         webs=True,
         written=written,
     )
@@ -232,6 +232,13 @@ def _end_lines(shape: CrankShape) -> list[str]:
             subsequent_indent="   ",
         )
     return ["ENDS of the crank, from the free end", *lines] if lines else []
+
+
+def _mass_text(scene: Scene, shape: CrankShape) -> str:
+    """Return the mass of what the crank's material makes, and of what is bolted on or let in beside it."""
+    beside = sum(sum(throw_balance(throw.scene).bolted_kg) for throw in shape.throws)
+    own = f"{finished_mass_kg(scene, shape) - beside:.3f} kg"
+    return f"{own}; bolted on {beside:.3f} kg" if beside else own
 
 
 def finished_mass_kg(scene: Scene, shape: CrankShape) -> float:

@@ -17,6 +17,7 @@ from cranktopo.design.assumed import (
     ENVELOPE,
     GOAL,
     LOADS,
+    SEAT,
     SUPPORTS,
     THROW,
     VIBRATION,
@@ -64,7 +65,7 @@ _LIBRARIES = (
     "jinja2",
 )
 """Libraries that the end of a run imports, half a second's worth."""
-RUN_TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, GOAL)
+RUN_TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, SEAT, GOAL)
 """Tables of a scene that an optimisation uses."""
 
 
