@@ -128,9 +128,8 @@ def _seat(scene: Scene) -> Iterator[Assumption]:
     """Yield that a bolted counterweight keeps its seat, which no key says."""
     layer = seat_mm(scene)
     if layer is not None:
-        meaning = (
-            f"{plain_number(layer, 3)} mm of the web along its inner face stay, its own space stays empty"
-        )
+        kept = f"{plain_number(layer, 3)} mm of the web along its inner face stay"
+        meaning = f"{kept}, its own space stays empty"
         yield Assumption("envelope.frozen", "seat of web.counterweight", meaning)
 
 

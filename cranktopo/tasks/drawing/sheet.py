@@ -146,7 +146,7 @@ def _page(sheet: Sheet, balance: ThrowBalance) -> SheetPage:
 
 
 def _mass_text(sheet: Sheet, balance: ThrowBalance) -> str:
-    """Return the masses of what the drawing's material makes, and of what is bolted on or let in beside it."""
+    """Return the masses of what the material makes, and of what is bolted on or let in beside it."""
     second = sheet.half == "second"
     web_kg = (balance.second_web_kg if second else balance.web_kg) - balance.bolted_kg[second]
     beside = sum(balance.bolted_kg)

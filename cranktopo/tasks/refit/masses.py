@@ -11,7 +11,7 @@ from cranktopo.design.goal.balance_moved import balance_moved
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.tasks.refit.result import RefitThrows, ThrowMasses, WebMasses
+from cranktopo.tasks.refit.result import RefitThrow, RefitThrows, WebMasses
 from cranktopo.tasks.refit.shape_error import ShapeError
 from cranktopo.throw.moments import Moments
 
@@ -39,22 +39,22 @@ def web_masses(run: Scene, fitted: Scene, near: ShapeError) -> WebMasses:
     return WebMasses(fitted=web, body=body, difference_percent=100 * (web / body - 1))
 
 
-def _of_scene(scene: Scene) -> ThrowMasses:
+def _of_scene(scene: Scene) -> RefitThrow:
     found = throw_balance(scene)
-    return ThrowMasses(
+    return RefitThrow(
         mass_kg=found.mass_kg,
         unbalance_kg_mm=found.throw_unbalance_kg_mm,
         balance_factor_percent=found.balance_factor_percent,
     )
 
 
-def _of_body(scene: Scene, surface: SurfaceMesh) -> ThrowMasses:
+def _of_body(scene: Scene, surface: SurfaceMesh) -> RefitThrow:
     a, b, c = np.moveaxis(surface.corners_mm, 1, 0)
     volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6  # tetrahedra from the origin
     first_y = float(volumes @ (a + b + c)[:, 1]) / 4
     steel = Moments(float(volumes.sum()), 0.0, first_y, 0.0)
     half = steel.times(density_kg_per_mm3(scene.material.density_kg_m3)) + bolted_mass(scene)
-    return ThrowMasses(
+    return RefitThrow(
         mass_kg=2 * half.volume,
         unbalance_kg_mm=2 * half.first_y,
         balance_factor_percent=balance_factor_percent(scene, 2 * half.first_y),

@@ -19,8 +19,8 @@ from cranktopo.tasks.fea.quantities import (
 from cranktopo.tasks.refit.result import (
     RefitResult,
     RefitStiffness,
+    RefitThrow,
     RefitThrows,
-    ThrowMasses,
     UnrepresentedRegion,
 )
 from cranktopo.tasks.refit.select import FitTrial
@@ -91,7 +91,7 @@ def _throw_rows(throws: RefitThrows | None) -> list[tuple[str, str]]:
     return [*rows, *([("balance factor", ", ".join(told))] if told else [])]
 
 
-def _heavier_percent(throw: ThrowMasses, original: ThrowMasses) -> float:
+def _heavier_percent(throw: RefitThrow, original: RefitThrow) -> float:
     return percent_change(throw.mass_kg, original.mass_kg)
 
 

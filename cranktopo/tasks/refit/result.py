@@ -48,7 +48,7 @@ class WebMasses(Result):
     difference_percent: float
 
 
-class ThrowMasses(Result):
+class RefitThrow(Result):
     """Mass and balance of a throw with what is bolted to its webs, rods left out but of the factor."""
 
     mass_kg: float
@@ -67,12 +67,12 @@ class ThrowMasses(Result):
 class RefitThrows(Result):
     """Throws of the original web, of the body of the run, which has no fillets, and of the fitted web."""
 
-    original: ThrowMasses | None
+    original: RefitThrow | None
     """None where a body from a file is the original."""
-    body: ThrowMasses
-    fitted: ThrowMasses
+    body: RefitThrow
+    fitted: RefitThrow
     moved: MovedBalance | None = UNLESS_NONE
-    """Where the balance factor left the original's and no limit holds it."""
+    """A balance factor that left the original's and that no limit holds."""
 
 
 class RefitStiffness(Result):

@@ -66,7 +66,8 @@ def test_cells_of_the_seat_are_solid_and_those_of_the_counterweight_are_no_desig
     r, off_axis = np.hypot(x, y), np.degrees(np.arctan2(np.abs(x), -y))
     seat = web & (r > 21.0) & (r < 27.0) & (off_axis < 50.0)
     space = web & (r > 33.0) & (r < 59.0) & (off_axis < 50.0)
-    assert seat.sum() > 100 and space.sum() > 1000
+    assert seat.sum() > 100
+    assert space.sum() > 1000
     np.testing.assert_allclose(domain.passive_fraction[seat], 1.0, atol=1e-6)
     assert not domain.design_fraction[seat].any()
     assert not (domain.design_fraction + domain.passive_fraction)[space].any()

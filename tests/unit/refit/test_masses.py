@@ -10,9 +10,10 @@ from cranktopo.design.goal.balance_moved import MovedBalance
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import mesh_of
+from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.tasks.refit.masses import throw_masses, web_masses
 from cranktopo.tasks.refit.page import refit_page, refit_text
-from cranktopo.tasks.refit.result import RefitResult, RefitThrows, ThrowMasses
+from cranktopo.tasks.refit.result import RefitResult, RefitThrow, RefitThrows
 from cranktopo.tasks.refit.shape_error import ShapeError
 from tests.unit.bodies.test_seat import HEAVY, WEIGHT, with_weight
 from tests.unit.refit.test_remodel_page import data
@@ -33,7 +34,7 @@ def heavier(scene: Scene) -> Scene:
 
 
 def test_a_body_has_its_steel_and_what_is_bolted_to_both_webs() -> None:
-    """By hand: a block of steel on either side of the mid-pin plane, and a sector of heavy metal less a disc."""
+    """By hand: a block of steel on either side of the mid-pin plane, a sector of heavy metal less a disc."""
     scene = with_weight(WEIGHT)
     low, size = (-10.0, 20.0, 0.0), (20.0, 30.0, 50.0)
     body = throw_masses(scene, scene, block(low, size)).body
@@ -78,9 +79,9 @@ def test_a_body_of_a_file_has_no_original_to_compare_with() -> None:
 def test_what_got_worse_comes_first(data: RefitResult) -> None:
     moved = MovedBalance(balance_factor_percent=64.0, original_percent=50.6, told="it moved")
     throws = RefitThrows(
-        original=ThrowMasses(mass_kg=5.0, unbalance_kg_mm=-39.2, balance_factor_percent=50.6),
-        body=ThrowMasses(mass_kg=4.9, unbalance_kg_mm=-36.9, balance_factor_percent=43.8),
-        fitted=ThrowMasses(mass_kg=5.2, unbalance_kg_mm=-44.1, balance_factor_percent=64.0),
+        original=RefitThrow(mass_kg=5.0, unbalance_kg_mm=-39.2, balance_factor_percent=50.6),
+        body=RefitThrow(mass_kg=4.9, unbalance_kg_mm=-36.9, balance_factor_percent=43.8),
+        fitted=RefitThrow(mass_kg=5.2, unbalance_kg_mm=-44.1, balance_factor_percent=64.0),
         moved=moved,
     )
     told = data.model_copy(update={"throws": throws})
@@ -92,7 +93,9 @@ def test_what_got_worse_comes_first(data: RefitResult) -> None:
     assert "mass of the throw 5.200 kg, body 4.900 kg, original 5.000 kg (+4.0 %)" in text
     assert "unbalance -44.1 kg mm, body -36.9 kg mm, original -39.2 kg mm" in text
     assert "balance factor 64 %, body 43.8 %, original 50.6 %" in text
-    page = refit_page(told, (), {}, "2026-01-01")
+    scene = with_weight(WEIGHT)
+    shown = ShownBody("body", block((0.0, 0.0, 0.0), (9.0, 9.0, 50.0)), scene.web_z_mm, scene.pitch_mm / 2)
+    page = refit_page(told, (shown, shown), {}, "2026-01-01")
     assert page.headline.startswith("Worse than the original web: balance factor 64 %")
     facts = {fact.label: fact for fact in page.facts}
     assert facts["Mass of the throw"].status == "bad"

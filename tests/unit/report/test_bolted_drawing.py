@@ -13,12 +13,12 @@ from cranktopo.bodies.prisms import bolted_counterweight
 from cranktopo.bodies.volume import counterweight_mass
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.tasks.drawing.sheet import _mass_text
+from cranktopo.tasks.drawing.sheet import drawing_figures
 from cranktopo.tasks.drawing.views import Sheet, cross_body, front_body, lengthwise_body
 from tests.unit.bodies.test_seat import HEAVY, WEIGHT, with_weight
 
 ONE_PIECE = {**WEIGHT, "density_kg_m3": None}
-HOLED = {**WEIGHT, "hole": [{"axis": "axial", "diameter_mm": 8.0, "radius_mm": 50.0}]}
+HOLED = {**WEIGHT, "hole": [{"diameter_mm": 8.0, "depth_mm": 15.0}]}
 
 
 def sheet_of(scene: Scene) -> Sheet:
@@ -26,6 +26,12 @@ def sheet_of(scene: Scene) -> Sheet:
     from manifold3d import Manifold
 
     return Sheet(scene, Manifold.cube((60.0, 100.0, 50.0)).translate((-30.0, -30.0, 0.0)))
+
+
+def mass_on(scene: Scene) -> str:
+    (figure,) = drawing_figures([sheet_of(scene)], throw_balance(scene))
+    texts = [text.get_text() for part in figure.axes for text in part.texts]
+    return next(text for text in texts if text.startswith("throw "))
 
 
 def patches(draw: object, scene: Scene, *args: float) -> list[PathPatch]:
@@ -76,8 +82,9 @@ def test_both_sections_have_it_hatched_the_other_way() -> None:
 def test_the_title_block_tells_what_the_material_makes_and_what_is_bolted_on() -> None:
     scene, bare = with_weight(WEIGHT), with_weight(None)
     heavy, steel = 2 * 19.0 * math.pi / 3 * (62.0**2 - 30.0**2) * HEAVY * 1e-9, throw_balance(bare)
-    text = _mass_text(sheet_of(scene), throw_balance(scene))
-    assert text == f"throw {steel.mass_kg:.3f} kg, one web {steel.web_kg:.3f} kg; bolted on {heavy:.3f} kg"
+    assert (
+        mass_on(scene)
+        == f"throw {steel.mass_kg:.3f} kg, one web {steel.web_kg:.3f} kg; bolted on {heavy:.3f} kg"
+    )
     whole = throw_balance(with_weight(ONE_PIECE))
-    text = _mass_text(sheet_of(with_weight(ONE_PIECE)), whole)
-    assert text == f"throw {whole.mass_kg:.3f} kg, one web {whole.web_kg:.3f} kg"
+    assert mass_on(with_weight(ONE_PIECE)) == f"throw {whole.mass_kg:.3f} kg, one web {whole.web_kg:.3f} kg"
