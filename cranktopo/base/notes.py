@@ -24,6 +24,11 @@ def note(line: str) -> None:
     (_listener.get() or _LOG.info)(line)
 
 
+def warn(line: str) -> None:
+    """Tell that a result may be wrong or is not what was meant: heard where notes are not wanted, too."""
+    (_listener.get() or _LOG.warning)(f"warning: {line}")
+
+
 def detail(line: str) -> None:
     """Tell one line that only those want to read who asked for more."""
     if _listener.get() is None:

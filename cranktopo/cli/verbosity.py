@@ -27,14 +27,14 @@ _BEAT = 1 / 12
 """Between two signs of life for the process that speaks while native code stops all threads of this one, over
 the longest time without a line."""
 QUIET, NORMAL, VERBOSE = -1, 0, 1
-_LOGGED = {QUIET: logging.ERROR, NORMAL: logging.INFO, VERBOSE: logging.DEBUG}
+_LOGGED = {QUIET: logging.WARNING, NORMAL: logging.INFO, VERBOSE: logging.DEBUG}
 
 
 def verbosity_options(function: Any) -> Any:
     """Add --quiet and --verbose to a long command, whose notes go to stderr as they say."""
     options = (
         ("-v", "--verbose", VERBOSE, "More detail on stderr."),
-        ("-q", "--quiet", QUIET, "No progress or notes on stderr; results and errors only."),
+        ("-q", "--quiet", QUIET, "No progress or notes on stderr; results, warnings and errors only."),
     )
     for short, long, its_level, text in options:
         function = click.option(

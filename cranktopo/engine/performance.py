@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.notes import note
+from cranktopo.base.notes import warn
 from cranktopo.base.units import MM_PER_M, NMM_PER_NM, W_PER_KW, angular_speed_rad_s
 from cranktopo.design.engine import Engine, Gas
 from cranktopo.design.schema import Scene
@@ -90,7 +90,7 @@ def pressure_words(scene: Scene, speeds_rpm: Iterable[float]) -> str:
 def note_pressure(name: str, scene: Scene, *, every_speed: bool = False) -> None:
     """Tell what is to be known of the pressure of a design before a result by its loads is believed."""
     for line in pressure_warnings(scene, every_speed=every_speed):
-        note(f"warning: {name}: {line}")
+        warn(f"{name}: {line}")
 
 
 def pressure_warnings(scene: Scene, *, every_speed: bool = False) -> tuple[str, ...]:

@@ -47,11 +47,12 @@ def rated_power(scene: Scene) -> RatedPower | None:
     if cycle is None:
         return None
     indicated_kW = engine.rated_power_kW / MECHANICAL_EFFICIENCY
-    off = 100 * (power_kW(cycle.indicated_work_J, engine) / indicated_kW - 1)
+    given_kW = power_kW(cycle.indicated_work_J, engine)
+    off = 100 * (given_kW / indicated_kW - 1)
     words = (
-        f"rated power {plain_number(engine.rated_power_kW, 5)} kW at the shaft, {indicated_kW:.0f} kW "
+        f"rated power {plain_number(engine.rated_power_kW, 5)} kW at the shaft, {plain_number(indicated_kW)} kW "
         f"indicated at an assumed mechanical efficiency of {MECHANICAL_EFFICIENCY:g}: the cylinder pressure "
-        f"gives {abs(off):.1f} % {'above' if off > 0 else 'below'}"
+        f"gives {abs(off):.1f} % {'above' if off > 0 else 'below'}, {plain_number(given_kW)} kW"
     )
     return RatedPower(off, words + _by_burning(scene, engine.gas, indicated_kW))
 

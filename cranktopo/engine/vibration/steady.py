@@ -25,8 +25,8 @@ _MOST_ORDERS = 240
 """Orders that are looked at: to 120 of the rotation, where no torque of gas is left."""
 _LEAST_SHARE = 1e-3
 """Torque of an order over the largest of any order in a section, below which it is left out."""
-_TELLING_SHARE = 0.01
-"""The same at a critical speed, below which those of orders above the first 24 are not told."""
+TELLING_SHARE = 0.01
+"""Torque of an order at a critical speed over the largest of its section, below which it is not told."""
 _SPEEDS = 200
 _STEPS_OF_RISE = 5
 _POINTS_PER_ORDER = 16
@@ -135,7 +135,8 @@ def critical_speeds(
 ) -> tuple[CriticalSpeed, ...]:
     """Return crossings of orders with natural frequencies in a range of speeds, the slowest first.
 
-    Orders above the first 24 meet many modes: their crossings count where their torque is felt in a section.
+    Orders above the first 24 meet many modes: their crossings count where their torque is felt beside those of
+    the other crossings, so that few speeds have to be solved.
     """
     shifts = harmonics.shifts[1 : orders + 1]
     majors = harmonics.in_phase()[1 : orders + 1]
@@ -161,7 +162,7 @@ def _felt(shaft: ShaftChain, harmonics: TorqueHarmonics, criticals: Sequence[Cri
     """Tell of each crossing whether it is of the first 24 orders, or its torque counts in a section."""
     places = np.rint([one.order / harmonics.orders[1] for one in criticals]).astype(int)
     swing = _order_torques_Nm(shaft, harmonics, places, np.array([one.speed_rpm for one in criticals]))
-    counting = (swing > _TELLING_SHARE * swing.max(axis=0, initial=0.0)).any(axis=1)
+    counting = (swing > TELLING_SHARE * swing.max(axis=0, initial=0.0)).any(axis=1)
     return [bool(counts) for counts in counting | (places <= ORDERS)]
 
 

@@ -16,6 +16,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.vibration.barred import MisfireRange, misfire_ranges, runs_barred
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, varying_inertia_percent
 from cranktopo.engine.vibration.steady import ORDERS, CriticalSpeed, Vibration, vibration
+from cranktopo.engine.vibration.telling import left_out, telling
 from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics, VaryingPart, torque_harmonics
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_shaft
 from cranktopo.numerics.disk_chain import DampedMode, Mode
@@ -179,7 +180,8 @@ class VibrationStudy:
     """Torsional vibration of a shaft over its range of speeds.
 
     Attributes:
-        critical: crossings of orders and natural frequencies in the range.
+        critical: crossings of orders and natural frequencies in the range that are felt, or where cylinders cancel.
+        left_out: how many other crossings each mode has.
         varying_inertia_percent: half the range of a throw's inertia over a turn, over its mean.
         mean_response: the response with the mean inertia alone, at the speeds where it is largest.
         barred_rpm: ranges above the permitted stress, of the scene's own firing; None where no stress is
@@ -193,6 +195,7 @@ class VibrationStudy:
     stiffness_source: str
     modes: tuple[DampedMode, ...]
     critical: tuple[CriticalSpeed, ...]
+    left_out: tuple[int, ...]
     response: Vibration
     varying_inertia_percent: float
     varying: VaryingPart
@@ -301,6 +304,7 @@ def study_vibration(
         )
     model = vibrating_shaft(scene, shaft, harmonics)
     response = model.over_the_range()
+    told = telling(model.critical, response, model.varying.rise)
     worst_rpm = float(response.speeds_rpm[response.worst.speed_index])
     barred = _barred_rpm(scene, response)
     runs_there = runs_barred(scene, barred or ())
@@ -308,7 +312,8 @@ def study_vibration(
         scene,
         stiffness_source,
         model.modes,
-        model.critical,
+        told,
+        left_out(told, model.modes, response),
         response,
         varying_inertia_percent(scene, throw_inertia_kg_mm2),
         model.varying,

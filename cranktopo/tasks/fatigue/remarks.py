@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cranktopo.base.notes import note
+from cranktopo.base.notes import note, warn
 from cranktopo.engine.histories import speed_words
 from cranktopo.tasks.fatigue.criterion import larger_end_MPa
 from cranktopo.tasks.fatigue.cut_outlets import judged_places
@@ -67,7 +67,7 @@ def cut_outlet_words(model: StressModel) -> str:
 def note_yielding(field: FatigueField, yield_MPa: float | None) -> None:
     """Warn of a stress that no material carries: the loads, a dimension or a unit may be wrong."""
     if line := yield_warning(field, yield_MPa):
-        note(f"warning: {line}")
+        warn(line)
 
 
 def yield_warning(field: FatigueField, yield_MPa: float | None) -> str:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import click
 
-from cranktopo.base.notes import note
+from cranktopo.base.notes import note, warn
 from cranktopo.cli.options import DEFAULT_DESIGN, Speeds, designs, throw_option
 from cranktopo.cli.verbosity import verbosity_options
 
@@ -53,7 +53,7 @@ def command(
     if csv_path is not None:
         write_load_curves(scene, csv_path, speeds)
     for line in dict.fromkeys(warning for loads in results for warning in loads.warnings):
-        note(f"warning: {scene.name}: {line}")
+        warn(f"{scene.name}: {line}")
     if as_json:
         sweep = results if len(results) > 1 else None
         found = results[0].model_copy(update={"sweep": sweep})

@@ -9,7 +9,7 @@ import json
 
 import click
 
-from cranktopo.base.notes import note
+from cranktopo.base.notes import note, warn
 from cranktopo.cli.options import DEFAULT_DESIGN, designs, goal_options, throw_option, with_goal_options
 from cranktopo.cli.verbosity import verbosity_options
 
@@ -51,4 +51,4 @@ def command(
     if found.assumed:
         note(assumed_text(found.assumed))
     for warning in plan_warnings(scene):
-        note(f"warning: {warning}")
+        warn(warning)

@@ -6,19 +6,21 @@ from cranktopo.base.units import frequency_text
 from cranktopo.design.misfire import misfire_words
 from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT, few_throws
 from cranktopo.engine.vibration.study import VibrationStudy
+from cranktopo.engine.vibration.telling import WEAK
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.vibration.barred import barred_fact, barred_sentence
 from cranktopo.tasks.vibration.plots import vibration_pictures
 from cranktopo.tasks.vibration.text import (
     JOINED,
+    NONE_FELT,
     ORDER_AND_SUM,
-    WEAK,
     cancelled_sentence,
     critical_table,
     disks_sentence,
     joined_misfire_sentence,
     joined_misfire_table,
+    left_out_sentence,
     misfire_sentence,
     misfire_table,
     modes_table,
@@ -48,7 +50,7 @@ def vibration_page(study: VibrationStudy, written: str) -> Page:
                 "same phase, dashed a half order. Where one meets a natural frequency, in red, the shaft "
                 "resonates; dots are the critical speeds of the table, their orders beside them where "
                 "there is room. "
-                f"{ORDER_AND_SUM if critical else ''}".rstrip(),
+                f"{ORDER_AND_SUM if critical else NONE_FELT} {left_out_sentence(study)}".rstrip(),
                 (*critical, *_misfires(study)),
                 (campbell, torque),
                 more=(
@@ -116,7 +118,8 @@ def _first_frequency(study: VibrationStudy) -> Fact:
     critical = [found for found in study.critical if found.share >= WEAK]
     own = [found.speed_rpm for found in critical if found.mode == 1]
     low, high = study.response.speeds_rpm[[0, -1]]
-    no_order = f"met by no order that the cylinders excite together from {low:.0f} to {high:.0f} rpm"
+    felt = " and that is felt" if study.left_out[0] else ""
+    no_order = f"met by no order that the cylinders excite together{felt} from {low:.0f} to {high:.0f} rpm"
     met = f"first met at {min(own):.0f} rpm" if own else no_order
     weak = [found for found in study.critical if found.mode == 1 and found.share < WEAK]
     if weak and not own:

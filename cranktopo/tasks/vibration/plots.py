@@ -11,8 +11,8 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.units import frequency_text
 from cranktopo.engine.vibration.steady import CriticalSpeed
 from cranktopo.engine.vibration.study import VibrationStudy
+from cranktopo.engine.vibration.telling import WEAK
 from cranktopo.report.plot import GREY, Picture, name_points, picture, plain
-from cranktopo.tasks.vibration.text import WEAK
 
 _MOST = 5
 """Orders that a plot shows by themselves."""

@@ -141,6 +141,8 @@ class ShaftVibration(Result):
     """Half the range of a throw's inertia over a turn, of its mean."""
     varying_inertia: VaryingInertia
     critical_speeds: tuple[CriticalSpeed, ...]
+    critical_speeds_left_out: int
+    """Crossings whose order has less than a hundredth of the largest torque amplitude in every section."""
     barred_ranges: tuple[tuple[float, float], ...] | None
     """Ranges of speed above the permitted stress, of the cylinders that fire in `worst` and `speeds`."""
     worst: WorstTorque
@@ -187,6 +189,7 @@ def vibration_result(study: VibrationStudy, assumed: tuple[Assumption, ...]) -> 
             torque_change_percent=study.varying_change_percent,
         ),
         critical_speeds=study.critical,
+        critical_speeds_left_out=sum(study.left_out),
         barred_ranges=study.barred_rpm,
         worst=_worst(study),
         speeds=tuple(_at_speed(study, index) for index in range(len(study.response.speeds_rpm))),

@@ -11,7 +11,7 @@ import numpy as np
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import as_path, replacing
-from cranktopo.base.notes import note
+from cranktopo.base.notes import note, warn
 from cranktopo.design.assumed import LOADS, VIBRATION
 from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.misfire import all_firing, with_misfire
@@ -85,7 +85,7 @@ def shaft_vibration(
         note(f"{resolved.name}: misfire of each of {study.cylinders} cylinders")
         study = _with_misfires(study)
     for line in study.warnings:
-        note(f"warning: {resolved.name}: {line}")
+        warn(f"{resolved.name}: {line}")
     if report is not None:
         write_report(vibration_page(study, timestamp()[:10]), report)
         note(str(report))

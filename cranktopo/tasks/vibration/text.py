@@ -12,7 +12,9 @@ from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.performance import pressure_words
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT, few_throws
+from cranktopo.engine.vibration.steady import TELLING_SHARE
 from cranktopo.engine.vibration.study import Swing, VibrationStudy, largest_swing
+from cranktopo.engine.vibration.telling import WEAK, is_near, order_torque_Nm
 from cranktopo.report.result_table import Cell, ResultTable, Row, terminal
 from cranktopo.tasks.vibration.barred import barred_sentence
 
@@ -30,8 +32,8 @@ ORDER_AND_SUM = (
     "all orders over the cycle at that speed, whose stress it is."
 )
 """Meaning of the torques of the table of critical speeds."""
-WEAK = 0.05
-"""Share of the cylinders that help each other below which a critical speed is not listed."""
+NONE_FELT = "No critical speed in this range that is felt and at which the cylinders help one another."
+"""Told where the table of critical speeds is empty."""
 
 
 def modes_table(study: VibrationStudy) -> ResultTable:
@@ -55,11 +57,9 @@ def critical_table(study: VibrationStudy) -> ResultTable:
     for found in study.critical:
         if found.share < WEAK:
             continue
-        low, high = found.speed_rpm, found.speed_rpm * (1 + study.varying.rise)
-        near = (response.speeds_rpm >= low) & (response.speeds_rpm <= high)
+        near = is_near(response, found, study.varying.rise)
         inside = np.array(study.shaft.in_crankshaft)
-        place = int(np.argmin(np.abs(response.orders - found.order)))
-        own = float(np.abs(response.torque_Nm[near, place][:, inside]).max())
+        own = float(order_torque_Nm(response, found, study.varying.rise)[inside].max())
         every = float(response.torque_amplitude_Nm[near][:, inside].max())
         row: dict[str, Cell] = {"speed_rpm": found.speed_rpm, "order": found.order, "mode": str(found.mode)}
         row |= {"kind": "major" if found.major else "minor", "cylinders_helping_percent": 100 * found.share}
@@ -68,6 +68,17 @@ def critical_table(study: VibrationStudy) -> ResultTable:
     columns = {"speed_rpm": 0, "order": 1, "mode": 0, "kind": 0, "cylinders_helping_percent": 0}
     columns |= {"this_order_alone_Nm": 1, "sum_of_all_orders_Nm": 1, "shear_of_sum_MPa": 1}
     return ResultTable(columns, tuple(rows))
+
+
+def left_out_sentence(study: VibrationStudy) -> str:
+    """Return how many critical speeds are not listed because their order is not felt; empty of none."""
+    count = sum(study.left_out)
+    if not count:
+        return ""
+    return (
+        f"Not listed: {count} critical speed{'s' * (count > 1)} whose order alone has less than "
+        f"{100 * TELLING_SHARE:g} % of the largest torque amplitude in every section."
+    )
 
 
 def cancelled_sentence(study: VibrationStudy) -> str:
@@ -285,11 +296,8 @@ def vibration_text(study: VibrationStudy) -> str:
         terminal(modes_table(study)),
     ]
     critical = critical_table(study)
-    parts.append(
-        f"{terminal(critical)}\n{ORDER_AND_SUM}"
-        if critical.rows
-        else "No critical speed in this range at which the cylinders help one another."
-    )
+    parts.append(f"{terminal(critical)}\n{ORDER_AND_SUM}" if critical.rows else NONE_FELT)
+    parts[-1] += f"\n{left_out_sentence(study)}".rstrip()
     cancelled = cancelled_sentence(study)
     parts += [cancelled] if cancelled else []
     sentences = (

@@ -19,7 +19,8 @@ from cranktopo.engine.analysis import analyse, at_speed
 from cranktopo.engine.vibration.barred import runs_barred
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.engine.vibration.steady import critical_speeds, speeds_to_solve, vibration
-from cranktopo.engine.vibration.study import run_up
+from cranktopo.engine.vibration.study import run_up, study_vibration
+from cranktopo.engine.vibration.telling import WEAK
 from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
 from cranktopo.numerics.disk_chain import DiskChain
 from tests.fast_twin import fast_twin
@@ -253,6 +254,33 @@ def test_major_orders_of_four_cylinders() -> None:
     assert {c.order for c in found if c.major} == {2.0, 4.0, 6.0, 8.0, 10.0, 12.0}
     assert all(c.speed_rpm * c.order / 60 == pytest.approx(modes[c.mode - 1].frequency_Hz) for c in found)
     assert {c.speed_rpm for c in found} <= set(speeds_to_solve((500.0, 20000.0), found, 10))
+
+
+def test_critical_speeds_that_are_not_felt_are_counted_but_not_told() -> None:
+    """Each crossing is solved for itself; low speeds meet the modes by high orders that carry nothing."""
+    stiff = {"flywheel": {"inertia_kg_m2": 0.2}, "throw_stiffness_Nm_per_rad": 1.5e5}
+    scene = with_shaft({**stiff, "throw_loss_factor": 0.02, "speed_min_rpm": 900.0, "speed_max_rpm": 2800.0})
+    scene = scene.model_copy(update={"effects": scene.effects.model_copy(update={"threshold": 0.9})})
+    study = study_vibration(scene, estimated_chain(scene), 1.0, "given")
+    largest = study.response.torque_amplitude_Nm.max(axis=0)
+    met = [
+        (number, place, 60 * mode.frequency_Hz / order)
+        for number, mode in enumerate(study.modes, start=1)
+        for place, order in enumerate(study.response.orders)
+        if 900.0 <= 60 * mode.frequency_Hz / order <= 2800.0
+    ]
+    found = vibration(study.shaft, study.response.harmonics, np.array([rpm for _, _, rpm in met]), 240)
+    alone = [np.abs(found.torque_Nm[row, place]) for row, (_, place, _) in enumerate(met)]
+    felt = {
+        (number, float(study.response.orders[place]))
+        for (number, place, _), torque in zip(met, alone, strict=True)
+        if (torque >= 0.01 * largest).any()
+    }
+    told = {(one.mode, one.order) for one in study.critical if one.share >= WEAK}
+    weak = {(one.mode, one.order) for one in study.critical if one.share < WEAK}
+    assert told == felt - weak
+    assert told
+    assert sum(study.left_out) == len(met) - len(told) - len(weak) > 0
 
 
 def test_damped_modes_of_two_disks() -> None:

@@ -51,6 +51,17 @@ def test_a_power_far_off_is_warned_of(share: float, warned: bool) -> None:
     assert signed == pytest.approx(100 * (1 / share - 1), abs=0.06)
 
 
+@pytest.mark.parametrize("kW", [0.75, 7.5, 75.0, 12000.0])
+def test_the_percent_follows_from_the_printed_powers(kW: float) -> None:
+    """Of 7.5 kW at the shaft 8 kW indicated were printed, whose percent is another."""
+    found = rated_power(rated(kW))
+    assert found is not None
+    printed = re.search(r"([\d.]+) kW indicated.* gives ([\d.]+) % (above|below), ([\d.]+) kW", found.words)
+    assert printed is not None
+    off = float(printed[2]) * (1 if printed[3] == "above" else -1)
+    assert off == pytest.approx(100 * (float(printed[4]) / float(printed[1]) - 1), rel=2e-3, abs=0.1)
+
+
 def test_nothing_is_told_without_a_rated_power() -> None:
     scene = load_scene("mikron-iiic-plain")
     assert rated_power(scene) is None
