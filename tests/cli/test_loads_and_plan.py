@@ -40,6 +40,20 @@ def run(capsys, *args):
     return code, out.out, out.err
 
 
+@pytest.mark.parametrize("command", ["loads", "plan"])
+def test_warnings_are_told_to_those_who_want_no_notes(command, tmp_path, capsys):
+    """A peak far after top dead centre; what is assumed is a note."""
+    text = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
+    path = tmp_path / "late.toml"
+    path.write_text(re.sub("peak_angle_deg = .*", "peak_angle_deg = 40.0", text), encoding="utf-8")
+    told = run(capsys, command, str(path))[2]
+    code, _, quiet = run(capsys, command, str(path), "-q")
+    assert code == 0
+    warnings = [line for line in told.splitlines() if line.startswith("warning: ")]
+    assert "the pressure is largest 40 deg after firing" in warnings[0]
+    assert quiet.splitlines() == warnings
+
+
 def test_loads_json_has_the_contract_keys(capsys):
     code, out, err = run(capsys, "loads", "mikron-iiic-plain", "--json")
     loads = json.loads(out)

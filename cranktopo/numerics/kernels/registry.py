@@ -205,7 +205,7 @@ def _fault() -> str:
     except Exception as error:  # of LLVM
         fault = f"they cannot be compiled: {first_line(error)}"
     if fault:
-        _log.warning("note: kernels are not used, JAX code computes the same in more time: %s.", fault)
+        _log.info("note: kernels are not used, JAX code computes the same in more time: %s.", fault)
     return fault
 
 

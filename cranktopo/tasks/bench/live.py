@@ -23,7 +23,7 @@ from cranktopo.engine.histories import load_history
 from cranktopo.engine.performance import mean_pressure_MPa, power_kW, pressure_warnings
 from cranktopo.engine.plan.planning import has_vibration, left_off, plan_for_stress
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad, web_lever_mm
-from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT, few_throws
+from cranktopo.engine.vibration.disk_error import FEW_THROWS_ERROR, few_throws
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.report.shading import SHARP_DEGREES, sharp_edges, web_sides_mm
 from cranktopo.report.viewer.scene3d import PARTNERS, Arrays, scaled
@@ -48,7 +48,7 @@ _CLOSED_FORM = {
     "m53_journal": _SOFT,
 }
 """Throws by elements are 1.0 to 1.56 times as stiff as in closed form, on the engines that were measured."""
-_OF_FEW_THROWS = f"; disks of so few throws: up to {TOO_HIGH_PERCENT} % too high"
+_OF_FEW_THROWS = f"; disks of so few throws: {FEW_THROWS_ERROR}"
 _AS_SETTLED = "live, stiffness of a throw as it settled last"
 _GAS_GAUGES = ("gas_force", "pin_force", "bearing_force", "mean_torque", "mean_pressure", "power")
 _BROKEN = re.compile(r"(?:^|(?<=[\s:]))((?:[a-z_]\w*(?:\[\d+\])*\.)*[a-z_]\w*(?:\[\d+\])*) = ")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cranktopo.base.units import frequency_text
 from cranktopo.design.misfire import misfire_words
-from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT, few_throws
+from cranktopo.engine.vibration.disk_error import FEW_THROWS_ERROR, few_throws
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.engine.vibration.telling import WEAK
 from cranktopo.report.page import Fact, Page, Section
@@ -129,5 +129,5 @@ def _first_frequency(study: VibrationStudy) -> Fact:
     if critical and critical[0].mode != 1:
         met += f"; the lowest critical speed, {critical[0].speed_rpm:.0f} rpm, is of mode {critical[0].mode}"
     if few_throws(study.scene):
-        met += f"; of disks, up to {TOO_HIGH_PERCENT} % too high for so few throws"
+        met += f"; of disks, {FEW_THROWS_ERROR} for so few throws"
     return Fact("First natural frequency", frequency_text(study.modes[0].frequency_Hz), met, "neutral")

@@ -11,7 +11,7 @@ from cranktopo.design.misfire import misfire_words
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.performance import pressure_words
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
-from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT, few_throws
+from cranktopo.engine.vibration.disk_error import FEW_THROWS_ERROR, few_throws
 from cranktopo.engine.vibration.steady import TELLING_SHARE
 from cranktopo.engine.vibration.study import Swing, VibrationStudy, largest_swing
 from cranktopo.engine.vibration.telling import WEAK, is_near, order_torque_Nm
@@ -21,7 +21,9 @@ from cranktopo.tasks.vibration.barred import barred_sentence
 DISKS = (
     "Disks and springs stand for the body, which bends where it twists. Beside one body by finite elements\n"
     "the first frequency was 10 to 14 % too low for a bare crank of four throws, within 1 % for fours and\n"
-    f"sixes with rods and pistons, and up to {TOO_HIGH_PERCENT} % too high for one to three throws.\n"
+    f"sixes with rods and pistons, and {FEW_THROWS_ERROR} for one to three throws:\n"
+    "too low where the mass of a flywheel holds the end of the shaft against bending, too high where the shaft\n"
+    "is free to bend under heavy rods.\n"
     "An error bound of the stiffness does not cover that."
 )
 """Error of the model itself, as the page of torsional vibration has it."""

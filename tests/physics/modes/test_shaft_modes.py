@@ -12,7 +12,7 @@ import pytest
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.loading import load_scene, parse_scene, scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT, few_throws
+from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT, TOO_LOW_PERCENT, few_throws
 from cranktopo.numerics.turning_body import modes_at_rest
 from cranktopo.tasks.fea.condense import UX, UY, UZ
 from cranktopo.tasks.fea.targets import Target
@@ -26,6 +26,7 @@ from cranktopo.tasks.modes.text import modes_text
 from cranktopo.tasks.shaft.assembly import Bearings
 from cranktopo.tasks.shaft.loaded_throw import throw_body
 from cranktopo.tasks.shaft.stage import evaluate_shaft
+from cranktopo.tasks.vibration.text import DISKS
 from tests.studies.crank_modes import body_frequencies_Hz, crank_mesh, reduced_frequencies_Hz
 
 SIZE_MM = 24.0
@@ -95,6 +96,15 @@ def test_disks_of_one_throw_swing_too_fast() -> None:
     scene = short(1)
     assert few_throws(scene)
     assert 4.0 < too_fast_percent(scene) < TOO_HIGH_PERCENT
+
+
+def test_the_mass_of_a_flywheel_makes_disks_of_one_throw_too_slow() -> None:
+    """It holds the end of the shaft; the same inertia without a mass leaves 1 %. The output tells both."""
+    text = (Path(__file__).parents[2] / "data/single.toml").read_text(encoding="utf-8")
+    carried = f"{text}mass_kg = 16.0\noverhang_mm = 30.0\n"
+    found = [too_fast_percent(parse_scene(one), 16.0) for one in (text, carried)]
+    assert found == pytest.approx([-0.8, -TOO_LOW_PERCENT], abs=0.3)
+    assert f"{TOO_LOW_PERCENT} % too low to {TOO_HIGH_PERCENT} % too high" in DISKS
 
 
 def test_a_mode_that_twists_and_bends_alike_is_the_one_of_the_disks() -> None:

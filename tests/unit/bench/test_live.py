@@ -15,7 +15,7 @@ from cranktopo.design.edits import changed_data
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
-from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT
+from cranktopo.engine.vibration.disk_error import FEW_THROWS_ERROR
 from cranktopo.tasks.bench import settled
 from cranktopo.tasks.bench.forms import new_design
 from cranktopo.tasks.bench.live import live_numbers
@@ -67,7 +67,7 @@ def test_what_rests_on_a_stiffness_in_closed_form_is_not_called_exact() -> None:
 @pytest.mark.slow
 def test_a_short_shaft_is_told_that_its_disks_swing_too_fast() -> None:
     """With a stiffness in closed form, with that of a settled web, and with one that the design gives."""
-    told = f"; disks of so few throws: up to {TOO_HIGH_PERCENT} % too high"
+    told = f"; disks of so few throws: {FEW_THROWS_ERROR}"
     single = changed_data(shaft(), {"engine.cylinders": 1, "engine.firing_order": [1]})
     given = changed_data(single, {"shaft.throw_stiffness_Nm_per_rad": 5e6})
     for data, factors in ((single, ()), (single, (1.2,)), (given, ())):
