@@ -52,7 +52,8 @@ def rated_power(scene: Scene) -> RatedPower | None:
     words = (
         f"rated power {plain_number(engine.rated_power_kW, 5)} kW at the shaft, {plain_number(indicated_kW)} kW "
         f"indicated at an assumed mechanical efficiency of {MECHANICAL_EFFICIENCY:g}: the cylinder pressure "
-        f"gives {abs(off):.1f} % {'above' if off > 0 else 'below'}, {plain_number(given_kW)} kW"
+        f"gives {abs(off):.1f} % "
+        f"{'above' if off > 0 else 'below'}, {plain_number(given_kW)} kW"
     )
     return RatedPower(off, words + _by_burning(scene, engine.gas, indicated_kW))
 

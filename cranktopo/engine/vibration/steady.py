@@ -135,8 +135,8 @@ def critical_speeds(
 ) -> tuple[CriticalSpeed, ...]:
     """Return crossings of orders with natural frequencies in a range of speeds, the slowest first.
 
-    Orders above the first 24 meet many modes: their crossings count where their torque is felt beside those of
-    the other crossings, so that few speeds have to be solved.
+    Orders above the first 24 meet many modes: their crossings count where their torque is felt beside that
+    of the other crossings, so that few speeds have to be solved.
     """
     shifts = harmonics.shifts[1 : orders + 1]
     majors = harmonics.in_phase()[1 : orders + 1]

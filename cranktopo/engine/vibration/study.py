@@ -180,7 +180,7 @@ class VibrationStudy:
     """Torsional vibration of a shaft over its range of speeds.
 
     Attributes:
-        critical: crossings of orders and natural frequencies in the range, felt or cancelled by the cylinders.
+        critical: crossings of orders and natural frequencies in the range, felt or where cylinders cancel.
         left_out: how many other crossings each mode has.
         varying_inertia_percent: half the range of a throw's inertia over a turn, over its mean.
         mean_response: the response with the mean inertia alone, at the speeds where it is largest.

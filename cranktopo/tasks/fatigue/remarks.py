@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
+
 from cranktopo.base.notes import note, warn
 from cranktopo.engine.histories import speed_words
+from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.tasks.fatigue.criterion import larger_end_MPa
 from cranktopo.tasks.fatigue.cut_outlets import judged_places
 from cranktopo.tasks.fatigue.result import CriticalPoint
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.stress_model import StressModel
+
+
+_EFFECT = "torsional_vibration"
+_RPM = re.compile(r"(\d+) rpm")
+"""Speed in the label of a load state."""
 
 
 def note_quality(field: FatigueField) -> None:
@@ -42,6 +51,31 @@ def overspeed_words(field: FatigueField) -> str:
         return ""
     decides = field.critical.states[0].endswith(speed_words(engine.overspeed_rpm))
     return f"the least safety is that at the overspeed of {engine.overspeed_rpm:g} rpm." if decides else ""
+
+
+def deciding_speed_words(field: FatigueField) -> str:
+    """Return the speed of the load states that decide; empty where one alone is judged or the overspeed decides."""
+    judged = {rpm for label in field.labels for rpm in _RPM.findall(label)}
+    deciding = dict.fromkeys(rpm for label in field.critical.states for rpm in _RPM.findall(label))
+    if len(judged) < 2 or not deciding or overspeed_words(field):
+        return ""
+    return f"decided at {' and '.join(deciding)} rpm, of {len(judged)} speeds that are judged."
+
+
+def vibration_sets_words(fields: Sequence[FatigueField]) -> str:
+    """Return which targets are judged with and without torsional vibration; empty where all are alike."""
+    sets: dict[bool, list[str]] = {True: [], False: []}
+    for field in fields:
+        scene = field.model.scene
+        if len(fields) > 1 and scene.engine is not None:
+            sets[_EFFECT in plan_for_stress(scene).enabled].append(field.model.name)
+    if not sets[True] or not sets[False]:
+        return ""
+    return (
+        f"Not judged over the same loads: {' and '.join(sets[True])} with torsional vibration, at the speeds "
+        f"where the shaft's torque is largest; {' and '.join(sets[False])} without, at the engine's. "
+        f'[effects] {_EFFECT} = "on" or "off" in all of them makes them alike.'
+    )
 
 
 def safety_remarks(field: FatigueField) -> list[str]:

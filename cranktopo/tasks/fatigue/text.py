@@ -11,7 +11,12 @@ from dataclasses import dataclass, field
 from cranktopo.engine.histories import LoadsName
 from cranktopo.engine.judged_histories import states_words
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
-from cranktopo.tasks.fatigue.remarks import overspeed_words, quality_remarks
+from cranktopo.tasks.fatigue.remarks import (
+    deciding_speed_words,
+    overspeed_words,
+    quality_remarks,
+    vibration_sets_words,
+)
 from cranktopo.tasks.fatigue.result import FatigueResult, FieldFatigue, HardenedFillet, PartLife
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.safety_field import FatigueField
@@ -243,8 +248,9 @@ def _outlet_remarks(check: RuleCheck) -> list[str]:
 
 def field_remarks(fields: Sequence[FatigueField]) -> list[str]:
     """Return what the tables do not say: failures, speeds, hardened fillets, lives, chances of failure."""
-    remarks = _failures, _overspeed_remarks, _hardening_remarks, _life_remarks, _scatter_remarks
-    return [line for of_kind in remarks for line in of_kind(fields)]
+    remarks = _failures, _speed_remarks, _hardening_remarks, _life_remarks, _scatter_remarks
+    unlike = vibration_sets_words(fields)
+    return [*([unlike] if unlike else []), *(line for of_kind in remarks for line in of_kind(fields))]
 
 
 def _failures(fields: Sequence[FatigueField]) -> list[str]:
@@ -256,9 +262,13 @@ def _failures(fields: Sequence[FatigueField]) -> list[str]:
     ]
 
 
-def _overspeed_remarks(fields: Sequence[FatigueField]) -> list[str]:
-    """Return one line for each target whose least safety is that at its overspeed."""
-    found = [(field.model.name, overspeed_words(field)) for field in fields]
+def _speed_remarks(fields: Sequence[FatigueField]) -> list[str]:
+    """Return one line for each target that is judged at several speeds: the one that decides."""
+    found = [
+        (field.model.name, overspeed_words(field) or deciding_speed_words(field))
+        for field in fields
+        if field.model.scene.engine
+    ]
     return [f"{name}: {words}" for name, words in found if words]
 
 

@@ -137,6 +137,31 @@ def test_m53_takes_its_own_supports(monkeypatch: pytest.MonkeyPatch) -> None:
     assert held[0].throw == load_scene("mikron-iiic-plain").throw
 
 
+def judged_field(name: str, scene: Scene, labels: tuple[str, ...], safety: float = 1.2) -> SimpleNamespace:
+    return SimpleNamespace(
+        model=SimpleNamespace(name=name, scene=scene),
+        critical=SimpleNamespace(safety=safety, states=labels[:2]),
+        labels=labels,
+        hardening={},
+        lives={},
+        scatter={},
+    )
+
+
+def test_targets_judged_over_other_loads_are_told_first_and_the_deciding_speed() -> None:
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
+    data["shaft"] = {"flywheel": {"inertia_kg_m2": 0.2}}
+    on, off = (scene_from_dict(data | {"effects": {"torsional_vibration": state}}) for state in ("on", "off"))
+    several, alone = ("1 deg, 1500 rpm", "2 deg, 1500 rpm", "3 deg, 2100 rpm"), ("1 deg", "2 deg")
+    fields = [judged_field("one", on, several), judged_field("two", off, alone)]
+    first, *others = field_remarks(fields)
+    assert "one with torsional vibration" in first
+    assert "two without" in first
+    assert "[effects] torsional_vibration" in first
+    assert others == ["one: decided at 1500 rpm, of 2 speeds that are judged."]
+    assert field_remarks([fields[1], judged_field("three", off, alone)]) == []
+
+
 def test_a_safety_below_one_is_called_a_failure() -> None:
     """As safe as another that fails is no comfort: a comparison alone does not say it."""
     fields = [
