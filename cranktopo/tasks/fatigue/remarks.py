@@ -6,14 +6,15 @@ import re
 from collections.abc import Sequence
 
 from cranktopo.base.notes import note, warn
+from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import speed_words
 from cranktopo.engine.plan.planning import plan_for_stress
+from cranktopo.engine.vibration.vibrating_shaft import extreme_speeds_rpm
 from cranktopo.tasks.fatigue.criterion import larger_end_MPa
 from cranktopo.tasks.fatigue.cut_outlets import judged_places
 from cranktopo.tasks.fatigue.result import CriticalPoint
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.stress_model import StressModel
-
 
 _EFFECT = "torsional_vibration"
 _RPM = re.compile(r"(\d+) rpm")
@@ -54,12 +55,25 @@ def overspeed_words(field: FatigueField) -> str:
 
 
 def deciding_speed_words(field: FatigueField) -> str:
-    """Return the speed of the load states that decide; empty where one alone is judged or the overspeed decides."""
+    """Return the speed of the states that decide; empty where one is judged or the overspeed decides."""
     judged = {rpm for label in field.labels for rpm in _RPM.findall(label)}
     deciding = dict.fromkeys(rpm for label in field.critical.states for rpm in _RPM.findall(label))
-    if len(judged) < 2 or not deciding or overspeed_words(field):
+    if overspeed_words(field):
+        return ""
+    if not deciding:
+        return _joined_torque_words(field.model.scene)
+    if len(judged) < 2:
         return ""
     return f"decided at {' and '.join(deciding)} rpm, of {len(judged)} speeds that are judged."
+
+
+def _joined_torque_words(scene: Scene) -> str:
+    """Return the speeds of the torques of joined extremes; empty where all are of the engine's speed."""
+    enabled = plan_for_stress(scene).enabled
+    if scene.engine is None or _EFFECT not in enabled:
+        return ""
+    speeds = " and ".join(f"{rpm:.0f}" for rpm in extreme_speeds_rpm(scene, enabled))
+    return f"joined extremes decide, with the vibrating shaft's largest and smallest torque, of {speeds} rpm."
 
 
 def vibration_sets_words(fields: Sequence[FatigueField]) -> str:

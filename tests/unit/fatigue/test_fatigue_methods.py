@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,6 +11,8 @@ import pytest
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import at_extreme_speeds
+from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.tasks.fatigue import rule_check
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.fkm import FkmStrength, fkm
@@ -137,7 +140,7 @@ def test_m53_takes_its_own_supports(monkeypatch: pytest.MonkeyPatch) -> None:
     assert held[0].throw == load_scene("mikron-iiic-plain").throw
 
 
-def judged_field(name: str, scene: Scene, labels: tuple[str, ...], safety: float = 1.2) -> SimpleNamespace:
+def judged_field(name: str, scene: Scene, labels: tuple[str, ...], safety: float = 1.2) -> Any:
     return SimpleNamespace(
         model=SimpleNamespace(name=name, scene=scene),
         critical=SimpleNamespace(safety=safety, states=labels[:2]),
@@ -159,12 +162,19 @@ def test_targets_judged_over_other_loads_are_told_first_and_the_deciding_speed()
     assert "two without" in first
     assert "[effects] torsional_vibration" in first
     assert others == ["one: decided at 1500 rpm, of 2 speeds that are judged."]
+    (told,) = field_remarks([judged_field("joined", on, alone)])
+    analysed = [
+        engine.speed_rpm
+        for engine in (at.engine for at in at_extreme_speeds(on, plan_for_stress(on).enabled)[1:])
+        if engine
+    ]
+    assert told.endswith(f"torque, of {' and '.join(f'{rpm:.0f}' for rpm in analysed)} rpm.")
     assert field_remarks([fields[1], judged_field("three", off, alone)]) == []
 
 
 def test_a_safety_below_one_is_called_a_failure() -> None:
     """As safe as another that fails is no comfort: a comparison alone does not say it."""
-    fields = [
+    fields: Any = [
         SimpleNamespace(
             model=SimpleNamespace(name=name, scene=SimpleNamespace(engine=None)),
             critical=SimpleNamespace(safety=safety),
