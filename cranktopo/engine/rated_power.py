@@ -50,7 +50,8 @@ def rated_power(scene: Scene) -> RatedPower | None:
     given_kW = power_kW(cycle.indicated_work_J, engine)
     off = 100 * (given_kW / indicated_kW - 1)
     words = (
-        f"rated power {plain_number(engine.rated_power_kW, 5)} kW at the shaft, {plain_number(indicated_kW)} kW "
+        f"rated power {plain_number(engine.rated_power_kW, 5)} kW at the shaft, "
+        f"{plain_number(indicated_kW)} kW "
         f"indicated at an assumed mechanical efficiency of {MECHANICAL_EFFICIENCY:g}: the cylinder pressure "
         f"gives {abs(off):.1f} % "
         f"{'above' if off > 0 else 'below'}, {plain_number(given_kW)} kW"
