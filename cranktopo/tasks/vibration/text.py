@@ -23,7 +23,7 @@ DISKS = (
     "the first frequency was 10 to 14 % too low for a bare crank of four throws, within 1 % for fours and\n"
     f"sixes with rods and pistons, and {FEW_THROWS_ERROR} for one to three throws:\n"
     "too low where the mass of a flywheel holds the end of the shaft against bending, too high where\n"
-    "the shaft is free to bend under heavy rods.\n"
+    "the shaft bends under the force at its crankpin (a V-twin).\n"
     "An error bound of the stiffness does not cover that."
 )
 """Error of the model itself, as the page of torsional vibration has it."""
