@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import random
 import sys
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError
@@ -40,22 +41,31 @@ _MOST_MM, _MOST_DEG = 5.0, 10.0
 QUANTITIES = ("torsion", "bending")
 
 
-def main(moves: int, seed: int) -> None:
-    """Print a table of moves."""
-    print("throw,key,from,to,quantity,settled_percent,coarse_percent,error_percent,stated", flush=True)
-    kept = 0
+def random_moves(
+    seed: int, throws: Sequence[str]
+) -> Iterator[tuple[str, str, float, float, dict[str, Any], dict[str, Any]]]:
+    """Yield throw, dimension, its value before and after, the design and the moved one, without end."""
     dice = random.Random(seed)
-    known: dict[str, Any] = {}
-    done = 0
-    while done < moves:
-        throw, key = dice.choice(THROWS), dice.choice(KEYS)
+    while True:
+        throw, key = dice.choice(throws), dice.choice(KEYS)
         data = parse_toml(design_text(throw), throw)
         value = value_at(data, key)
         if not value:
             continue
         most = _MOST_DEG if key.endswith("_deg") else min(_MOST_MM, value / 2)
         new = round(value + dice.uniform(-most, most), 2)
-        moved = changed_data(data, {key: new})
+        yield throw, key, value, new, data, changed_data(data, {key: new})
+
+
+def main(moves: int, seed: int) -> None:
+    """Print a table of moves."""
+    print("throw,key,from,to,quantity,settled_percent,coarse_percent,error_percent,stated", flush=True)
+    kept = 0
+    known: dict[str, Any] = {}
+    done = 0
+    for throw, key, value, new, data, moved in random_moves(seed, THROWS):
+        if done == moves:
+            break
         try:
             cells, truth = coarse_stiffness(moved), settled_stiffness(moved)["gauges"]
         except CranktopoError:

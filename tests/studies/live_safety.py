@@ -11,22 +11,17 @@ of seed 1 and to 11 chosen ones.
 from __future__ import annotations
 
 import math
-import random
 import sys
 from collections.abc import Iterator
 from typing import Any
 
 from cranktopo.base.notes import silent
-from cranktopo.design.edits import changed_data
-from cranktopo.design.loading import design_text, value_at
-from cranktopo.design.toml_text import parse_toml
 from cranktopo.tasks.bench.live import live_numbers
 from cranktopo.tasks.bench.live_safety import SettledSafety, estimated_safety
 from cranktopo.tasks.bench.settled import settled_safety
-from tests.studies.coarse_ring import KEYS
+from tests.studies.coarse_ring import random_moves
 
 THROWS = ("mikron-iiic", "car-diesel", "opposed-piston", "mikron-iiic-plain", "industrial-gas")
-_MOST_MM, _MOST_DEG = 5.0, 10.0
 _RULE = {"pin_fillet_safety": "m53_pin", "journal_fillet_safety": "m53_journal"}
 
 
@@ -60,16 +55,10 @@ def main(moves: int, seed: int) -> None:
 
 def _moves(count: int, seed: int) -> Iterator[tuple[str, str, float, float, SettledSafety, dict[str, Any]]]:
     """Yield throw, dimension, its value before and after, the settled web and the moved design."""
-    dice, settled, done = random.Random(seed), dict[str, SettledSafety](), 0
-    while done < count:
-        throw, key = dice.choice(THROWS), dice.choice(KEYS)
-        data = parse_toml(design_text(throw), throw)
-        value = value_at(data, key)
-        if not value:
-            continue
-        most = _MOST_DEG if key.endswith("_deg") else min(_MOST_MM, value / 2)
-        new = round(value + dice.uniform(-most, most), 2)
-        moved = changed_data(data, {key: new})
+    settled, done = dict[str, SettledSafety](), 0
+    for throw, key, value, new, data, moved in random_moves(seed, THROWS):
+        if done == count:
+            break
         if throw not in settled:
             settled[throw] = settled_web(data)
         if "broken" in live_numbers(moved) or "missing" in settled_safety(moved):
