@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -17,6 +17,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Cycle, LoadAnalysis, analyse, at_worst_speed, engine_of
 from cranktopo.engine.forces import ThrowForces
 from cranktopo.engine.states import ExtremeState, extreme_states
+from cranktopo.engine.vibration.shaft_chain import rods_shares
 
 HistoryKind = Literal["extremes", "cycle"]
 CURVES = ("radial_N", "tangential_N", "torque_Nm", "angular_speed_rad_s")
@@ -39,6 +40,8 @@ class LoadHistory:
         radial_N: on the pin along -y.
         tangential_N: on the pin along +x, the direction of rotation.
         torque_Nm: that the throw passes on, mean of its two ends.
+        swing_Nm: in the sense of rotation, of the throw's own mass where the shaft vibrates: its ends differ
+            by this and by the torque of the pin; None where nothing swings.
     """
 
     radial_N: Array
@@ -46,6 +49,12 @@ class LoadHistory:
     torque_Nm: Array
     angular_speed_rad_s: Array
     labels: tuple[str, ...]
+    swing_Nm: Array | None = field(default=None, kw_only=True)
+
+    @property
+    def own_swing_Nm(self) -> Array:
+        """Torque of the throw's own mass in every state, N m; 0 where nothing swings."""
+        return np.zeros_like(self.torque_Nm) if self.swing_Nm is None else self.swing_Nm
 
 
 @dataclass(frozen=True)
@@ -247,7 +256,12 @@ def throw_histories(scene: Scene, enabled: frozenset[str]) -> list[LoadHistory]:
 
 def _joined(parts: Sequence[LoadHistory]) -> LoadHistory:
     joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in CURVES}
-    return LoadHistory(**joined, labels=tuple(label for part in parts for label in part.labels))
+    swings = any(part.swing_Nm is not None for part in parts)
+    return LoadHistory(
+        **joined,
+        labels=tuple(label for part in parts for label in part.labels),
+        swing_Nm=np.concatenate([part.own_swing_Nm for part in parts]) if swings else None,
+    )
 
 
 def _throw_cycles(scene: Scene, enabled: frozenset[str]) -> list[LoadHistory]:
@@ -259,7 +273,7 @@ def _throw_cycles(scene: Scene, enabled: frozenset[str]) -> list[LoadHistory]:
         )
     angle = cycle.forces.angle_deg[:: every_degree(cycle.forces.angle_deg)]
     speed = np.full(len(angle), angular_speed_rad_s(engine.speed_rpm))
-    return [
+    found = [
         LoadHistory(
             *_throw(engine, cycle, angle, rods.throw, forces),
             speed,
@@ -267,6 +281,34 @@ def _throw_cycles(scene: Scene, enabled: frozenset[str]) -> list[LoadHistory]:
         )
         for rods, forces in cycle.pins
     ]
+    if not cycle.torque.vibrates:
+        return found
+    shares = rods_shares(scene)
+    return [
+        _swinging(
+            one,
+            _inertia_Nm(engine, cycle, angle, rods.throw, forces),
+            shares[rods.throw],
+            scene.throw.radius_mm,
+        )
+        for one, (rods, forces) in zip(found, cycle.pins, strict=True)
+    ]
+
+
+def _inertia_Nm(engine: Engine, cycle: Cycle, angle: Array, throw: int, forces: ThrowForces) -> Array:
+    """Torque between both ends of a throw of a vibrating shaft, less that of its rods; angles of `_throw`."""
+    between = cycle.torque.sections_Nm[throw + 1] - cycle.torque.sections_Nm[throw]
+    shaft, cycle_deg = angle + engine.firing_angles_deg[throw], engine.cycle_deg
+    both = np.interp(shaft, forces.angle_deg, between, period=cycle_deg)
+    return np.asarray(both - np.interp(angle, forces.angle_deg, forces.torque_Nm, period=cycle_deg))
+
+
+def _swinging(history: LoadHistory, inertia_Nm: Array, rods_share: float, radius_mm: float) -> LoadHistory:
+    """Return a history with that torque: the share of rods and pistons pushes the pin, the rest is spread."""
+    at_pin = rods_share * inertia_Nm * NMM_PER_NM / radius_mm
+    return replace(
+        history, tangential_N=history.tangential_N + at_pin, swing_Nm=(1 - rods_share) * inertia_Nm
+    )
 
 
 def every_degree(angle_deg: Array) -> int:
@@ -294,4 +336,6 @@ def _enabled_loads(history: LoadHistory, enabled: frozenset[str]) -> LoadHistory
         quantity: getattr(history, quantity) * (1.0 if effect in enabled else 0.0)
         for effect, quantity in _QUANTITY_OF.items()
     }
-    return LoadHistory(**kept, labels=history.labels)
+    return LoadHistory(
+        **kept, labels=history.labels, swing_Nm=history.swing_Nm if "torsion" in enabled else None
+    )

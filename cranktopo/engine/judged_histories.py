@@ -92,15 +92,36 @@ def counts_tangential(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) 
     return kind == "cycle" or analyse(scene, enabled).cycle is not None
 
 
+def counts_swing(scene: Scene, loads: Loads, enabled: frozenset[str]) -> bool:
+    """Tell whether in the histories the mass of a throw pushes that swings with the shaft."""
+    if isinstance(loads, WebLoads):
+        return any(one.swing_Nm is not None for one in loads.histories)
+    if not {"torsional_vibration", "torsion"} <= enabled:
+        return False
+    return loads == "cycle" or counts_tangential(scene, loads, enabled)
+
+
 def _bounding(cycles: Sequence[LoadHistory]) -> list[LoadHistory]:
     """Return of each cycle the few states that bound it."""
-    return [_states(one, bounding_states(_loads(one))) for one in cycles]
+    return [_states(one, _bound(one)) for one in cycles]
 
 
-def _loads(history: LoadHistory) -> Array:
-    return np.stack([history.radial_N, history.tangential_N, history.torque_Nm], axis=1)
+def _bound(history: LoadHistory) -> Index:
+    """Return states that bound a cycle; of a throw that swings by the torque between its ends and at each."""
+    ends = (0.0,) if history.swing_Nm is None else (-0.5, 0.0, 0.5)
+    found = [bounding_states(_loads(history, end)) for end in ends]
+    return np.unique(np.concatenate(found))
+
+
+def _loads(history: LoadHistory, end: float) -> Array:
+    torque = history.torque_Nm + end * history.own_swing_Nm
+    return np.stack([history.radial_N, history.tangential_N, torque], axis=1)
 
 
 def _states(history: LoadHistory, numbers: Index) -> LoadHistory:
     kept = {name: getattr(history, name)[numbers] for name in CURVES}
-    return LoadHistory(**kept, labels=tuple(history.labels[number] for number in numbers))
+    return LoadHistory(
+        **kept,
+        labels=tuple(history.labels[number] for number in numbers),
+        swing_Nm=None if history.swing_Nm is None else history.swing_Nm[numbers],
+    )

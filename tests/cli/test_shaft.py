@@ -412,7 +412,7 @@ def test_the_map_and_the_crank_show_the_safety_of_each_web() -> None:
     boxes = [patch.get_bbox() for patch in side.figure.axes[0].patches]
     assert max(box.y1 for box in boxes) >= scene.throw.radius_mm + scene.throw.crankpin.outer_diameter_mm / 2
     curve = np.arange(8.0).reshape(1, 2, 4)
-    sections = WebSections(np.arange(4.0), *(curve * number for number in range(1, 7)))
+    sections = WebSections(np.arange(4.0), *(curve * number for number in range(1, 8)))
     first = web_pictures(900.0, sections)[0]
     assert [line.get_label() for line in first.figure.axes[0].lines] == ["web 1", "web 2"]
     assert first.figure.axes[0].lines[1].get_ydata() == pytest.approx([4.0, 5.0, 6.0, 7.0])

@@ -114,6 +114,13 @@ def moving_inertia_kg_mm2(scene: Scene) -> float:
     return moving_kg * scene.throw.radius_mm**2
 
 
+def rods_shares(scene: Scene) -> tuple[float, ...]:
+    """Return the share of rods and pistons in the inertia of each throw's disk in `estimated_chain`."""
+    shaft = estimated_chain(scene)
+    moving = moving_inertia_kg_mm2(scene) / MM2_PER_M2
+    return tuple(moving / inertia for inertia in shaft.chain.inertia_kg_m2[shaft.driven])
+
+
 def lossy_factor(scene: Scene) -> complex:
     """Return the complex stiffness of a throw over its real one."""
     return 1 + 1j * (scene.shaft or ShaftTable()).throw_loss_factor

@@ -198,6 +198,17 @@ def centrifugal_force(model: Elasticity, density_tonne_per_mm3: float) -> Array:
     return force.T.ravel()
 
 
+def swing_force(model: Elasticity) -> Array:
+    """Return the nodal forces by which the mass resists an angular acceleration about the z axis.
+
+    Every part pushes across its radius, by mass and radius; about -z all push with 1 N mm. (unknowns,), N.
+    """
+    outward = centrifugal_force(model, 1.0).reshape(-1, 3)
+    inertia = float((outward[:, :2] * model.nodes_mm[:2].T).sum())
+    across = np.stack([outward[:, 1], -outward[:, 0], np.zeros(len(outward))], axis=1)
+    return np.asarray(across.ravel() / inertia)
+
+
 @at_work("mass matrix")
 def mass_matrix(
     model: Elasticity, density_tonne_per_mm3: float, elements: NDArray[np.intp] | None = None

@@ -19,6 +19,8 @@ from cranktopo.numerics.tetrahedra.elasticity import (
     STIFFNESS_ORDER,
     Elasticity,
     basis_above_plane,
+    centrifugal_force,
+    swing_force,
 )
 from cranktopo.numerics.tetrahedra.stress import hooke, tensor_strain
 
@@ -115,6 +117,18 @@ def integral_slopes(model: Elasticity, even: Array | None, by_place: Array) -> A
         found += np.einsum("eq,ieq,neq->nie", basis.dx, weights, values, optimize=True)
         gather(total, basis, found)
     return total
+
+
+def swing_slopes(model: Elasticity, field: Array) -> Array:
+    """Return the derivative of `swing_force(model) @ field` by the nodes, (3, nodes)."""
+    across = field.reshape(-1, 3)
+    turned = np.stack([-across[:, 1], across[:, 0], np.zeros(len(across))], axis=1).ravel()
+    outward, along = centrifugal_force(model, 1.0).reshape(-1, 3).T, model.nodes_mm.copy()
+    along[2] = 0.0
+    inertia = float((outward * along).sum())
+    of_inertia = outward + centrifugal_slopes(model, 1.0, along.T.ravel())
+    work = float(swing_force(model) @ field)
+    return np.asarray((centrifugal_slopes(model, 1.0, turned) - work * of_inertia) / inertia)
 
 
 def moments(model: Elasticity) -> tuple[Array, Array]:

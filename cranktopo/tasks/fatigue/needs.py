@@ -5,7 +5,7 @@ from __future__ import annotations
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import Loads, WebLoads
-from cranktopo.engine.judged_histories import counts_tangential, histories_of
+from cranktopo.engine.judged_histories import counts_swing, counts_tangential, histories_of
 from cranktopo.engine.plan.planning import plan_for_stress, stress_left_off
 from cranktopo.tasks.fatigue.criteria import check_method
 from cranktopo.tasks.fatigue.stress_model import check_fillets
@@ -48,13 +48,18 @@ def load_kinds(scene: Scene, kind: Loads) -> tuple[frozenset[str], tuple[FieldKi
     """Effects that the plan of a scene switches on for stress, and the loads to be solved.
 
     The tangential force acts in the cycle alone: it counts where that is known. A web in its shaft has every
-    load, and moments of its neighbours.
+    load, and moments of its neighbours. Where the shaft vibrates, the throw's own mass counts there too.
     """
     if isinstance(kind, WebLoads):
-        return frozenset(_EVERY), _IN_SHAFT
+        every: frozenset[str] = frozenset(_EVERY)
+        return every, _IN_SHAFT + _swing(scene, kind, every)
     enabled = plan_for_stress(scene).enabled
     left_out = set() if counts_tangential(scene, kind, enabled) else {"tangential"}
-    return enabled, tuple(k for k in _EVERY if k in enabled - left_out)
+    return enabled, tuple(k for k in _EVERY if k in enabled - left_out) + _swing(scene, kind, enabled)
+
+
+def _swing(scene: Scene, kind: Loads, enabled: frozenset[str]) -> tuple[FieldKind, ...]:
+    return ("swing",) if counts_swing(scene, kind, enabled) else ()
 
 
 def safety_left_off(scene: Scene) -> str:

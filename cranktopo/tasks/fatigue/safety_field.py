@@ -37,6 +37,7 @@ _UNIT_OF: dict[FieldKind, Callable[[LoadHistory], Array]] = {
     "tangential": lambda h: h.tangential_N,
     "torsion": lambda h: -h.torque_Nm * NMM_PER_NM,
     "centrifugal": lambda h: h.angular_speed_rad_s**2,
+    "swing": lambda h: h.own_swing_Nm * NMM_PER_NM,
 }
 """Factor of each unit field; a force along +x on the pin turns the shaft about -z, and so does its torque."""
 _ALL = slice(None)

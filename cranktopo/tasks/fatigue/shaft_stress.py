@@ -33,7 +33,7 @@ class ShaftStress:
     """A throw condensed for the shaft, and the stress on its surface.
 
     Attributes:
-        shares: of each field of the model in what acts on the throw (`throw_states`), (fields, 17).
+        shares: of each field of the model in what acts on the throw (`throw_states`), (fields, 18).
         seconds: for the mesh, the fields, and their stresses.
     """
 
@@ -43,7 +43,7 @@ class ShaftStress:
     seconds: tuple[float, float, float]
 
     def loads(self, states: Array) -> Array:
-        """Return the factor of each field in states of the throw, (17, states), as (states, fields)."""
+        """Return the factor of each field in states of the throw, (18, states), as (states, fields)."""
         return np.ascontiguousarray((self.shares @ states).T)
 
 

@@ -17,7 +17,7 @@ from cranktopo.design.halves import default_element_size_mm, require_equal_halve
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.engine.load_case import LoadCase
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, mean_displacement
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, mean_displacement, swing_force
 from cranktopo.numerics.tetrahedra.solver import RESIDUAL_LIMIT
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, von_mises
 from cranktopo.tasks.fea.condense import (
@@ -35,10 +35,24 @@ from cranktopo.tasks.fea.evaluation import mesh_target
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.turning_load import turning_load
 
-FieldKind = Literal["moment", "side_moment", "bending", "tangential", "torsion", "centrifugal", "shaft"]
-_KINDS: tuple[FieldKind, ...] = ("moment", "side_moment", "bending", "tangential", "torsion", "centrifugal")
-_ODD = ("side_moment", "tangential", "torsion")
+FieldKind = Literal[
+    "moment", "side_moment", "bending", "tangential", "swing", "torsion", "centrifugal", "shaft"
+]
+_KINDS: tuple[FieldKind, ...] = (
+    "moment",
+    "side_moment",
+    "bending",
+    "tangential",
+    "swing",
+    "torsion",
+    "centrifugal",
+)
+_ODD = ("side_moment", "tangential", "swing", "torsion")
 """Loads that the mirror x -> -x turns around."""
+AGAINST_TORQUE: tuple[FieldKind, ...] = ("tangential", "swing")
+"""Loads that turn the throw about its axis, against torque at both sections."""
+_FURTHER: tuple[FieldKind, ...] = (*AGAINST_TORQUE, "centrifugal")
+"""Loads beside the radial one that are a condensation's further loads, in this order."""
 
 
 @dataclass(frozen=True)
@@ -48,9 +62,10 @@ class UnitField:
     Attributes:
         kind: "moment" 1 N mm about +x on the near section and its opposite on the far one (four-point
             bending); "side_moment" the same about +y; "bending" 1 N on the pin along -y; "tangential" 1 N on
-            the pin along +x, against torque at both sections; "torsion" 1 N mm about +z on the near section
-            and its opposite on the far one; "centrifugal" 1 rad2/s2 about the crank axis; "shaft" what
-            neighbouring throws do to both sections, or a load with these held.
+            the pin along +x, against torque at both sections; "swing" 1 N mm about -z by the throw's own mass
+            where an angular acceleration lets it push, against the same; "torsion" 1 N mm about +z on the
+            near section and its opposite on the far one; "centrifugal" 1 rad2/s2 about the crank axis;
+            "shaft" what neighbouring throws do to both sections, or a load with these held.
         sign_x, sign_z: +1 if the load is its own mirror image in x or the mid-pin plane, -1 if its opposite.
     """
 
@@ -71,7 +86,7 @@ def unit_fields(
 ) -> tuple[UnitField, ...]:
     """Return the displacement fields of the load kinds that are asked for; the others cost no solve.
 
-    In the order moment, side_moment, bending, tangential, torsion, centrifugal.
+    In the order moment, side_moment, bending, tangential, swing, torsion, centrifugal.
 
     Raises:
         CranktopoError: a spring support without its stiffness, or a failed solve.
@@ -123,7 +138,7 @@ def _loaded(
     model: Elasticity, scene: Scene, span: Span, lateral: Lateral, kinds: list[FieldKind], residual: float
 ) -> dict[FieldKind, UnitField]:
     """Fields of some loads from one condensation, which holds the radial load already."""
-    extra_loads: list[FieldKind] = [kind for kind in kinds if kind in ("tangential", "centrifugal")]
+    extra_loads: list[FieldKind] = [kind for kind in _FURTHER if kind in kinds]
     forces = [unit_force(model, scene, kind, span, lateral) for kind in extra_loads]
     block = condense(model, scene, span, lateral, np.column_stack(forces) if forces else None, residual)
     found = loaded(block, scene, [kind for kind in kinds if kind != "torsion"])
@@ -135,9 +150,9 @@ def _loaded(
 def loaded(block: Superelement, scene: Scene, kinds: Collection[FieldKind]) -> dict[FieldKind, UnitField]:
     """Return fields of some loads from a symmetric condensation, or that of a whole throw.
 
-    Those of `tangential` and `centrifugal` are the block's further loads, in this order.
+    Those of `tangential`, `swing` and `centrifugal` are the block's further loads, in this order.
     """
-    extra_loads: list[FieldKind] = [kind for kind in kinds if kind in ("tangential", "centrifugal")]
+    extra_loads: list[FieldKind] = [kind for kind in _FURTHER if kind in kinds]
     turns: dict[FieldKind, int] = {"moment": RX, "side_moment": RY}
     cases: dict[FieldKind, tuple[Array, Array]] = {
         kind: (
@@ -156,7 +171,7 @@ def loaded(block: Superelement, scene: Scene, kinds: Collection[FieldKind]) -> d
     found: dict[FieldKind, UnitField] = {}
     for kind in kinds:
         fixed, force = cases[kind]
-        sideways = kind == "tangential"
+        sideways = kind in AGAINST_TORQUE
         # Held, the half takes its half of the torque; a whole throw that may turn takes equal ones.
         turning = not sideways or block.copies == 1
         motion = bending_motion(block, force, scene.supports.bending, spring, turning=turning)
@@ -165,13 +180,15 @@ def loaded(block: Superelement, scene: Scene, kinds: Collection[FieldKind]) -> d
 
 
 def unit_force(model: Elasticity, scene: Scene, kind: FieldKind, span: Span, lateral: Lateral) -> Array:
-    """Return nodal forces on the model of a unit tangential or centrifugal load of the full throw.
+    """Return nodal forces on the model of a unit tangential, swing or centrifugal load of the full throw.
 
     Models like it make up the throw, and share the force on the pin.
     """
     if kind == "centrifugal":
         return turning_load(model, scene, span, lateral)
     models = (1 if span == "whole" else 2) * (1 if lateral == "none" else 2)
+    if kind == "swing":
+        return swing_force(model) / models
     return mean_displacement(model, 0, *loaded_mm(scene, span == "whole")) / models
 
 

@@ -153,7 +153,7 @@ def _block(
     static = block.displacement[:, : len(block.motions)]
     more = inertial_fields(block.solve, mass, static, steps)
     step_of = [number for number, fields in enumerate(more, start=1) for _ in range(fields.shape[1])]
-    loads = part.names if with_loads else ()
+    loads = part.of_still if with_loads else ()
     if loads:
         more.append(part.load_fields())
         step_of += [1] * len(loads)

@@ -31,7 +31,14 @@ from cranktopo.tasks.shaft.web_sections import web_sections
 _UM_PER_MM = 1000.0
 _MRAD_PER_RAD = 1000.0
 
-_MOMENTS_AND_SHEARS = ("bending_Nm", "side_bending_Nm", "torque_Nm", "shear_N", "side_shear_N")
+_MOMENTS_AND_SHEARS = (
+    "bending_Nm",
+    "side_bending_Nm",
+    "torque_Nm",
+    "journal_torque_Nm",
+    "shear_N",
+    "side_shear_N",
+)
 
 
 def continuous_shaft(
@@ -80,8 +87,10 @@ def _at_speed(
         shaft_cycle([throw], (0.0,), _of_throw(forces, index), None)
         for index, (throw, _) in enumerate(throws)
     ]
-    sections = web_sections(cycle, scenes)
-    bending, aside, torque, shear, shear_aside = (sections.range_of(name) for name in _MOMENTS_AND_SHEARS)
+    sections = web_sections(cycle, scenes, forces.swing)
+    bending, aside, torque, journal, shear, shear_aside = (
+        sections.range_of(name) for name in _MOMENTS_AND_SHEARS
+    )
     alone = [
         web_sections(one, [own]).range_of("bending_Nm")[0] for one, own in zip(single, scenes, strict=True)
     ]
@@ -94,6 +103,7 @@ def _at_speed(
             share=float(bending[index, side] / alone[index][side]),
             side_range_Nm=float(aside[index, side]),
             torque_range_Nm=float(torque[index, side]),
+            journal_torque_range_Nm=float(journal[index, side]),
             shear_range_N=float(shear[index, side]),
             side_shear_range_N=float(shear_aside[index, side]),
         )

@@ -23,10 +23,26 @@ from cranktopo.engine.balance.layout import engine_layout
 from cranktopo.engine.cylinders import cylinders
 from cranktopo.engine.forces import INERTIA_EFFECTS, ShaftTorque, by_throw
 from cranktopo.engine.histories import every_degree
+from cranktopo.engine.vibration.shaft_chain import rods_shares
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_torque
 from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.shaft.assembly import shaft_matrix, turned
-from cranktopo.tasks.shaft.loaded_throw import LOADS, LoadedThrow
+from cranktopo.tasks.shaft.loaded_throw import LOADS, SWING, LoadedThrow
+
+
+@dataclass(frozen=True)
+class ShaftSwing:
+    """Loads of its own inertia on a vibrating shaft over the cycle, in the sense of rotation.
+
+    Attributes:
+        ahead_Nm: torque on the first section, by what vibrates at the free end, (states,).
+        pin_N: along the circle of the pin, by the masses of its rods and pistons, (throws, states).
+        throw_Nm: torque of the throw's own mass, spread over it, (throws, states).
+    """
+
+    ahead_Nm: Array
+    pin_N: Array
+    throw_Nm: Array
 
 
 @dataclass(frozen=True)
@@ -37,8 +53,7 @@ class CycleForces:
         radial_N, tangential_N: shape (throws, states).
         radial_aside_N_mm, tangential_aside_N_mm: their moments about the middle of the pin, positive where
             the rod nearer to the free end has more, shape (throws, states).
-        added_Nm: torque of the vibrating shaft's inertia on every section in the sense of rotation, shape
-            (sections, states); None where it does not vibrate.
+        swing: what the vibrating shaft's inertia adds; None where it does not vibrate.
     """
 
     angle_deg: Array
@@ -47,7 +62,7 @@ class CycleForces:
     radial_aside_N_mm: Array
     tangential_aside_N_mm: Array
     angular_speed_rad_s: float
-    added_Nm: Array | None = None
+    swing: ShaftSwing | None = None
 
 
 @dataclass(frozen=True)
@@ -94,11 +109,14 @@ def cycle_forces(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> Cyc
     )
     if "torsional_vibration" not in enabled:
         return forces
-    return replace(forces, added_Nm=_of_inertia(vibrating_torque(scene, enabled), forces, scene))
+    return replace(forces, swing=_of_inertia(vibrating_torque(scene, enabled), forces, scene))
 
 
-def _of_inertia(torque: ShaftTorque, forces: CycleForces, scene: Scene) -> Array:
-    """Return what the torque of a vibrating shaft has beside that of the pins, half on either section."""
+def _of_inertia(torque: ShaftTorque, forces: CycleForces, scene: Scene) -> ShaftSwing:
+    """Return what lies between the torques ahead of a throw and behind it, beside that of its rods.
+
+    Rods and pistons have the share in it that they have in the mean inertia of the throw's disk.
+    """
 
     def over_cycle(curves: Array) -> Array:
         cycle_deg = engine_of(scene).cycle_deg
@@ -106,11 +124,10 @@ def _of_inertia(torque: ShaftTorque, forces: CycleForces, scene: Scene) -> Array
 
     assert torque.ahead_Nm is not None
     ahead, behind = over_cycle(torque.ahead_Nm), over_cycle(torque.passed_on_Nm)
-    own = forces.tangential_N * scene.throw.radius_mm / NMM_PER_NM
-    half = (behind - ahead - own) / 2
-    added = np.vstack([half, np.zeros_like(half[:1])]) + np.vstack([np.zeros_like(half[:1]), half])
-    added[0] += ahead[0]
-    return np.asarray(added)
+    per_Nm = NMM_PER_NM / scene.throw.radius_mm
+    inertia = behind - ahead - forces.tangential_N / per_Nm
+    rods = np.array(rods_shares(scene))[:, None]
+    return ShaftSwing(ahead[0], rods * inertia * per_Nm, (1 - rods) * inertia)
 
 
 def shaft_cycle(
@@ -137,8 +154,8 @@ def shaft_cycle(
     load = np.zeros((6 * sections, states))
     for index, angle in enumerate(about_z):
         load[6 * index : 6 * index + 12] += turned(angle) @ own[index]
-    if forces.added_Nm is not None:
-        load[RZ::6] += about_z_deg(1.0) * forces.added_Nm * NMM_PER_NM
+    if forces.swing is not None:
+        load[RZ] += about_z_deg(1.0) * forces.swing.ahead_Nm * NMM_PER_NM
     stiffness = shaft_matrix(np.stack([throw.stiffness for throw in throws]), about_z)
     radial = _radial(range(sections))
     in_bearings = range(sections) if borne_by is None else borne_by
@@ -195,15 +212,26 @@ def bent_into_bearings_N_per_mm(
 def _pin_loads(throw: LoadedThrow, forces: CycleForces, index: int) -> Array:
     """Section forces that do the work of all loads of a throw, (12, states)."""
     loads = np.stack([throw.loads[name] for name in LOADS], axis=1)
-    return np.asarray(loads @ load_shares(throw, forces, index))
+    found = np.asarray(loads @ load_shares(throw, forces, index))
+    if forces.swing is None:
+        return found
+    return np.asarray(found + np.outer(throw.loads[SWING], _swing_Nmm(forces, index)))
+
+
+def _swing_Nmm(forces: CycleForces, index: int) -> Array:
+    """Return the number of unit loads "swing" that act on a throw, (states,)."""
+    if forces.swing is None:
+        return np.zeros(forces.angle_deg.size)
+    return np.asarray(forces.swing.throw_Nm[index] * NMM_PER_NM)
 
 
 def load_shares(throw: LoadedThrow, forces: CycleForces, index: int) -> Array:
     """Return the number of unit loads, in the order of `LOADS`, that act on a throw, (loads, states)."""
+    across = forces.tangential_N[index]
     return np.stack(
         [
             forces.radial_N[index],
-            forces.tangential_N[index],
+            across if forces.swing is None else across + forces.swing.pin_N[index],
             forces.radial_aside_N_mm[index] / throw.aside_moment_mm,
             forces.tangential_aside_N_mm[index] / throw.aside_moment_mm,
             np.full(forces.angle_deg.size, forces.angular_speed_rad_s**2),
@@ -214,11 +242,11 @@ def load_shares(throw: LoadedThrow, forces: CycleForces, index: int) -> Array:
 def throw_states(
     throws: Sequence[LoadedThrow], angles_deg: Sequence[float], forces: CycleForces, cycle: ShaftCycle
 ) -> Array:
-    """Return what acts on every throw in its own axes, (throws, 12 motions of sections and loads, states)."""
+    """Return what acts on every throw in its own axes, (throws, 12 motions and `ACTING`, states)."""
     found = []
     for index, (throw, angle) in enumerate(zip(throws, angles_deg, strict=True)):
         own = turned(about_z_deg(angle)).T @ cycle.motion[6 * index : 6 * index + 12]
-        found.append(np.vstack([own, load_shares(throw, forces, index)]))
+        found.append(np.vstack([own, load_shares(throw, forces, index), _swing_Nmm(forces, index)]))
     return np.stack(found)
 
 

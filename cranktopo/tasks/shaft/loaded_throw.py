@@ -13,7 +13,7 @@ from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, mean_displacement
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, mean_displacement, swing_force
 from cranktopo.tasks.fea.condense import RX, UY, Lateral, Superelement, condense, loaded_mm
 from cranktopo.tasks.fea.turning_load import turning_load
 from cranktopo.tasks.shaft.assembly import SPLITS, symmetries, throw_matrix
@@ -21,6 +21,10 @@ from cranktopo.tasks.shaft.assembly import SPLITS, symmetries, throw_matrix
 _PIN = ("radial", "tangential")
 LOADS = (*_PIN, "radial aside", "tangential aside", "centrifugal")
 """Unit loads of a throw: `LoadedThrow.loads` says what they are."""
+SWING = "swing"
+"""The further load of a shaft whose disks vibrate: its own mass, which an angular acceleration lets push."""
+ACTING = (*LOADS, SWING)
+"""All that acts on a throw beside the motions of its sections."""
 _LENGTH_MM = 50.0
 """Scales rotations to displacements where a rank is decided."""
 _RIGID = 1e-8
@@ -35,7 +39,8 @@ class LoadedThrow:
         stiffness: (12, 12), mm, rad, N, N mm, each section in axes parallel to those of the throw.
         loads: section forces that do the same work as a unit load, (12,): "radial" 1 N on the pin along -y,
             "tangential" 1 N along +x, "radial aside" and "tangential aside" half of it on the near half of
-            the pin and its opposite on the far one, "centrifugal" of 1 rad/s.
+            the pin and its opposite on the far one, "centrifugal" of 1 rad/s; of a shaft that may vibrate
+            also "swing", 1 N mm about -z by the throw's own mass that resists an angular acceleration.
         aside_moment_mm: moment of the loads "aside" about the middle of the pin, N mm per N: half the
             distance between the middles of the halves of the pin, as the mesh has them.
     """
@@ -69,26 +74,32 @@ class LoadedBlock:
         }
 
     def load_fields(self) -> Array:
-        """Return what each of its unit loads on the full throw does with the sections held, (unknowns, k)."""
+        """Return what each load of `of_still` on the full throw does, sections held, (unknowns, k)."""
         loaded = self.block.displacement[:, self.block.displacement.shape[1] - len(self.names) :]
         models = self.block.copies * self.block.parts
-        return loaded * [1.0 if name == "centrifugal" else 1 / models for name in self.names]
+        factors = [1.0 if name == "centrifugal" else 1 / models for name in self.of_still]
+        return loaded[:, : len(factors)] * factors
+
+    @property
+    def of_still(self) -> tuple[str, ...]:
+        """Its loads in a shaft whose inertia is no load: all but the last, "swing"."""
+        return tuple(name for name in self.names if name != SWING)
 
     def straining_fields(self) -> tuple[Array, Array]:
         """Return the displacement fields that strain the throw, and how much of them what acts on it makes.
 
         The fields, (unknowns, k), are those section motions that move no whole body, and the loads with the
-        sections held; the shares are (k, 12 motions of both sections and then `LOADS`).
+        sections held; the shares are (k, 12 motions of both sections and then `ACTING`).
         """
         block, motions = self.block, len(self.block.motions)
         length = np.array([1.0 if motion % 6 < RX else 1 / _LENGTH_MM for motion in block.motions])
         sizes, axes = np.linalg.eigh(block.stiffness * np.outer(length, length))
         axes = axes[:, sizes > _RIGID * sizes.max()]
         bent = (axes.T / length) @ SPLITS[self.span][list(block.motions)]
-        shares = np.zeros((axes.shape[1] + len(self.names), 12 + len(LOADS)))
+        shares = np.zeros((axes.shape[1] + len(self.names), 12 + len(ACTING)))
         shares[: axes.shape[1], :12] = bent
         for row, name in enumerate(self.names, start=axes.shape[1]):
-            shares[row, 12 + LOADS.index(name)] = (
+            shares[row, 12 + ACTING.index(name)] = (
                 1.0 if name == "centrifugal" else 1 / (block.copies * block.parts)
             )
         loaded = block.displacement[:, block.displacement.shape[1] - len(self.names) :]
@@ -165,4 +176,12 @@ def _unit_loads(model: Elasticity, scene: Scene, span: Span, lateral: Lateral) -
             found[f"{name} aside"] = (near - far) / 2 if span == "whole" else near
     if span != "antisymmetric" and lateral != "odd":
         found["centrifugal"] = turning_load(model, scene, span, lateral)
+    if span != "antisymmetric" and lateral != "even" and _may_vibrate(scene):
+        found[SWING] = swing_force(model)
     return found
+
+
+def _may_vibrate(scene: Scene) -> bool:
+    """Tell whether the torque of a vibrating shaft may load it, whatever the plan decides."""
+    takeoff = scene.shaft is not None and scene.shaft.has_takeoff
+    return takeoff and scene.effects.torsional_vibration != "off"

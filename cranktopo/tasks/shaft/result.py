@@ -32,6 +32,8 @@ class WebMoment(Result):
     """Of the bending moment across the throw, in the shaft as all below."""
     torque_range_Nm: float
     """Of the torque about the crank axis."""
+    journal_torque_range_Nm: float
+    """Of the torque in the main journal beside it: another one where the mass of a vibrating shaft adds."""
     shear_range_N: float
     """Of the force along the throw."""
     side_shear_range_N: float

@@ -17,7 +17,7 @@ from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import WebHistory
 from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY
-from cranktopo.tasks.shaft.cycle import CycleForces, ShaftCycle, shaft_cycle
+from cranktopo.tasks.shaft.cycle import CycleForces, ShaftCycle, ShaftSwing, shaft_cycle
 from cranktopo.tasks.shaft.loaded_throw import LoadedThrow
 
 
@@ -27,15 +27,20 @@ def web_histories(
     """Return the loads of every web from the free end, each in the axes of the half nearer to z = 0.
 
     The web beyond the crankpin is mirrored in the middle of the pin. Centrifugal force on the throw itself is
-    the speed's, and no part of the pin forces.
+    the speed's, and no part of the pin forces; nor is the resistance of its mass where the shaft vibrates.
     """
     found = []
     for index, (throw, scene) in enumerate(zip(throws, scenes, strict=True)):
         both = cycle.throw_N[index] - _turning_alone(throw, forces)
+        swing_Nmm = None if forces.swing is None else forces.swing.throw_Nm[index] * NMM_PER_NM
+        if swing_Nmm is not None:
+            both = both - _swinging_alone(throw, swing_Nmm)
         for side, mirror in ((0, 1.0), (1, -1.0)):
             end = both[6 * side : 6 * side + 6]
             radial, tangential = 2 * end[UY], -2 * end[UX]
             passed_on = scene.throw.radius_mm * tangential / 2 - end[RZ]
+            if swing_Nmm is not None:
+                passed_on = passed_on + swing_Nmm / 2
             number = 2 * index + side + 1
             history = WebHistory(
                 radial_N=radial,
@@ -45,6 +50,7 @@ def web_histories(
                 labels=tuple(f"web {number}, {angle:g} deg" for angle in forces.angle_deg),
                 moment_Nm=mirror * end[RX] / NMM_PER_NM,
                 side_moment_Nm=mirror * end[RY] / NMM_PER_NM,
+                swing_Nm=None if swing_Nmm is None else swing_Nmm / NMM_PER_NM,
             )
             found.append(history)
     return tuple(found)
@@ -55,3 +61,18 @@ def _turning_alone(throw: LoadedThrow, forces: CycleForces) -> Array:
     none = np.zeros((1, 1))
     still = CycleForces(np.zeros(1), none, none, none, none, forces.angular_speed_rad_s)
     return shaft_cycle([throw], (0.0,), still, None).throw_N[0]
+
+
+def _swinging_alone(throw: LoadedThrow, swing_Nmm: Array) -> Array:
+    """Return the forces on both sections of a throw whose own mass swings between its bearings, (12, states).
+
+    Without their torques: these are the shaft's, whoever bears the mass.
+    """
+    none = np.zeros((1, 1))
+    still = np.zeros(1)
+    forces = CycleForces(
+        still, none, none, none, none, 0.0, ShaftSwing(still, none, np.full((1, 1), 1 / NMM_PER_NM))
+    )
+    one = shaft_cycle([throw], (0.0,), forces, None).throw_N[0].copy()
+    one[[RZ, 6 + RZ]] = 0.0
+    return np.asarray(one * swing_Nmm)

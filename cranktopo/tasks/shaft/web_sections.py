@@ -10,11 +10,13 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.files import replacing
+from cranktopo.base.frames import about_z_deg
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
-from cranktopo.tasks.shaft.cycle import ShaftCycle
+from cranktopo.tasks.shaft.cycle import ShaftCycle, ShaftSwing
 
 
 @dataclass(frozen=True)
@@ -27,10 +29,12 @@ class WebSections:
     Attributes:
         bending_Nm: moment in the plane of the throw.
         side_bending_Nm: moment across it.
-        torque_Nm: about the crank axis.
+        torque_Nm: about the crank axis; of a shaft whose disks vibrate with half of what the mass of its side
+            of the throw adds: the other half lies beyond.
         shear_N: along the throw, away from the crank axis.
         side_shear_N: across it.
         axial_N: along the crank axis.
+        journal_torque_Nm: that in the main journal beside the web.
     """
 
     angle_deg: Array
@@ -40,6 +44,7 @@ class WebSections:
     shear_N: Array
     side_shear_N: Array
     axial_N: Array
+    journal_torque_Nm: Array
 
     def curves(self) -> dict[str, Array]:
         """Return the curves by name, without the angles."""
@@ -50,8 +55,12 @@ class WebSections:
         return np.ptp(self.curves()[name], axis=2)
 
 
-def web_sections(cycle: ShaftCycle, scenes: Sequence[Scene]) -> WebSections:
-    """Return the forces and moments in the webs of throws, each with its own scene."""
+def web_sections(cycle: ShaftCycle, scenes: Sequence[Scene], swing: ShaftSwing | None = None) -> WebSections:
+    """Return the forces and moments in the webs of throws, each with its own scene.
+
+    Args:
+        swing: of the forces of that cycle.
+    """
     near, far = (
         np.array([sum(halves(scene)[side].web_z_mm) / 2 for scene in scenes])[:, None] for side in (0, 1)
     )
@@ -64,15 +73,24 @@ def web_sections(cycle: ShaftCycle, scenes: Sequence[Scene]) -> WebSections:
             found.append(side * (forces[:, motion] + about))
         return np.stack(found, axis=1)
 
+    journal = both(RZ) / NMM_PER_NM
     return WebSections(
         cycle.angle_deg,
         both(RX, UY, 1.0) / NMM_PER_NM,
         both(RY, UX, -1.0) / NMM_PER_NM,
-        both(RZ) / NMM_PER_NM,
+        journal if swing is None else journal + _to_the_middle_Nm(swing, scenes),
         both(UY),
         both(UX),
         both(UZ),
+        journal,
     )
+
+
+def _to_the_middle_Nm(swing: ShaftSwing, scenes: Sequence[Scene]) -> Array:
+    """Return what throws add between each journal and the middle of its web, (throws, 2, states)."""
+    own = np.array([[throw_balance(half).inertia_kg_mm2 for half in halves(scene)] for scene in scenes])
+    share = own / own.sum(axis=1, keepdims=True) / 2 * [1.0, -1.0]
+    return np.asarray(about_z_deg(1.0) * share[:, :, None] * swing.throw_Nm[:, None])
 
 
 def write_web_sections(

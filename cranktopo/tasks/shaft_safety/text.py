@@ -141,7 +141,8 @@ def _on_bearings(shaft: ShaftEvaluation) -> list[str]:
     held = "in their oil films" if shaft.bearings == "film" else stiff
     paragraphs = [
         f"On all its main bearings, {held}, at {worst.speed_rpm:,.0f} rpm. Bending moment in the middle\n"
-        "of each web, largest less smallest over the cycle, beside a throw alone:",
+        "of each web, largest less smallest over the cycle, beside a throw alone"
+        + (":" if not _swings(worst) else ";\ntorque there, and in the main journal beside it:"),
         terminal(moment_table(worst)),
         "Main bearings, beside the sum of throws alone:",
         terminal(bearing_table(worst)),
@@ -152,7 +153,7 @@ def _on_bearings(shaft: ShaftEvaluation) -> list[str]:
 
 
 def moment_table(at: ContinuousShaft) -> ResultTable:
-    """Return the range of the bending moment in the middle of each web."""
+    """Return ranges of moments and torque in the middle of each web; where it swings, at its journal too."""
     rows: tuple[Row, ...] = tuple(
         {
             "web": str(web.web),
@@ -162,11 +163,18 @@ def moment_table(at: ContinuousShaft) -> ResultTable:
             "share_percent": 100 * web.share,
             "side_range_Nm": web.side_range_Nm,
             "torque_range_Nm": web.torque_range_Nm,
+            **({"at_journal_Nm": web.journal_torque_range_Nm} if _swings(at) else {}),
         }
         for web in at.webs
     )
     digits = {"web": 0, "throw": 0, "moment_range_Nm": 1, "throw_alone_Nm": 1, "share_percent": 1}
-    return ResultTable({**digits, "side_range_Nm": 1, "torque_range_Nm": 1}, rows)
+    journal = {"at_journal_Nm": 1} if _swings(at) else {}
+    return ResultTable({**digits, "side_range_Nm": 1, "torque_range_Nm": 1, **journal}, rows)
+
+
+def _swings(at: ContinuousShaft) -> bool:
+    """Tell whether the mass of a vibrating shaft makes the torque of a web another one than its journal's."""
+    return any(web.journal_torque_range_Nm != web.torque_range_Nm for web in at.webs)
 
 
 def bearing_table(at: ContinuousShaft) -> ResultTable:

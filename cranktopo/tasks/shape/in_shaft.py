@@ -127,6 +127,7 @@ def _times(history: WebHistory, share: float) -> WebHistory:
         angular_speed_rad_s=np.sqrt(share) * history.angular_speed_rad_s,
         moment_Nm=share * history.moment_Nm,
         side_moment_Nm=share * history.side_moment_Nm,
+        swing_Nm=None if history.swing_Nm is None else share * history.swing_Nm,
     )
 
 
@@ -145,6 +146,7 @@ def _of_throw_alone(scene: Scene, kind: HistoryKind) -> tuple[WebHistory, ...]:
             one.labels,
             np.zeros_like(one.radial_N),
             np.zeros_like(one.radial_N),
+            swing_Nm=one.swing_Nm,
         )
         for one in found
         for side in (1.0, -1.0)

@@ -16,22 +16,34 @@ from cranktopo.base.units import MPA_PER_GPA, density_tonne_per_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import Loads, WebLoads
 from cranktopo.engine.judged_histories import histories_by_speed
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity
-from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes, mean_slopes, work_slopes
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, swing_force
+from cranktopo.numerics.tetrahedra.node_gradients import (
+    centrifugal_slopes,
+    mean_slopes,
+    swing_slopes,
+    work_slopes,
+)
 from cranktopo.numerics.tetrahedra.unit_stress import UnitStress
 from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.safety_field import unit_loads
 from cranktopo.tasks.fatigue.stress_model import images_of
 from cranktopo.tasks.fea.condense import Lateral, Superelement, bending_motion, section_slopes, torsion_motion
 from cranktopo.tasks.fea.turning_load import turning_load
-from cranktopo.tasks.fea.unit_fields import FieldKind, UnitField, loaded, support_spring, twisted
+from cranktopo.tasks.fea.unit_fields import (
+    AGAINST_TORQUE,
+    FieldKind,
+    UnitField,
+    loaded,
+    support_spring,
+    twisted,
+)
 from cranktopo.tasks.shape.judged_throw import judged_throw, largest_stress, safety_by_lsa
 
 _SMOOTH = {"fatigue_safety": (safety_by_lsa, min), "stress": (largest_stress, max)}
 """Smooth value of each quantity, and which of two speeds decides it: a sum would count the other one too."""
 _PUSH: dict[FieldKind, tuple[int, float]] = {"bending": (1, -1.0), "tangential": (0, 1.0)}
 """Axis and sign of the unit forces on the pin."""
-_SIDEWAYS: tuple[FieldKind, ...] = ("side_moment", "tangential")
+_SIDEWAYS: tuple[FieldKind, ...] = ("side_moment", *AGAINST_TORQUE)
 """Symmetric loads that the mirror x -> -x turns around."""
 
 
@@ -48,8 +60,10 @@ class MeshStress:
 
     def extra_loads(self, lateral: Lateral) -> tuple[FieldKind, ...]:
         """Return the further loads of a symmetric condensation with that symmetry in x, in their order."""
-        held: dict[Lateral, tuple[FieldKind, ...]] = {"even": ("centrifugal",), "odd": ("tangential",)}
-        return tuple(kind for kind in held.get(lateral, ("tangential", "centrifugal")) if kind in self.kinds)
+        held: dict[Lateral, tuple[FieldKind, ...]] = {"even": ("centrifugal",), "odd": AGAINST_TORQUE}
+        return tuple(
+            kind for kind in held.get(lateral, (*AGAINST_TORQUE, "centrifugal")) if kind in self.kinds
+        )
 
     def responses(
         self,
@@ -133,7 +147,7 @@ class MeshStress:
             motion = torsion_motion(block, scene.supports.torsion, spring, section)
         else:
             spring = support_spring(scene, scene.supports.bending)
-            turning = kind != "tangential"
+            turning = kind not in AGAINST_TORQUE
             motion = bending_motion(block, section, scene.supports.bending, spring, turning=turning)
         adjoint = block.solve(force[:, None])[:, 0] + units @ motion
         moved, load = field.displacement_mm, np.zeros(len(adjoint))
@@ -146,6 +160,10 @@ class MeshStress:
             load = turning_load(model, scene, "symmetric", "even" if block.parts == 2 else "none")
             # What is fastened to a web has a force of its own; how it spreads over the web counts as fixed.
             gradients += centrifugal_slopes(model, density, adjoint)
+        if kind == "swing":
+            models = 2 * block.parts
+            load = swing_force(model) / models
+            gradients += swing_slopes(model, adjoint) / models
         gradients += section_slopes(model, load - model.stiffness @ moved, adjoint)
         gradients += section_slopes(model, force - model.stiffness @ adjoint, moved)
         return gradients

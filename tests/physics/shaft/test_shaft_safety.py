@@ -27,7 +27,7 @@ from cranktopo.tasks.fea.condense import RZ
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.assembly import SPLITS
 from cranktopo.tasks.shaft.cycle import CycleForces, cycle_forces, shaft_cycle, throw_states
-from cranktopo.tasks.shaft.loaded_throw import LOADS, loaded_throw
+from cranktopo.tasks.shaft.loaded_throw import ACTING, LOADS, loaded_throw
 from cranktopo.tasks.shaft.stage import shaft_effects
 from cranktopo.tasks.shaft.web_loads import web_histories
 from tests.physics.fea.evaluation_cases import mikron_with
@@ -43,7 +43,7 @@ def test_fields_of_a_throw_are_all_that_strains_it() -> None:
     """Any motion of the sections, any loads: six of twelve motions move the whole body, and are left out."""
     scene = load_scene("car-diesel")
     body = meshed_body(scene, 20.0)
-    acting = np.random.default_rng(5).standard_normal(12 + len(LOADS))
+    acting = np.random.default_rng(5).standard_normal(12 + len(ACTING))
     acting[[3, 4, 5, 9, 10, 11]] /= 50.0
     count = 0
     for part in body.blocks:
@@ -55,7 +55,7 @@ def test_fields_of_a_throw_are_all_that_strains_it() -> None:
         )
         models = block.copies * block.parts
         for column, name in enumerate(part.names, start=block.displacement.shape[1] - len(part.names)):
-            number = acting[12 + LOADS.index(name)] / (1 if name == "centrifugal" else models)
+            number = acting[12 + ACTING.index(name)] / (1 if name == "centrifugal" else models)
             moved = moved + number * block.displacement[:, column]
         force = body.model.stiffness @ moved
         assert (

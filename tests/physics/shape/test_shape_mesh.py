@@ -14,8 +14,8 @@ from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import WebHistory, WebLoads, load_history
 from cranktopo.engine.judged_histories import histories_of
-from cranktopo.numerics.tetrahedra.elasticity import assemble, centrifugal_force
-from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, centrifugal_force, swing_force
+from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes, swing_slopes
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface, surface_stress
 from cranktopo.numerics.tetrahedra.stress_adjoint import stress_adjoint
 from cranktopo.tasks.fatigue.fillets import fillet_nodes
@@ -221,7 +221,7 @@ def test_the_gradients_over_the_cycle_are_what_differences_say(cycle: CycleCase)
 
 def of_a_web(seed: int, force_N: float = 3e4) -> WebHistory:
     """Load states such as a web has in its shaft, with moments of its neighbours."""
-    parts = np.random.default_rng(seed).uniform(-1, 1, (5, 24)) * force_N
+    parts = np.random.default_rng(seed).uniform(-1, 1, (6, 24)) * force_N
     return WebHistory(
         radial_N=parts[0],
         tangential_N=parts[1] / 2,
@@ -230,6 +230,7 @@ def of_a_web(seed: int, force_N: float = 3e4) -> WebHistory:
         labels=tuple(map(str, range(24))),
         moment_Nm=0.02 * parts[3],
         side_moment_Nm=0.01 * parts[4],
+        swing_Nm=0.02 * parts[5],
     )
 
 
@@ -256,15 +257,27 @@ def test_the_safety_of_a_web_in_its_shaft_and_its_gradient(symmetry: str) -> Non
     assert found.gradients["fatigue_safety"] @ direction == pytest.approx(measured, rel=1e-4)
 
 
-def test_the_centrifugal_load_changes_with_the_nodes_as_differences_say(case: Case) -> None:
+@pytest.mark.parametrize(
+    ("load", "slopes_of"),
+    [
+        (
+            lambda model: centrifugal_force(model, 1.0),
+            lambda model, field: centrifugal_slopes(model, 1.0, field),
+        ),
+        (swing_force, swing_slopes),
+    ],
+    ids=["centrifugal", "swing"],
+)
+def test_loads_of_the_mass_change_with_the_nodes_as_differences_say(
+    case: Case, load: Callable[[Elasticity], Array], slopes_of: Callable[[Elasticity, Array], Array]
+) -> None:
     mesh, random = case.model.moved.mesh, np.random.default_rng(3)
     field = random.standard_normal(mesh.points_mm.size)
     step = 1e-5 * random.standard_normal(mesh.points_mm.shape)
     above, below = (
-        centrifugal_force(assemble(replace(mesh, points_mm=mesh.points_mm + s * step), 1.0, 0.3), 1.0) @ field
-        for s in (1, -1)
+        load(assemble(replace(mesh, points_mm=mesh.points_mm + s * step), 1.0, 0.3)) @ field for s in (1, -1)
     )
-    slopes = centrifugal_slopes(assemble(mesh, 1.0, 0.3), 1.0, field)
+    slopes = slopes_of(assemble(mesh, 1.0, 0.3), field)
     assert 2 * (slopes * step).sum() == pytest.approx(above - below, rel=1e-5)
 
 

@@ -20,7 +20,7 @@ from cranktopo.tasks.shaft_safety.plots import web_pictures
 def test_names_of_axes_lie_within_the_picture_and_no_two_curves_look_alike() -> None:
     """Of twelve webs: "bending moment in the plane of the throw (N" was cut, webs 1 and 11 had one look."""
     curves = np.ones((6, 2, 3)) * np.arange(12.0).reshape(6, 2, 1)
-    sections = WebSections(np.array([0.0, 360.0, 720.0]), *[curves] * 6)
+    sections = WebSections(np.array([0.0, 360.0, 720.0]), *[curves] * 7)
     for picture in web_pictures(750.0, sections):
         picture.figure.canvas.draw()
         (axes,) = picture.figure.axes

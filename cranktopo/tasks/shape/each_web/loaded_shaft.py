@@ -139,7 +139,7 @@ def _ranges(scene: Scene, histories: Sequence[WebHistory]) -> dict[str, float]:
         {
             "bending_range_Nm": one.moment_Nm + lever_m * one.radial_N / 2,
             "side_bending_range_Nm": one.side_moment_Nm + lever_m * one.tangential_N / 2,
-            "torque_range_Nm": radius_m * one.tangential_N / 2 - one.torque_Nm,
+            "torque_range_Nm": radius_m * one.tangential_N / 2 + one.own_swing_Nm / 4 - one.torque_Nm,
         }
         for one in histories
     ]
@@ -150,6 +150,7 @@ def _plain(history: WebHistory) -> Json:
     return {
         name: value.tolist() if isinstance(value, np.ndarray) else list(value)
         for name, value in vars(history).items()
+        if value is not None
     }
 
 
