@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import json
+import logging
 import os
 import subprocess
 import sys
@@ -228,6 +229,7 @@ def test_a_wrong_product_disables_the_kernels(
 ) -> None:
     other = slab_product.apply_by_slabs
     monkeypatch.setattr(slab_product, "apply_by_slabs", lambda *arrays: 1.0001 * other(*arrays))
+    caplog.set_level(logging.INFO)
     assert not processor.kernels_usable()
     assert "a product differs from that of JAX by 0.01 %" in caplog.text
 
@@ -247,6 +249,7 @@ def test_a_first_call_that_fails(
         raise RuntimeError("no such version\nand more")
 
     monkeypatch.setattr(*((frames, "register") if name == "find_fault" else (processor, name)), fail)
+    caplog.set_level(logging.INFO)
     assert not _calls_kernels()
     (record,) = caplog.records
     assert "no such version" in record.getMessage()

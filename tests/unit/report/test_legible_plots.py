@@ -94,7 +94,7 @@ def test_a_campbell_diagram_ends_above_what_an_order_meets_and_its_names_lie_apa
     found = _marine()
     axes = found.figure.axes[0]
     found.figure.canvas.draw()
-    assert 170 < axes.get_ylim()[1] < 230, "no axis to modes that no order meets"
+    assert 60 < axes.get_ylim()[1] < 80, "no axis to modes that no order meets with a torque that is felt"
     boxes = {text: text.get_window_extent() for text in axes.texts}
     ticks = [tick.get_window_extent() for tick in (*axes.get_yticklabels(), *axes.get_xticklabels())]
     for one, other in combinations(boxes.values(), 2):
@@ -105,7 +105,6 @@ def test_a_campbell_diagram_ends_above_what_an_order_meets_and_its_names_lie_apa
         "mode 1, 7.12 Hz",
         "mode 2, 41.6 Hz",
         "mode 3, 56.1 Hz",
-        "mode 4, 170 Hz",
     ]
     whole = found.figure.bbox
     for box in boxes.values():
@@ -113,7 +112,7 @@ def test_a_campbell_diagram_ends_above_what_an_order_meets_and_its_names_lie_apa
         assert (box.max <= whole.max).all()
     (dots,) = (line for line in axes.lines if line.get_marker() == "o")
     halves = [name for name in names if name.endswith(".5")]
-    assert len(dots.get_xdata()) > 15
+    assert len(dots.get_xdata()) >= 15
     assert "3.5" in halves, "the strongest at their dots"
 
 
