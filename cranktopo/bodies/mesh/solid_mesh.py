@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.errors import CranktopoError
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.frames import Parity, Span
 from cranktopo.bodies.solid.checked import SolidProperties, check_parts, solid_properties, volume_mm3
 from cranktopo.bodies.solid.throw import add_full_throw, add_half_throw
@@ -102,8 +102,8 @@ def mesh_throw(
     what = f"solid of {scene.name}"
     try:
         return by_smaller_elements(what, element_size_mm, make)
-    except CranktopoError:
-        if not scene.throw.drilling:
+    except CranktopoError as error:
+        if error.code != ExitCode.SOLVER or not scene.throw.drilling:
             raise
         return by_smaller_elements(what, element_size_mm, partial(make, by_tools=True))
 

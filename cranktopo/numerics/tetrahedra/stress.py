@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -171,6 +171,20 @@ class SurfaceStress:
     stress_MPa: Array
     depth_MPa_per_mm: Array
     jump_MPa: Array
+
+    def at(self, nodes: Index) -> SurfaceStress:
+        """Return that of some nodes, in one piece of memory."""
+        fields = self.stress_MPa, self.depth_MPa_per_mm, self.jump_MPa
+        return SurfaceStress(*(np.ascontiguousarray(field[:, nodes]) for field in fields))
+
+
+def joined(parts: Sequence[SurfaceStress]) -> SurfaceStress:
+    """Return the fields of several at the same nodes as one."""
+    return SurfaceStress(
+        np.concatenate([part.stress_MPa for part in parts]),
+        np.concatenate([part.depth_MPa_per_mm for part in parts]),
+        np.concatenate([part.jump_MPa for part in parts]),
+    )
 
 
 def outer_surface(model: Elasticity, elements: Index, planes: tuple[tuple[int, float], ...]) -> Surface:

@@ -18,6 +18,7 @@ from cranktopo.numerics.tetrahedra.stress import (
     NodalStress,
     Surface,
     SurfaceStress,
+    joined,
     nodal_stress,
     outer_surface,
     surface_stress,
@@ -50,9 +51,7 @@ class UnitStress:
     @cached_property
     def stress(self) -> SurfaceStress:
         """Stresses of each field on the surface."""
-        parts = [surface_stress(self.model, self.surface, nodal) for _, nodal in self._parts()]
-        names = ("stress_MPa", "depth_MPa_per_mm", "jump_MPa")
-        return SurfaceStress(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+        return joined([surface_stress(self.model, self.surface, nodal) for _, nodal in self._parts()])
 
     def adjoint(self, by_stress: tuple[Array, Array]) -> tuple[Array, Array]:
         """Return derivatives of a quantity by displacements, (fields, unknowns), and by nodes, (3, nodes).

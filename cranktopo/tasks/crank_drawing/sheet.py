@@ -45,7 +45,7 @@ from cranktopo.tasks.crank_drawing.layout import (
 )
 from cranktopo.tasks.crank_drawing.paper import Paper, sheet_figure
 from cranktopo.tasks.crank_drawing.raw_crank import raw_crank_figure, raw_crank_shape
-from cranktopo.tasks.drawing.sheet import scale_text, table_lines, throw_sheets
+from cranktopo.tasks.drawing.sheet import beside_text, scale_text, table_lines, throw_sheets
 from cranktopo.tasks.drawing.views import Sheet, cross_section, front_view, lengthwise_section
 
 if TYPE_CHECKING:
@@ -237,8 +237,7 @@ def _end_lines(shape: CrankShape) -> list[str]:
 def _mass_text(scene: Scene, shape: CrankShape) -> str:
     """Return the mass of what the crank's material makes, and of what is bolted on or let in beside it."""
     beside = sum(sum(throw_balance(throw.scene).bolted_kg) for throw in shape.throws)
-    own = f"{finished_mass_kg(scene, shape) - beside:.3f} kg"
-    return f"{own}; bolted on {beside:.3f} kg" if beside else own
+    return f"{finished_mass_kg(scene, shape) - beside:.3f} kg{beside_text(beside)}"
 
 
 def finished_mass_kg(scene: Scene, shape: CrankShape) -> float:

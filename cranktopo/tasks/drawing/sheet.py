@@ -151,7 +151,12 @@ def _mass_text(sheet: Sheet, balance: ThrowBalance) -> str:
     web_kg = (balance.second_web_kg if second else balance.web_kg) - balance.bolted_kg[second]
     beside = sum(balance.bolted_kg)
     own = f"throw {balance.mass_kg - beside:.3f} kg, {sheet.half or 'one'} web {web_kg:.3f} kg"
-    return f"{own}; bolted on {beside:.3f} kg" if beside else own
+    return own + beside_text(beside)
+
+
+def beside_text(bolted_kg: float) -> str:
+    """Return what a drawing tells of masses bolted on or let in, behind the mass of the part."""
+    return f"; bolted on {bolted_kg:.3f} kg" if bolted_kg else ""
 
 
 def _on_sheet(view: Callable[[Any, Sheet, float], None], sheet: Sheet, axes: Any, scale: float) -> None:

@@ -12,7 +12,6 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.notes import note
-from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ShaftTable
 from cranktopo.engine.analysis import at_speed, engine_of
@@ -87,18 +86,22 @@ class DynamicShaft:
         met = crossings_of(throws, self.scene, held, spring, (min(speeds), max(speeds)))
         note(f"{self.scene.name}: {len(met)} crossings of orders and modes of the shaft")
         moments = {one: self._moments(one.speed_rpm) for one in met}
-        felt = tuple(_resonance(one, *moments[one]) for one in met)
-        worst = max(met, key=lambda one: moments[one][0].max(), default=None)
+        felt = tuple(_resonance(one, moments[one], self._still_moments(one.speed_rpm)) for one in met)
+        worst = max(met, key=lambda one: moments[one].max(), default=None)
         told = tuple(one for one in felt if abs(one.ratio - 1) >= _FELT)
-        asked = max(self._moments(rpm)[0].max() for rpm in speeds)
-        if worst is None or moments[worst][0].max() <= asked:
+        asked = max(self._moments(rpm).max() for rpm in speeds)
+        if worst is None or moments[worst].max() <= asked:
             return speeds, told, None
         if min(abs(worst.speed_rpm - speed) for speed in speeds) < _SAME_RPM:
             return speeds, told, None
         return tuple(sorted((*speeds, worst.speed_rpm))), told, worst.speed_rpm
 
-    def _moments(self, speed_rpm: float) -> tuple[Array, Array]:
-        """Equivalent moments of all webs with and without the mass of the shaft, (webs,) each."""
+    def _moments(self, speed_rpm: float) -> Array:
+        """Return the equivalent moments of all webs, (webs,)."""
+        return _equivalents(web_sections(self.cycle(speed_rpm).shaft, self.scenes))
+
+    def _still_moments(self, speed_rpm: float) -> Array:
+        """Return those of the shaft without mass."""
         moving, forces = self.moving, cycle_forces(at_speed(self.scene, speed_rpm))
         still = shaft_cycle(
             [throw.still for throw in moving.throws],
@@ -108,9 +111,7 @@ class DynamicShaft:
             moving.borne_by,
             tilt_Nmm_per_rad=moving.tilt_Nmm_per_rad,
         )
-        both = (web_sections(cycle, self.scenes) for cycle in (self.cycle(speed_rpm).shaft, still))
-        with_mass, without = (np.array([one.equivalent for one in _ranges(sections)]) for sections in both)
-        return with_mass, without
+        return _equivalents(web_sections(still, self.scenes))
 
     def result(
         self, on_bearings: Sequence[ContinuousShaft], resonances: tuple[Resonance, ...], added: float | None
@@ -147,7 +148,7 @@ class DynamicShaft:
                 for number, (moved, before) in enumerate(pairs)
             ),
             main_bearings=_bearings(cycle, still),
-            sections=_swings(cycle, carried(self.scene)),
+            sections=_swings(cycle),
             work_in_J=cycle.work_in_J,
             damping_work_J=cycle.damping_work_J,
             curves=curves,
@@ -206,6 +207,10 @@ def _ranges(sections: WebSections) -> list[MomentRanges]:
     ]
 
 
+def _equivalents(sections: WebSections) -> Array:
+    return np.array([one.equivalent for one in _ranges(sections)])
+
+
 def _resonance(met: OrderCrossing, moved: Array, still: Array) -> Resonance:
     ratio = moved / still
     web = int(np.argmax(ratio))
@@ -229,7 +234,7 @@ def _bearings(cycle: MovingCycle, still: ContinuousShaft) -> tuple[DynamicBearin
     return tuple(found)
 
 
-def _swings(cycle: MovingCycle, sections: Sequence[int]) -> tuple[SectionSwing, ...]:
+def _swings(cycle: MovingCycle) -> tuple[SectionSwing, ...]:
     motion = cycle.shaft.motion.reshape(-1, 6, cycle.shaft.angle_deg.size)
     return tuple(
         SectionSwing(
@@ -239,5 +244,5 @@ def _swings(cycle: MovingCycle, sections: Sequence[int]) -> tuple[SectionSwing, 
             tilt_mrad=float(np.hypot(own[RX], own[RY]).max() * 1e3),
             offset_um=float(np.hypot(own[UX], own[UY]).max() * 1e3),
         )
-        for section, own in ((section, motion[section]) for section in range(len(motion)))
+        for section, own in enumerate(motion)
     )

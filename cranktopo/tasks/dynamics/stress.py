@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.numerics.tetrahedra.stress import SurfaceStress
+from cranktopo.numerics.tetrahedra.stress import joined
 from cranktopo.tasks.dynamics.moving_shaft import MovingCycle
 from cranktopo.tasks.dynamics.moving_throw import MovingThrow
 from cranktopo.tasks.fatigue.shaft_stress import ShaftStress
@@ -34,12 +34,7 @@ def moving_stress(stress: ShaftStress, throw: MovingThrow, fillet_fraction: floa
 
 def _joined(one: StressModel, other: StressModel) -> StressModel:
     """Return a model with the fields of two on the same surface."""
-    stress = SurfaceStress(
-        *(
-            np.concatenate([getattr(model.stress, name) for model in (one, other)])
-            for name in ("stress_MPa", "depth_MPa_per_mm", "jump_MPa")
-        )
-    )
+    stress = joined([one.stress, other.stress])
     images = tuple(
         replace(first, signs=np.concatenate([first.signs, second.signs]))
         for first, second in zip(one.images, other.images, strict=True)

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array, Mask
 from cranktopo.base.side_by_side import side_by_side
-from cranktopo.numerics.tetrahedra.stress import SurfaceStress
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.safety_field import point_safety
 from cranktopo.tasks.fatigue.stress_model import StressModel
@@ -127,12 +126,7 @@ def _by_part(
     nodes = np.flatnonzero(near)
     if not nodes.size:
         return {}
-    stress = model.stress
-
-    def cut(field: Array) -> Array:
-        return np.ascontiguousarray(field[:, nodes])
-
-    own = SurfaceStress(cut(stress.stress_MPa), cut(stress.depth_MPa_per_mm), cut(stress.jump_MPa))
+    own = model.stress.at(nodes)
     ranges = signed_von_mises_ranges(own, list(loads * model.images[image].signs))
     local = LocalStress(
         *(

@@ -55,11 +55,9 @@ def overspeed_words(field: FatigueField) -> str:
 
 
 def deciding_speed_words(field: FatigueField) -> str:
-    """Return the speed of the states that decide; empty where one is judged or the overspeed decides."""
+    """Return the speed of the states that decide, where the overspeed does not; empty where one is judged."""
     judged = {rpm for label in field.labels for rpm in _RPM.findall(label)}
     deciding = dict.fromkeys(rpm for label in field.critical.states for rpm in _RPM.findall(label))
-    if overspeed_words(field):
-        return ""
     if not deciding:
         return _joined_torque_words(field.model.scene)
     if len(judged) < 2:

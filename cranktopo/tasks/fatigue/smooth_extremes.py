@@ -57,10 +57,7 @@ class JudgedSurface:
 
     def at(self, nodes: Index) -> SurfaceStress:
         """Return the stress at some nodes of the surface."""
-        found = self.stress
-        return SurfaceStress(
-            found.stress_MPa[:, nodes], found.depth_MPa_per_mm[:, nodes], found.jump_MPa[:, nodes]
-        )
+        return self.stress.at(nodes)
 
 
 @dataclass(frozen=True)

@@ -96,15 +96,19 @@ def _heavier_percent(throw: RefitThrow, original: RefitThrow) -> float:
 
 
 def _worse(data: RefitResult) -> list[str]:
-    """Return what is worse than the original web by mass and balance."""
+    """Return what is worse than the original web by mass and balance, and a note beside it."""
+    moved = data.throws.moved if data.throws is not None and data.throws.original is not None else None
+    found = [*_worse_words(data), *([f"note: {moved.told}"] if moved else [])]
+    return [*found, ""] if found else []
+
+
+def _worse_words(data: RefitResult) -> list[str]:
     throws = data.throws
     if throws is None or throws.original is None:
         return []
     moved = [f"worse than the original web: {throws.moved.words}"] if throws.moved else []
     heavier = worse_line({MASS: _heavier_percent(throws.fitted, throws.original)}, "the original web")
-    notes = [f"note: {throws.moved.told}"] if throws.moved else []
-    found = [*moved, *([heavier] if heavier else []), *notes]
-    return [*found, ""] if found else []
+    return [*moved, *([heavier] if heavier else [])]
 
 
 def _release_rows(data: RefitResult) -> list[tuple[str, str]]:
@@ -205,8 +209,7 @@ def refit_page(
 
 def _headline(data: RefitResult) -> list[str]:
     """Return what is worse than the original web, in sentences."""
-    worse = [line for line in _worse(data) if line.startswith("worse")]
-    return [f"{line[0].upper()}{line[1:]}." for line in worse]
+    return [f"{line[0].upper()}{line[1:]}." for line in _worse_words(data)]
 
 
 def refit_section(data: RefitResult) -> Section:

@@ -27,8 +27,7 @@ from cranktopo.design.rod import Eye
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import central_difference
 from cranktopo.runs.destination import check_folder
-from cranktopo.tasks.rod.element_gradients import MARGIN, SAFETIES
-from cranktopo.tasks.rod.element_gradients import Quantity as _Quantity
+from cranktopo.tasks.rod.element_gradients import MARGIN, SAFETIES, Quantity
 from cranktopo.tasks.rod.element_stage import RodOnElements, rod_on_elements, write_rod_folder
 from cranktopo.tasks.rod.lighter import Limits, RodSearch, ovalisation_um, rod_search
 from cranktopo.tasks.rod.result import EyeShape, LighterRod, RodElements, RodStrength
@@ -91,7 +90,7 @@ def corrected_search(search: RodSearch, judge: Judge) -> tuple[Scene, RodOnEleme
         CranktopoError: as the judge does of the own rod or of every other, or no lighter rod was found.
     """
     own = JudgedRod(search.scene, np.ones(len(search.names)), judge(search.scene))
-    tried, best, slopes, reach, refused = [own], own, dict[_Quantity, Array](), np.inf, None
+    tried, best, slopes, reach, refused = [own], own, dict[Quantity, Array](), np.inf, None
     for number in range(1, _ROUNDS + 1):
         near = search.within(best.values, reach)
         if best is not own and not slopes:
@@ -167,7 +166,7 @@ class JudgedRod:
         return self.elements.yield_safety, self.elements.fatigue_safety
 
     @cached_property
-    def by_elements(self) -> dict[_Quantity, float]:
+    def by_elements(self) -> dict[Quantity, float]:
         """Both safeties of each place, and the margin of each bore that has a limit."""
         places = {(p.place, kind): getattr(p, kind) for p in self.elements.places for kind in SAFETIES}
         return places | _margins(self.elements.eyes)
@@ -180,13 +179,13 @@ class JudgedRod:
         """Largest change of a dimension to those of another rod."""
         return float(np.abs(self.values - values).max())
 
-    def ratios(self) -> dict[_Quantity, float]:
+    def ratios(self) -> dict[Quantity, float]:
         """Logarithm of each value by elements over that of the closed form."""
         closed = _closed_form(self.strength, self.by_elements)
         return {key: float(np.log(self.by_elements[key] / value)) for key, value in closed.items()}
 
 
-def _closed_form(strength: RodStrength, keys: Iterable[_Quantity]) -> dict[_Quantity, float]:
+def _closed_form(strength: RodStrength, keys: Iterable[Quantity]) -> dict[Quantity, float]:
     """Values of the closed form, as far as it has them."""
     margins = _margins(strength.eyes)
     safeties = {
@@ -195,9 +194,9 @@ def _closed_form(strength: RodStrength, keys: Iterable[_Quantity]) -> dict[_Quan
     return safeties | {key: margins[key] for key in keys if key in margins}
 
 
-def _margins(eyes: Sequence[EyeShape]) -> dict[_Quantity, float]:
+def _margins(eyes: Sequence[EyeShape]) -> dict[Quantity, float]:
     """Permitted ovalisation over that of each bore that has a limit, least of its loads."""
-    found: dict[_Quantity, float] = {}
+    found: dict[Quantity, float] = {}
     for eye in eyes:
         if eye.permitted_um and eye.ovalisation_um:
             margin = eye.permitted_um / eye.ovalisation_um
@@ -210,7 +209,7 @@ def _required_values(own: JudgedRod) -> dict[str, float]:
     return {**{kind: own.least(kind) for kind in SAFETIES}, MARGIN: 1.0}
 
 
-def _limits(tried: Sequence[JudgedRod], at: JudgedRod, exponents: Mapping[_Quantity, Array]) -> Limits:
+def _limits(tried: Sequence[JudgedRod], at: JudgedRod, exponents: Mapping[Quantity, Array]) -> Limits:
     """Return the limits by corrected safeties, exact at one rod: values that must stay below 0.
 
     The first rod that was tried is the own one; exponents are those of `_ratio_slopes`.
@@ -249,7 +248,7 @@ def _bends(moves: Array, missed: Array) -> Callable[[Array], Array]:
     return lambda move: (ways @ move) ** 2 @ weights
 
 
-def _ratio_slopes(search: RodSearch, own: JudgedRod, at: JudgedRod) -> dict[_Quantity, Array]:
+def _ratio_slopes(search: RodSearch, own: JudgedRod, at: JudgedRod) -> dict[Quantity, Array]:
     """Exponents of the dimensions in the ratios of one rod, (dimensions,), of what is near its limit."""
     required, ratios = _required_values(own), at.ratios()
     near = [key for key in own.ratios() if key in ratios and at.by_elements[key] < _NEAR * required[key[1]]]

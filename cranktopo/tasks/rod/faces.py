@@ -16,7 +16,7 @@ from typing_extensions import override
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.checks.rod import rod_of
-from cranktopo.design.rod import Rod
+from cranktopo.design.rod import EYES, Rod
 from cranktopo.design.rod_body import fillet
 from cranktopo.design.rod_split import in_split
 from cranktopo.design.schema import Scene
@@ -73,7 +73,7 @@ def moved_rod(mesh: TetMesh, scene: Scene, names: Sequence[str]) -> MovedMesh:
 
 def _stands(scene: Scene, rod: Rod, points_mm: Array) -> NDArray[np.bool_]:
     corners = points_mm[:, :3].reshape(3, -1)
-    found = [on_bore(scene, eye, corners) for eye in ("small", "big")]
+    found = [on_bore(scene, eye, corners) for eye in EYES]
     found += [in_cap_hole(rod, corners)] if rod.bolt_hole_mm else []
     return np.asarray(np.any([one.reshape(3, -1).all(axis=0) for one in found], axis=0))
 
@@ -114,10 +114,8 @@ def _above_big_end(rod: Rod, length: float, at: Array) -> Array:
 
 def _above_shank(rod: Rod, length: float, at: Array) -> Array:
     """Without what lies within a higher or lower end; faces of one height are one face, triangles across."""
-    small, big = (
-        _off_small_end(rod, length, at),
-        np.minimum(_off_big_end(rod, length, at), _off_boss(rod, at)),
-    )
+    small = _off_small_end(rod, length, at)
+    big = np.minimum(_off_big_end(rod, length, at), _off_boss(rod, at))
     within = np.zeros(at[2].shape, dtype=bool)
     for distance, width in ((small, rod.small_end_width_mm), (big, rod.big_end_width_mm)):
         if abs(width - rod.shank_width_mm) > _BESIDE_MM:

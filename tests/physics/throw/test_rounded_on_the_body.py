@@ -25,7 +25,7 @@ def kernel_mm3(scene: Scene, **how: Any) -> float:
 
 
 def ring_mm3(drilling: dict[str, Any], rounding_mm: float, **how: Any) -> tuple[float, float]:
-    """What the roundings of a half throw take by the kernel, and by the closed form."""
+    """Return what the roundings of a half throw take by the kernel, and by the closed form."""
     scenes = [mikron({**drilling, "outlet_radius_mm": radius}) for radius in (0.0, rounding_mm)]
     sharp, rounded = (kernel_mm3(scene, **how) for scene in scenes)
     less, more = (drilled(scene).volume for scene in scenes)
