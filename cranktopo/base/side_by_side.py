@@ -34,6 +34,34 @@ class LazyFuture(Generic[First]):
         return self.begin().result()
 
 
+class OneBehind:
+    """Works of a thread beside the caller, in their order, who is at most one ahead.
+
+    What a work raises, the next call raises, or the end of the `with` block, which waits for the last one.
+    """
+
+    def __init__(self) -> None:
+        self._last: LazyFuture[None] | None = None
+
+    def __enter__(self) -> OneBehind:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.wait()
+
+    def begin(self, work: Callable[[], None]) -> None:
+        """Begin a work once the one before it has ended."""
+        self.wait()
+        self._last = LazyFuture(work)
+        self._last.begin()
+
+    def wait(self) -> None:
+        """Wait for the last work."""
+        last, self._last = self._last, None
+        if last is not None:
+            last.result()
+
+
 def side_by_side(first: Callable[[], First], second: Callable[[], Second]) -> tuple[First, Second]:
     """Return the results of two functions, computed in two threads; raises what one of them raises."""
     with ThreadPoolExecutor(1) as pool:

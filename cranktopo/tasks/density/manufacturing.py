@@ -84,8 +84,8 @@ def _usual_filter_radius_mm(domain: Domain) -> float:
 
 def _needed_filter_radius_mm(scene: Scene) -> float:
     """Return the smallest filter radius for the scene's least member and gap; 0 where it asks for none."""
-    lengths = (scene.optimise.min_member_mm, scene.optimise.min_gap_mm)
-    return max(length or 0.0 for length in lengths) / least_width(_LARGEST_THRESHOLD)
+    lengths = [mm for mm in (scene.optimise.min_member_mm, scene.optimise.min_gap_mm) if mm]
+    return max(lengths) / least_width(_LARGEST_THRESHOLD) if lengths else 0.0
 
 
 def check_lengths(scene: Scene) -> None:

@@ -10,6 +10,7 @@ lie near the iso-surface, or the next one is tried.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache, partial
 
 import numpy as np
 from manifold3d import Manifold
@@ -112,9 +113,10 @@ def _sound_throw(cutter: Cutter, field: FineField, target_mm3: float, scene: Sce
     Raises:
         CranktopoError: no iso-value with that volume, or journal and pin not connected.
     """
-    iso = find_iso(lambda value: float(cutter.web(field, value).volume()), target_mm3)
+    usual = lru_cache(maxsize=2)(partial(cutter.web, field))  # the web that the search ends with is needed again
+    iso = find_iso(lambda value: float(usual(value).volume()), target_mm3)
     source = _HalfThrowField(cutter, field, iso, target_mm3, scene)
-    first, places = _by(_USUAL, source, np.zeros((0, 3)))
+    first, places = _joined(_USUAL, source, iso, usual(iso))
     if places is None:
         return first
     rough = places
@@ -137,11 +139,18 @@ def _by(way: ExtractionMethod, source: _HalfThrowField, rough: Array) -> tuple[_
     if way.blur:
         field = blurred(field, way.blur)
         iso = find_iso(lambda value: float(_web(way, cutter, field, value).volume()), source.target_mm3)
-    web = _web(way, cutter, field, iso + way.shift, rough if way.spared else None)
+    iso += way.shift
+    return _joined(way, source, iso, _web(way, cutter, field, iso, rough if way.spared else None))
+
+
+def _joined(
+    way: ExtractionMethod, source: _HalfThrowField, iso: float, web: Manifold
+) -> tuple[_SoundThrow, Array | None]:
+    """Return the throw of a web as `_by` does."""
     for sliver_mm in slivers_mm(source.scene):
         body, islands = _keep_throw(web, source.scene, sliver_mm)
         mesh = sound_mesh_of(body, sliver_mm)
-        found, places = _SoundThrow(body, mesh, islands, iso + way.shift, way), np.zeros((0, 3))
+        found, places = _SoundThrow(body, mesh, islands, iso, way), np.zeros((0, 3))
         if not manifold_fault(mesh):
             places = self_intersections_mm(mesh)
             if not len(places):
