@@ -113,7 +113,7 @@ def _sound_throw(cutter: Cutter, field: FineField, target_mm3: float, scene: Sce
     Raises:
         CranktopoError: no iso-value with that volume, or journal and pin not connected.
     """
-    usual = lru_cache(maxsize=2)(partial(cutter.web, field))  # the web that the search ends with is needed again
+    usual = lru_cache(maxsize=2)(partial(cutter.web, field))  # that of the last value is needed again
     iso = find_iso(lambda value: float(usual(value).volume()), target_mm3)
     source = _HalfThrowField(cutter, field, iso, target_mm3, scene)
     first, places = _joined(_USUAL, source, iso, usual(iso))
