@@ -44,10 +44,20 @@ class SurfaceMesh:
         return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
 
     @property
+    def tetrahedra_mm3(self) -> Array:
+        """Volume between each face and the origin, (m,), mm3; negative where the face points to it."""
+        a, b, c = np.moveaxis(self.corners_mm, 1, 0)
+        return np.asarray(np.einsum("ij,ij->i", a, np.cross(b, c)) / 6)
+
+    @property
     def volume_mm3(self) -> float:
         """Enclosed volume by the divergence theorem, mm3; negative when the faces point inward."""
-        a, b, c = np.moveaxis(self.corners_mm, 1, 0)
-        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+        return float(self.tetrahedra_mm3.sum())
+
+    @property
+    def first_moments_mm4(self) -> Array:
+        """Integrals of x, y and z over the enclosed volume, (3,), mm4."""
+        return np.asarray(self.tetrahedra_mm3 @ self.corners_mm.sum(axis=1) / 4)
 
     @property
     def extent_mm(self) -> float:
@@ -108,8 +118,7 @@ def sound_mesh_of(solid: Manifold, tolerance_mm: float) -> SurfaceMesh:
 
 def shell_volumes_mm3(mesh: SurfaceMesh) -> NDArray[np.float64]:
     """Return the signed volume enclosed by each connected shell, mm3; negative for a hollow."""
-    a, b, c = np.moveaxis(mesh.corners_mm, 1, 0)
-    return np.bincount(_shell_of_face(mesh), np.einsum("ij,ij->i", a, np.cross(b, c)) / 6).astype(np.float64)
+    return np.bincount(_shell_of_face(mesh), mesh.tetrahedra_mm3).astype(np.float64)
 
 
 def shells(mesh: SurfaceMesh) -> list[SurfaceMesh]:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-
+from cranktopo.base.frames import Y
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.balance_factor import balance_factor_percent
@@ -49,10 +48,7 @@ def _of_scene(scene: Scene) -> RefitThrow:
 
 
 def _of_body(scene: Scene, surface: SurfaceMesh) -> RefitThrow:
-    a, b, c = np.moveaxis(surface.corners_mm, 1, 0)
-    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6  # tetrahedra from the origin
-    first_y = float(volumes @ (a + b + c)[:, 1]) / 4
-    steel = Moments(float(volumes.sum()), 0.0, first_y, 0.0)
+    steel = Moments(surface.volume_mm3, 0.0, float(surface.first_moments_mm4[Y]), 0.0)
     half = steel.times(density_kg_per_mm3(scene.material.density_kg_m3)) + bolted_mass(scene)
     return RefitThrow(
         mass_kg=2 * half.volume,

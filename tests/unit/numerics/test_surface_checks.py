@@ -54,6 +54,12 @@ def test_report_holds_measured_values(slot: WebSurface) -> None:
     assert mesh.euler_number == -2
 
 
+def test_volume_and_moments_of_a_body_off_the_origin() -> None:
+    mesh = mesh_of(Manifold.cube((2, 3, 4)).translate((1, 5, -2)))
+    assert mesh.volume_mm3 == pytest.approx(24.0, rel=1e-14)
+    assert mesh.first_moments_mm4 == pytest.approx(24.0 * np.array([2.0, 6.5, 0.0]), abs=1e-11)
+
+
 def test_unit_tetrahedron_passes() -> None:
     mesh = SurfaceMesh(_CORNERS, _FACES)
     check_manifold(mesh)
