@@ -14,7 +14,7 @@ from cranktopo.app import launch
 from cranktopo.app.main import main
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.precision import double_precision
+from cranktopo.numerics.precision import compile_quickly, double_precision
 
 if "PYTEST_XDIST_WORKER" in os.environ:
     # The last act of a process of tests: else nanobind lists what lives in caches as leaked, in many lines.
@@ -25,10 +25,11 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Compile quickly in the quick suite: most programs run once there, and take longer to optimise.
+    """Compile as the command does; quicker in the quick suite, where most programs run once.
 
     Slow tests run what users run, as do quick ones with JAX_DISABLE_MOST_OPTIMIZATIONS=0.
     """
+    compile_quickly()
     if config.getoption("markexpr") == "not slow":
         os.environ.setdefault("JAX_DISABLE_MOST_OPTIMIZATIONS", "1")
 

@@ -39,7 +39,9 @@ def main() -> NoReturn:
     for number in ours:
         signal.signal(number, signal.SIG_DFL)
     from cranktopo.app.main import main as run
+    from cranktopo.numerics.precision import compile_quickly
 
+    compile_quickly()
     sys.unraisablehook = _raise_again
     _watch(ours)
     code: int | str | None = 0

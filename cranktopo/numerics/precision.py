@@ -1,4 +1,4 @@
-"""The one place that touches JAX settings for a `with` block: 64-bit numbers and stored programs."""
+"""The one place that touches settings of JAX: 64-bit numbers and stored programs, for a `with` block."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ import os
 import platform
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Literal
 from weakref import WeakSet
@@ -21,7 +22,20 @@ Precision = Literal["float32", "float64"]
 
 _XLA_ADDRESSES_MIB = 1400.0
 """Memory of XLA beside its threads (1000 to 1250 measured); where it cannot be had, it aborts."""
+_OLDER_EMITTER = "--xla_cpu_use_fusion_emitters=false"
+_KNOW_IT = "0.9.", "0.10."
+"""Versions of jaxlib that were tested with it: an unknown flag ends the process."""
 _FOLDER_SETTING, _KEEPING = "jax_compilation_cache_dir", "jax_enable_compilation_cache"
+
+
+def compile_quickly() -> None:
+    """Have XLA compile by its older emitter: half the time and less memory, programs as fast, the same digits.
+
+    For processes of our own, before JAX begins: it holds for all of a process. XLA_FLAGS of the user stay.
+    """
+    with suppress(PackageNotFoundError):  # whoever needs it says so
+        if version("jaxlib").startswith(_KNOW_IT):
+            os.environ.setdefault("XLA_FLAGS", _OLDER_EMITTER)
 
 
 @contextmanager

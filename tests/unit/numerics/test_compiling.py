@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import product
 from pathlib import Path
 
 import jax
@@ -132,8 +133,8 @@ def compiled(names: list[str]) -> Iterator[None]:
 
 @pytest.mark.slow
 def test_the_memory_of_compilers_is_given_back() -> None:
-    """Some 300 MiB for the programs of a solve, of which the allocator would keep most."""
-    here = os.environ | {"JAX_ENABLE_COMPILATION_CACHE": "false"}
+    """Of a user's own process some 300 MiB for the programs of a solve; the allocator would keep most."""
+    here = os.environ | {"JAX_ENABLE_COMPILATION_CACHE": "false", "XLA_FLAGS": ""}
     done = subprocess.run(
         [sys.executable, "-c", MEMORY], env=here, capture_output=True, text=True, check=True
     )
@@ -186,3 +187,54 @@ def test_the_clock_counts_what_overlaps_once(monkeypatch: pytest.MonkeyPatch) ->
         jax.monitoring.record_event_duration_secs(EVENT, seconds)
     jax.monitoring.record_event_duration_secs("/jax/other", 50.0)
     assert clock.compile_s == pytest.approx(5.0 + 1.0)
+
+
+@pytest.mark.parametrize(
+    ("installed", "own", "found"),
+    [
+        ("0.10.2", None, "--xla_cpu_use_fusion_emitters=false"),
+        ("0.10.2", "--xla_dump_to=x", "--xla_dump_to=x"),
+        ("0.5.0", None, None),
+        ("0.11.0", None, None),
+    ],
+)
+def test_only_versions_that_were_tested_get_the_flag(
+    installed: str, own: str | None, found: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An unknown flag ends the process; a user's own flags stay."""
+    monkeypatch.setattr(precision, "version", lambda _: installed)
+    monkeypatch.delenv("XLA_FLAGS", raising=False)
+    if own is not None:
+        monkeypatch.setenv("XLA_FLAGS", own)
+    precision.compile_quickly()
+    assert os.environ.get("XLA_FLAGS") == found
+
+
+@pytest.mark.slow
+def test_both_emitters_make_programs_with_the_same_digits() -> None:
+    """Of a solve by kernels, and of one by JAX code in float64."""
+    code = """
+import jax.numpy as jnp, numpy as np, sys
+from cranktopo.numerics.grid.conjugate_gradients import System, multigrid_cg
+from cranktopo.numerics.grid.multigrid import build_hierarchy, build_tables
+from cranktopo.numerics.precision import double_precision
+from tests.studies.cantilever import cantilever
+with double_precision():
+    model, _ = cantilever((16, 8, 8))
+    tables = build_tables(model.lattice, model.levels)
+    moduli = jnp.asarray(np.random.default_rng(0).uniform(0.1, 1, model.lattice.cells))
+    system = System(jnp.asarray(tables.blocks), model.supports, moduli, model.forces)
+    for precision in ("float32", "float64"):
+        hierarchy = build_hierarchy(tables, system.supports, moduli, precision)
+        limits = jnp.asarray(2), jnp.zeros_like(model.forces), jnp.asarray(1e-8), jnp.asarray(99)
+        print(np.asarray(multigrid_cg(system, hierarchy, *limits).displacements).tobytes().hex())
+"""
+    said = []
+    for flags, kernels in product(("", "--xla_cpu_use_fusion_emitters=false"), ("on", "off")):
+        more = {"XLA_FLAGS": flags, "CRANKTOPO_KERNELS": kernels}
+        ended = subprocess.run(
+            [sys.executable, "-c", code], env=os.environ | more, capture_output=True, text=True, check=True
+        )
+        said.append(ended.stdout)
+    assert len(said[0]) > 10_000
+    assert said[:2] == said[2:]
