@@ -29,7 +29,7 @@ _FOLDER_SETTING, _KEEPING = "jax_compilation_cache_dir", "jax_enable_compilation
 
 
 def compile_quickly() -> None:
-    """Have XLA compile by its older emitter: half the time and less memory, programs as fast, the same digits.
+    """Have XLA compile by its older emitter: in half the time, programs as fast with the same digits.
 
     For processes of our own, before JAX begins: it holds for all of a process. XLA_FLAGS of the user stay.
     """

@@ -38,10 +38,22 @@ def _assess_density(
     return _assess(model, scene, domain, np.asarray(_moduli(chain, density)), solid)
 
 
-def assess_original(model: ThrowModel, scene: Scene, domain: Domain) -> Assessment:
-    """Return the scene's own web on the same grid, in the same model."""
+def own_web(scene: Scene, domain: Domain) -> Array:
+    """Return the solid fractions (nx, ny, nz) of the throw with the scene's own web on the same grid."""
     original = build_domain(scene, scene.optimise.resolution_mm, "web", domain.extent, domain.grid)
-    return _assess(model, scene, domain, original.passive_fraction, original.passive_fraction)
+    return original.passive_fraction
+
+
+def assess_original(
+    model: ThrowModel, scene: Scene, domain: Domain, solid: Array | None = None
+) -> Assessment:
+    """Return the scene's own web on the same grid, in the same model.
+
+    Args:
+        solid: what `own_web` returns, where it is known.
+    """
+    solid = own_web(scene, domain) if solid is None else solid
+    return _assess(model, scene, domain, solid, solid)
 
 
 def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, solid: Array) -> Assessment:

@@ -24,7 +24,7 @@ from cranktopo.runs.directories import RunStore
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.bound.stage import Cells, bounds_for_result, model_for_result
 from cranktopo.tasks.density import loop
-from cranktopo.tasks.density.assess import assess, assess_original
+from cranktopo.tasks.density.assess import assess, assess_original, own_web
 from cranktopo.tasks.density.problem import Assessment, DensityProblem
 from cranktopo.tasks.density.stage import Prepared
 from cranktopo.tasks.density.state import Record, State
@@ -40,8 +40,25 @@ from cranktopo.tasks.optimise.run_record import read_run_stress, record_of, snap
 _SURFACE, _PICTURE, _DENSITY = "web.stl", "result.png", "density.vtu"
 
 
+class Ahead(NamedTuple):
+    """What a run has ready for its end.
+
+    Attributes:
+        cells: gives the cells of the bound; None where the plan leaves it out.
+        original: solid fractions of the scene's own web on the cells of the design; None where it is known.
+    """
+
+    cells: Cells | None
+    original: Array | None
+
+
+def ready_ahead(run: RunStore, prepared: Prepared, problem: DensityProblem) -> Ahead:
+    """Return what the end needs and no design decides, found beside the iterations; the cells in a thread."""
+    cells = cells_of_bound(run, prepared)
+    return Ahead(cells, own_web(prepared.scene, prepared.domain) if problem.original is None else None)
+
+
 def cells_of_bound(run: RunStore, prepared: Prepared) -> Cells | None:
-    """Return what gives the cells of the bound, begun in a thread; None where the plan leaves it out."""
     if prepared.plan["bound"].state != "on":
         return None
     cells = LazyFuture(lambda: model_for_result(prepared.scene, goal_of(prepared.scene)))
@@ -59,18 +76,18 @@ def finalise_run(
     clock: CompileClock,
     case: EvaluatedGoal | None,
     failure: str,
-    cells: Cells | None,
+    ahead: Ahead,
 ) -> OptimisedRun:
     """Judge the final design, make and measure its surface meanwhile, and write every file.
 
-    There is no `case` without limits that the evaluation keeps, and no `cells` where the bound is left out.
+    There is no `case` without limits that the evaluation keeps.
     """
     optimised = time.perf_counter()
     design = loop.final_design(problem, state)
     rows = _history_rows(problem, state.history)
     (surface, half_throw, files), judged = side_by_side(
         lambda: _write_design(run, prepared, design, rows),
-        lambda: _judged(run, prepared, problem, state, design.physical, cells),
+        lambda: _judged(run, prepared, problem, state, design.physical, ahead),
     )
     now = time.perf_counter()
     times = {} if case is None else {"evaluation": evaluation_seconds(case)}
@@ -122,15 +139,15 @@ def _judged(
     problem: DensityProblem,
     state: State,
     density: Array,
-    cells: Cells | None,
+    ahead: Ahead,
 ) -> _Judgement:
     """Judge the physical density (nx, ny, nw) that a state ended with, in any thread."""
     scene, domain = prepared.scene, prepared.domain
     with double_precision():
         result = assess(problem, scene, domain, density)
-        original = problem.original or assess_original(problem.model, scene, domain)
+        original = problem.original or assess_original(problem.model, scene, domain, ahead.original)
     began = time.perf_counter()
-    bound = None if cells is None else _bound(run, scene, state, result, original, cells)
+    bound = None if ahead.cells is None else _bound(run, scene, state, result, original, ahead.cells)
     return _Judgement(result, original, bound, time.perf_counter() - began)
 
 

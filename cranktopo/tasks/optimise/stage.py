@@ -52,7 +52,7 @@ from cranktopo.tasks.optimise.evaluated_goal import enforce_limits_by_fea, evalu
 from cranktopo.tasks.optimise.result import OptimisedRun
 
 if TYPE_CHECKING:
-    from cranktopo.tasks.bound.stage import Cells
+    from cranktopo.tasks.optimise.finalise import Ahead
 
 EVALUATIONS = "checkpoint/evaluations.json"
 """Evaluations of a goal's limits, kept so that a resumed run does not repeat them."""
@@ -210,17 +210,17 @@ def _compiled(problem: DensityProblem) -> None:
             compile_optimality_criteria(problem)
 
 
-def _ready_for_the_end(job: _Job) -> Cells | None:
-    """Begin the cells of the bound, and load the libraries that surfaces, pictures and pages take."""
-    from cranktopo.tasks.optimise.finalise import cells_of_bound
+def _ready_for_the_end(job: _Job) -> Ahead:
+    """Find what the end needs, and load the libraries that surfaces, pictures and pages take."""
+    from cranktopo.tasks.optimise.finalise import ready_ahead
 
-    cells = cells_of_bound(job.run, job.prepared)
+    ahead = ready_ahead(job.run, job.prepared, job.problem)
     for name in _LIBRARIES:
         import_module(name)
-    return cells
+    return ahead
 
 
-def _checked(progress: Progress, check: Callable[[], None], end: LazyFuture[Cells | None]) -> Progress:
+def _checked(progress: Progress, check: Callable[[], None], end: LazyFuture[Ahead]) -> Progress:
     """Return progress after which a run may be interrupted; after the first design the end is got ready."""
 
     def show(problem: DensityProblem, state: State) -> None:
