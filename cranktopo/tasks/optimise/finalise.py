@@ -41,7 +41,7 @@ _SURFACE, _PICTURE, _DENSITY = "web.stl", "result.png", "density.vtu"
 
 
 class Ahead(NamedTuple):
-    """What a run has ready for its end.
+    """Things that the end of a run needs and that no design decides.
 
     Attributes:
         cells: gives the cells of the bound; None where the plan leaves it out.
