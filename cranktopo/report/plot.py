@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cranktopo.base.arrays import Complex
+from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.units import number_text, plain_number
 
 if TYPE_CHECKING:
@@ -144,6 +144,32 @@ def _beside(axes: Any, name: str, place: _Place, side: tuple[int, int, str, str]
     right, up, ha, va = side
     style = {"textcoords": "offset points", "ha": ha, "va": va, "fontsize": 6, "color": GREY}
     return axes.annotate(name, place, xytext=(right, up), **style)
+
+
+def name_orders(axes: Any, orders: Sequence[float], speeds_rpm: Array, top_Hz: float) -> None:
+    """Number the lines of orders where they leave the axes, those that are apart from the ones before."""
+    axes.figure.draw_without_rendering()
+    last = None
+    for order in orders:
+        at = min(speeds_rpm[-1], 60 * top_Hz / order)
+        above = at < speeds_rpm[-1]
+        style = {"va": "bottom" if above else "center", "ha": "center" if above else "left"}
+        shift = (0, 1) if above else (2, 0)
+        text = axes.annotate(
+            f"{order:g}",
+            (at, order * at / 60),
+            shift,
+            fontsize=6,
+            color=GREY,
+            annotation_clip=False,
+            **style,
+            textcoords="offset points",
+        )
+        box = text.get_window_extent().padded(1)
+        if last is not None and box.overlaps(last):
+            text.remove()
+        else:
+            last = box
 
 
 def save_figure(figure: Figure, target: Any, **options: Any) -> None:

@@ -6,19 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
 from cranktopo.base.units import frequency_text
-from cranktopo.report.plot import GREY, Picture, picture, plain
+from cranktopo.report.plot import Picture, name_orders, picture, plain
 from cranktopo.tasks.modes.result import ShaftMode, ShaftModes
 
 _SHOWN = 6
 """Shapes that the page shows."""
 _DRAWN = 5
 """Modes that a Campbell diagram shows at least."""
-_ROOM = 0.045
-"""Height that the number of an order takes, over that of the diagram."""
 _COLOURS = {"torsion": "C3", "axial": "C2", "bending": "C0", "deformation": "C1"}
-_OFFSET: dict[str, Any] = {"textcoords": "offset points"}
 _LINES = (("in_plane", "in plane", "-"), ("across", "across", "--"), ("axial", "axial", ":"))
 
 
@@ -42,28 +38,21 @@ def _shape(mode: ShaftMode) -> Picture:
 
 
 def _draw_turning(axes: Any, modal: ShaftModes) -> None:
-    speeds = np.array(modal.speeds_rpm)
-    _draw_orders(axes, speeds, modal.highest_order, _top(modal))
+    speeds, orders = np.array(modal.speeds_rpm), _drawn_orders(modal)
+    for order in orders:
+        axes.plot(speeds, order * speeds / 60, color="0.8", lw=0.6)
     for mode in modal.modes:
         axes.plot(speeds, mode.frequencies_Hz, color=_colour(mode), lw=1.2)
         for at in mode.critical_speeds:
             axes.plot([at.speed_rpm], [at.order * at.speed_rpm / 60], "o", color=_colour(mode), ms=3)
     _frame(axes, modal)
+    name_orders(axes, orders, speeds, _top(modal))
 
 
-def _draw_orders(axes: Any, speeds: Array, highest: float, top: float) -> None:
-    """Draw the lines of whole orders, and number the highest and those below that leave room for it."""
-    style: dict[str, Any] = {"va": "center", "fontsize": 6, "color": GREY, "annotation_clip": False}
-    lowest_label = np.inf
-    for order in np.arange(1, highest + 1)[::-1]:
-        if order * speeds[0] / 60 >= top:
-            continue
-        axes.plot(speeds, order * speeds / 60, color="0.8", lw=0.6)
-        at = min(speeds[-1], 60 * top / order)
-        height = order * at / 60
-        if at < speeds[-1] or height <= lowest_label - _ROOM * top:
-            axes.annotate(f"{order:g}", (at, height), (2, 0), **_OFFSET, **style)
-            lowest_label = height
+def _drawn_orders(modal: ShaftModes) -> list[int]:
+    """Return the whole orders whose lines a diagram shows, the highest first."""
+    top, first = _top(modal), modal.speeds_rpm[0]
+    return [order for order in range(int(modal.highest_order), 0, -1) if order * first / 60 < top]
 
 
 def _draw_bearings(axes: Any, modal: ShaftModes) -> None:

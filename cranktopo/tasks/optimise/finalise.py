@@ -59,6 +59,7 @@ def ready_ahead(run: RunStore, prepared: Prepared, problem: DensityProblem) -> A
 
 
 def cells_of_bound(run: RunStore, prepared: Prepared) -> Cells | None:
+    """Return what gives the cells of the bound, begun in a thread; None where the plan leaves it out."""
     if prepared.plan["bound"].state != "on":
         return None
     cells = LazyFuture(lambda: model_for_result(prepared.scene, goal_of(prepared.scene)))

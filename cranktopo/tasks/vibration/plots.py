@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
 from cranktopo.base.units import frequency_text
 from cranktopo.engine.vibration.steady import CriticalSpeed
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.engine.vibration.telling import WEAK
-from cranktopo.report.plot import GREY, Picture, name_points, picture, plain
+from cranktopo.report.plot import GREY, Picture, name_orders, name_points, picture, plain
 
 _MOST = 5
 """Orders that a plot shows by themselves."""
@@ -71,7 +69,7 @@ def _draw_campbell(axes: Any, study: VibrationStudy) -> None:
     axes.set(xlim=speeds, ylim=(0, top), xlabel="speed (rpm)", ylabel="frequency (Hz)")
     plain(axes)
     _name_modes(axes, study, top)
-    _name_orders(axes, drawn, speeds, top)
+    name_orders(axes, drawn, speeds, top)
     for name in name_points(axes, [f"{one.order:g}" for one in critical], places, (), leave_out=True):
         name.set(zorder=4, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.2})
 
@@ -96,32 +94,6 @@ def _name_modes(axes: Any, study: VibrationStudy, top: float) -> None:
             name, (1.0, mode.frequency_Hz), (14, lowest - at), annotation_clip=False, **style, **_OFFSET
         )
         lowest += _LINE_POINTS
-
-
-def _name_orders(axes: Any, orders: Sequence[float], speeds: Array, top: float) -> None:
-    """Number the orders where their lines leave the axes, those that are apart from the ones before."""
-    axes.figure.draw_without_rendering()
-    last = None
-    for order in orders:
-        at = min(speeds[-1], 60 * top / order)
-        above = at < speeds[-1]
-        style = {"va": "bottom" if above else "center", "ha": "center" if above else "left"}
-        shift = (0, 1) if above else (2, 0)
-        text = axes.annotate(
-            f"{order:g}",
-            (at, order * at / 60),
-            shift,
-            fontsize=6,
-            color=GREY,
-            annotation_clip=False,
-            **style,
-            **_OFFSET,
-        )
-        box = text.get_window_extent().padded(1)
-        if last is not None and box.overlaps(last):
-            text.remove()
-        else:
-            last = box
 
 
 def _draw_torque(axes: Any, study: VibrationStudy) -> None:
