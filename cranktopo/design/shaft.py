@@ -193,7 +193,12 @@ class ShaftTable(SceneTable):
     """Relative damping of the crankshaft, throws and ends, as loss factor; 0.02 is a dynamic magnifier of 50
     by itself. A shaft that another part gives by `stiffness_Nm_per_rad` has that part's `loss_factor`."""
     permitted_shear_MPa: Strength | None = Field(default=None, examples=[40.0])
-    """Largest nominal alternating shear stress of journals and pins; speeds above it are barred."""
+    """Largest nominal alternating shear stress of journals and pins; speeds above it are to be barred."""
+    barred_rpm: tuple[tuple[TurningSpeed, TurningSpeed], ...] | None = Field(
+        default=None, min_length=1, max_length=8, examples=[[[350.0, 381.0]]], json_schema_extra=SHOWN
+    )
+    """Ranges of speed, from the lower to the higher end, that the engine only passes through: torques of the
+    vibrating shaft, load states and safeties leave them out."""
     pulley: CarriedRotor | None = None
     """Pulley, gear or fan at the free end."""
     damper: Damper | None = None

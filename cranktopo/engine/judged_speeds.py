@@ -1,4 +1,4 @@
-"""Speeds at which a shaft on all its bearings is judged."""
+"""Speeds at which a shaft is judged, and those that its engine only passes through."""
 
 from __future__ import annotations
 
@@ -7,7 +7,10 @@ import numpy as np
 from cranktopo.design.checks.engine import speed_range_rpm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import at_speed, at_worst_speed, engine_of
+from cranktopo.engine.vibration.barred import barred_key, ranges_words, too_near_words
+from cranktopo.engine.vibration.vibrating_shaft import ranges_to_bar_rpm
 
+_NEAR_RPM = 0.5
 _STEPS = 5
 """Even speeds from the lowest to the highest: between two of them the safety of a shaft that does not vibrate
 goes evenly, and the worst speed of one that does is added."""
@@ -27,6 +30,39 @@ def rated_speeds(scene: Scene, enabled: frozenset[str]) -> tuple[Scene, ...]:
 
 def speeds_of_range(scene: Scene, enabled: frozenset[str]) -> tuple[Scene, ...]:
     """Return the scene at those speeds and at even ones over its range of speeds, ascending."""
-    even = np.linspace(*speed_range_rpm(scene), _STEPS).tolist()
+    even = [rpm for rpm in np.linspace(*speed_range_rpm(scene), _STEPS).tolist() if runs_at(scene, rpm)]
     rated = {engine_of(at).speed_rpm for at in rated_speeds(scene, enabled)}
     return tuple(at_speed(scene, rpm) for rpm in sorted({*rated, *even}))
+
+
+def runs_at(scene: Scene, speed_rpm: float) -> bool:
+    """Tell whether the engine runs at a speed: `shaft.barred_rpm` has those that it only passes through."""
+    barred = (scene.shaft.barred_rpm if scene.shaft else None) or ()
+    return not any(low < speed_rpm < high for low, high in barred)
+
+
+def barred_remarks(scene: Scene, enabled: frozenset[str]) -> list[str]:
+    """Return the speeds whose torques are not judged, and those that should be barred and are judged."""
+    shaft = scene.shaft
+    if shaft is None or "torsional_vibration" not in enabled:
+        return []
+    barred, above = shaft.barred_rpm or (), ranges_to_bar_rpm(scene, enabled)
+    open_ = [ends for ends in above if not any(_holds(known, ends) for known in barred)]
+    near = too_near_words(scene, [*barred, *open_])
+    found = []
+    if barred:
+        ranges = ranges_words(barred)
+        found.append(
+            f"the engine only passes through {ranges} (shaft.barred_rpm): no torque there is judged."
+        )
+    if open_:
+        found.append(
+            f"the shear stress is above shaft.permitted_shear_MPa = {shaft.permitted_shear_MPa:g} from "
+            f"{ranges_words(open_)}, and these speeds are judged like all others; an engine that only passes "
+            f"through them has {barred_key(open_)}."
+        )
+    return [*found, *([f"{near}."] if near else [])]
+
+
+def _holds(known: tuple[float, float], ends: tuple[float, float]) -> bool:
+    return known[0] <= ends[0] + _NEAR_RPM and ends[1] - _NEAR_RPM <= known[1]

@@ -118,6 +118,7 @@ def _check_damper(scene: Scene, damper: Damper) -> None:
 def _check_speeds(scene: Scene, shaft: ShaftTable) -> None:
     low, high = speed_range_rpm(scene)
     if low < high:
+        _check_barred(scene, shaft)
         return
     key = "speed_max_rpm" if shaft.speed_min_rpm is None else "speed_min_rpm"
     word = "above" if key == "speed_max_rpm" else "below"
@@ -126,6 +127,23 @@ def _check_speeds(scene: Scene, shaft: ShaftTable) -> None:
         f"speeds from {low:g} to {high:g} rpm are no range",
         f"Give a value {word} {low if key == 'speed_max_rpm' else high:g} rpm.",
     )
+
+
+def _check_barred(scene: Scene, shaft: ShaftTable) -> None:
+    """Check that barred ranges follow each other and leave the engine the speeds that it is given."""
+    least = 0.0
+    engine = scene.engine
+    own = {} if engine is None else {"speed": engine.speed_rpm, "overspeed": engine.overspeed_rpm}
+    for number, (low, high) in enumerate(shaft.barred_rpm or ()):
+        key = f"shaft.barred_rpm[{number}]"
+        if not least < low < high:
+            what = "must go from its lower to its higher end, behind the range before it"
+            raise invalid(key, [low, high], what, "Write [[LOW, HIGH], ...] from the slowest on, in rpm.")
+        for name, rpm in own.items():
+            if rpm is not None and low < rpm < high:
+                what = f"holds engine.{name}_rpm = {rpm:g}, at which the engine runs"
+                raise invalid(key, [low, high], what, "A barred range is passed through only: end it before.")
+        least = high
 
 
 _PATH = "engine.arrangement"

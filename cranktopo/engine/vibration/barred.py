@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
+import numpy as np
+
+from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
+from cranktopo.engine.vibration.steady import Vibration
+
+_END_RPM = 0.01
+_HIGHEST = 0.8
+"""Share of the rated speed above which IACS UR M53 (alternating torsional stresses) allows no barred range
+with all cylinders firing."""
 
 
 @dataclass(frozen=True)
@@ -23,6 +33,35 @@ class MisfireRange:
         return MisfireRange(low, high, tuple(cylinders))
 
 
+def ranges_above(
+    response: Vibration, permitted_shear_MPa: float, at: Callable[[Array], Vibration]
+) -> tuple[tuple[float, float], ...]:
+    """Return the ranges of speed where the crankshaft's nominal shear stress is above the permitted, rpm.
+
+    Args:
+        response: over the whole range of speeds.
+        at: the response at any speeds, with which the ends are found to 0.01 rpm.
+    """
+    speeds, over = response.speeds_rpm, response.shear_MPa - permitted_shear_MPa
+    above = np.concatenate([[False], over > 0, [False]]).astype(int)
+    starts, ends = (np.flatnonzero(np.diff(above) == step) for step in (1, -1))
+
+    def end(inner: int, outer: int) -> float:
+        if not 0 <= outer < len(speeds):
+            return float(speeds[inner])
+        from scipy.optimize import brentq
+
+        found = brentq(
+            lambda rpm: float(at(np.array([rpm])).shear_MPa[0]) - permitted_shear_MPa,
+            *sorted((speeds[inner], speeds[outer])),
+            xtol=_END_RPM,
+        )
+        return float(found)
+
+    both = zip(starts.tolist(), ends.tolist(), strict=True)
+    return tuple((end(a, a - 1), end(b - 1, b)) for a, b in both)
+
+
 def misfire_ranges(of_each: Iterable[MisfireRange]) -> tuple[MisfireRange, ...]:
     """Return the ranges of single misfires from the lowest speed on, those that overlap as one."""
     found: list[MisfireRange] = []
@@ -34,6 +73,29 @@ def misfire_ranges(of_each: Iterable[MisfireRange]) -> tuple[MisfireRange, ...]:
     return tuple(found)
 
 
+def ranges_words(barred_rpm: Iterable[tuple[float, float]], between: str = " and ") -> str:
+    """Return ranges in words, rounded to whole speeds outwards."""
+    return between.join(f"{math.floor(low)} to {math.ceil(high)} rpm" for low, high in barred_rpm)
+
+
+def barred_key(ranges_rpm: Iterable[tuple[float, float]]) -> str:
+    """Return the key of a design that has the engine only pass through these ranges."""
+    whole = ", ".join(f"[{math.floor(low)}, {math.ceil(high)}]" for low, high in ranges_rpm)
+    return f"shaft.barred_rpm = [{whole}]"
+
+
+def too_near_words(scene: Scene, barred_rpm: Iterable[tuple[float, float]]) -> str:
+    """Return which ranges lie too near the engine's speed for the class rule; empty where none does."""
+    rated = scene.engine.speed_rpm if scene.engine else math.inf
+    found = [one for one in barred_rpm if one[1] > _HIGHEST * rated]
+    if not found:
+        return ""
+    return (
+        f"the barred range from {ranges_words(found)} reaches above {_HIGHEST:g} of the engine's speed, "
+        "where IACS UR M53 allows none with all cylinders firing"
+    )
+
+
 def runs_barred(scene: Scene, barred_rpm: Iterable[tuple[float, float]]) -> str:
     """Return in words which of the engine's speeds lies in a barred range; empty where none does."""
     engine, shaft = scene.engine, scene.shaft
@@ -41,7 +103,7 @@ def runs_barred(scene: Scene, barred_rpm: Iterable[tuple[float, float]]) -> str:
         return ""
     ranges, speeds = tuple(barred_rpm), {"speed": engine.speed_rpm, "overspeed": engine.overspeed_rpm}
     found = [
-        f"the engine's {name} of {rpm:g} rpm lies in the barred range from {low:.0f} to {high:.0f} rpm"
+        f"the engine's {name} of {rpm:g} rpm lies in the barred range from {ranges_words([(low, high)])}"
         for name, rpm in speeds.items()
         for low, high in ranges
         if rpm is not None and low <= rpm <= high

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array, Complex
+from cranktopo.base.arrays import Array, Complex, Mask
 from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
 from cranktopo.engine.vibration.torque_harmonics import (
@@ -71,6 +71,7 @@ class Vibration:
         highest_Nm, lowest_Nm: ends of the torque over the cycle, its mean included, shape (speeds, sections).
         twist_amplitude_deg: of each section, one end against the other, shape (speeds, sections).
         free_end_deg: amplitude of the first disk of the crankshaft, ring of the damper apart, (speeds,).
+        barred_rpm: ranges that the engine only passes through; extremes are those of other speeds.
     """
 
     shaft: ShaftChain
@@ -84,6 +85,15 @@ class Vibration:
     lowest_Nm: Array
     twist_amplitude_deg: Array
     free_end_deg: Array
+    barred_rpm: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def running(self) -> Mask:
+        """Tell of each speed whether the engine runs at it, (speeds,)."""
+        found = np.ones(len(self.speeds_rpm), dtype=bool)
+        for low, high in self.barred_rpm:
+            found &= (self.speeds_rpm <= low) | (high <= self.speeds_rpm)
+        return found
 
     @property
     def torque_amplitude_Nm(self) -> Array:
@@ -98,13 +108,14 @@ class Vibration:
         """
         inside = np.array(self.shaft.in_crankshaft)
         high, low = self.highest_Nm[:, inside].max(axis=1), self.lowest_Nm[:, inside].min(axis=1)
-        return tuple(float(self.speeds_rpm[at]) for at in sorted({int(high.argmax()), int(low.argmin())}))
+        ends = np.where(self.running, high, -np.inf).argmax(), np.where(self.running, low, np.inf).argmin()
+        return tuple(float(self.speeds_rpm[at]) for at in sorted({int(at) for at in ends}))
 
     @property
     def worst(self) -> Worst:
         """Speed and section of the largest torque amplitude in the crankshaft; the lowest speed of equals."""
         inside = np.array(self.shaft.in_crankshaft)
-        amplitude = np.where(inside, self.torque_amplitude_Nm, -1.0)
+        amplitude = np.where(inside & self.running[:, None], self.torque_amplitude_Nm, -1.0)
         speed, section = (int(i) for i in np.unravel_index(int(amplitude.argmax()), amplitude.shape))
         order = self.orders[int(np.abs(self.torque_Nm[speed, :, section]).argmax())]
         return Worst(speed, section, float(order))
@@ -114,16 +125,11 @@ class Vibration:
         """That largest torque amplitude."""
         return float(self.torque_amplitude_Nm[self.worst.speed_index, self.worst.section])
 
-    def barred_rpm(self, permitted_shear_MPa: float) -> tuple[tuple[float, float], ...]:
-        """Ranges of speed where the crankshaft's nominal alternating shear stress is above the permitted."""
+    @property
+    def shear_MPa(self) -> Array:
+        """Largest nominal alternating shear stress of the crankshaft's sections, (speeds,)."""
         inside = np.array(self.shaft.in_crankshaft)
-        stress = self.shaft.shear_MPa(1.0) * self.torque_amplitude_Nm[:, inside].max(axis=1)
-        above = np.concatenate([[False], stress > permitted_shear_MPa, [False]])
-        starts, ends = (np.flatnonzero(np.diff(above.astype(int)) == step) for step in (1, -1))
-        return tuple(
-            (float(self.speeds_rpm[a]), float(self.speeds_rpm[b - 1]))
-            for a, b in zip(starts, ends, strict=True)
-        )
+        return np.asarray(self.shaft.shear_MPa(1.0) * self.torque_amplitude_Nm[:, inside].max(axis=1))
 
 
 def critical_speeds(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,7 +14,13 @@ from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.design.checks.engine import shaft_warnings, speed_range_rpm
 from cranktopo.design.misfire import with_misfire
 from cranktopo.design.schema import Scene
-from cranktopo.engine.vibration.barred import MisfireRange, misfire_ranges, runs_barred
+from cranktopo.engine.vibration.barred import (
+    MisfireRange,
+    misfire_ranges,
+    ranges_above,
+    runs_barred,
+    too_near_words,
+)
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, varying_inertia_percent
 from cranktopo.engine.vibration.steady import ORDERS, CriticalSpeed, Vibration, vibration
 from cranktopo.engine.vibration.telling import left_out, telling
@@ -147,7 +154,8 @@ class Swing:
 
 def largest_swing(response: Vibration, section: int) -> Swing:
     """Return where a section's torque swings most, of equal speeds at the lowest."""
-    return swing_at(response, section, int(response.torque_amplitude_Nm[:, section].argmax()))
+    amplitude = np.where(response.running, response.torque_amplitude_Nm[:, section], -1.0)
+    return swing_at(response, section, int(amplitude.argmax()))
 
 
 def swing_at(response: Vibration, section: int, speed: int) -> Swing:
@@ -306,8 +314,8 @@ def study_vibration(
     response = model.over_the_range()
     told = telling(model.critical, response, model.varying.rise)
     worst_rpm = float(response.speeds_rpm[response.worst.speed_index])
-    barred = _barred_rpm(scene, response)
-    runs_there = runs_barred(scene, barred or ())
+    barred = _barred_rpm(scene, response, model.at)
+    faults = [runs_barred(scene, barred or ()), too_near_words(scene, barred or ())]
     return VibrationStudy(
         scene,
         stiffness_source,
@@ -319,14 +327,16 @@ def study_vibration(
         model.varying,
         model.with_mean_inertia(worst_rpm) if model.varying.included else response,
         barred,
-        (*shaft_warnings(scene), *([f"shaft: {runs_there}"] if runs_there else [])),
+        (*shaft_warnings(scene), *(f"shaft: {fault}" for fault in faults if fault)),
         None if run_up_s is None else run_up(shaft, harmonics, model.range_rpm, run_up_s),
     )
 
 
-def _barred_rpm(scene: Scene, response: Vibration) -> tuple[tuple[float, float], ...] | None:
+def _barred_rpm(
+    scene: Scene, response: Vibration, at: Callable[[Array], Vibration]
+) -> tuple[tuple[float, float], ...] | None:
     permitted = scene.shaft.permitted_shear_MPa if scene.shaft else None
-    return None if permitted is None else response.barred_rpm(permitted)
+    return None if permitted is None else ranges_above(response, permitted, at)
 
 
 def misfires_of_each(study: VibrationStudy) -> tuple[Misfire, ...]:
@@ -353,10 +363,15 @@ def _misfire(study: VibrationStudy, cylinder: int) -> Misfire:
     assert harmonics is not None
     varying = study.varying.harmonics_kg_m2 if study.varying.included else None
     speeds, orders = study.response.speeds_rpm, len(study.response.orders)
-    found = vibration(study.shaft, harmonics, speeds, orders, varying)
+
+    def at(speeds_rpm: Array) -> Vibration:
+        solved = vibration(study.shaft, harmonics, speeds_rpm, orders, varying)
+        return replace(solved, barred_rpm=study.response.barred_rpm)
+
+    found = at(speeds)
     joined = tuple(largest_swing(found, section) for section in study.joined_sections)
     crankshaft = largest_swing(found, found.worst.section)
-    barred = _barred_rpm(study.scene, found)
+    barred = _barred_rpm(study.scene, found, at)
     return Misfire(cylinder, crankshaft, joined, _own_swings(study, found), barred)
 
 

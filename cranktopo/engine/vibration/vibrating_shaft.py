@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -14,6 +14,7 @@ from cranktopo.design.checks.engine import speed_range_rpm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.forces import ShaftTorque
 from cranktopo.engine.gas import FileState, trace_states
+from cranktopo.engine.vibration.barred import ranges_above
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, estimated_chain
 from cranktopo.engine.vibration.steady import (
     CriticalSpeed,
@@ -41,6 +42,7 @@ class VibratingShaft:
     Attributes:
         engine_rpm: speed of the engine, in the range or not.
         orders: how many are solved.
+        barred_rpm: ranges that the engine only passes through.
     """
 
     shaft: ShaftChain
@@ -51,19 +53,24 @@ class VibratingShaft:
     critical: tuple[CriticalSpeed, ...]
     varying: VaryingPart
     orders: int
+    barred_rpm: tuple[tuple[float, float], ...]
 
     def at(self, speeds_rpm: Array) -> Vibration:
         """Return the steady response, with the varying inertia where it counts."""
         varying = self.varying.harmonics_kg_m2 if self.varying.included else None
-        return vibration(self.shaft, self.harmonics, speeds_rpm, self.orders, varying)
+        return self._passing(vibration(self.shaft, self.harmonics, speeds_rpm, self.orders, varying))
+
+    def _passing(self, found: Vibration) -> Vibration:
+        return replace(found, barred_rpm=self.barred_rpm)
 
     def over_the_range(self) -> Vibration:
         """Return the steady response over the scene's range, dense around its critical speeds.
 
-        The engine's own speed is among these, where it lies in the range.
+        The engine's own speed is among these, where it lies in the range, and the ends of barred ranges.
         """
         speeds = speeds_to_solve(self.range_rpm, self.critical, rise=self.varying.rise)
-        return self.at(np.union1d(speeds, np.clip(self.engine_rpm, *self.range_rpm)))
+        own = np.array([self.engine_rpm, *(end for ends in self.barred_rpm for end in ends)])
+        return self.at(np.union1d(speeds, np.clip(own, *self.range_rpm)))
 
     def with_mean_inertia(self, worst_rpm: float) -> Vibration:
         """Return the steady response with the mean inertia alone where it is largest.
@@ -72,7 +79,7 @@ class VibratingShaft:
         is not solved again.
         """
         speeds = [*self.range_rpm, worst_rpm, *(found.speed_rpm for found in self.critical)]
-        return vibration(self.shaft, self.harmonics, np.unique(speeds), self.orders)
+        return self._passing(vibration(self.shaft, self.harmonics, np.unique(speeds), self.orders))
 
 
 def vibrating_shaft(scene: Scene, shaft: ShaftChain, harmonics: TorqueHarmonics) -> VibratingShaft:
@@ -82,7 +89,10 @@ def vibrating_shaft(scene: Scene, shaft: ShaftChain, harmonics: TorqueHarmonics)
     critical = critical_speeds(shaft, modes, harmonics, speeds, orders)
     part = varying_part(scene, shaft, harmonics, modes, {found.mode for found in critical})
     own = scene.engine.speed_rpm if scene.engine else 0.0
-    return VibratingShaft(shaft, harmonics, speeds, own, tuple(modes), critical, part, orders)
+    barred = scene.shaft.barred_rpm if scene.shaft else None
+    return VibratingShaft(
+        shaft, harmonics, speeds, own, tuple(modes), critical, part, orders, tuple(barred or ())
+    )
 
 
 def vibrating_torque(scene: Scene, enabled: frozenset[str]) -> ShaftTorque:
@@ -110,9 +120,15 @@ def extreme_speeds_rpm(scene: Scene, enabled: frozenset[str]) -> tuple[float, ..
     return _decisive_speeds(scene, enabled, trace_states(scene)).extreme_rpm
 
 
+def ranges_to_bar_rpm(scene: Scene, enabled: frozenset[str]) -> tuple[tuple[float, float], ...]:
+    """Return the ranges of speed above the permitted shear stress; none where the scene gives no stress."""
+    return _decisive_speeds(scene, enabled, trace_states(scene)).above_rpm
+
+
 class _DecisiveSpeeds(NamedTuple):
     worst_rpm: float
     extreme_rpm: tuple[float, ...]
+    above_rpm: tuple[tuple[float, float], ...]
 
 
 @lru_cache(maxsize=16)
@@ -120,8 +136,11 @@ def _decisive_speeds(
     scene: Scene, enabled: frozenset[str], _traces: tuple[FileState, ...]
 ) -> _DecisiveSpeeds:
     """Solve the range once: load states and histories ask for both kinds of speeds, one after another."""
-    found = _model(scene, enabled).over_the_range()
-    return _DecisiveSpeeds(float(found.speeds_rpm[found.worst.speed_index]), found.extreme_speeds_rpm)
+    model, permitted = _model(scene, enabled), scene.shaft.permitted_shear_MPa if scene.shaft else None
+    found = model.over_the_range()
+    above = () if permitted is None else ranges_above(found, permitted, model.at)
+    worst_rpm = float(found.speeds_rpm[found.worst.speed_index])
+    return _DecisiveSpeeds(worst_rpm, found.extreme_speeds_rpm, above)
 
 
 def _model(scene: Scene, enabled: frozenset[str]) -> VibratingShaft:

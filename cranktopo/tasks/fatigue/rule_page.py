@@ -12,7 +12,7 @@ from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import left_off
-from cranktopo.engine.vibration.barred import runs_barred
+from cranktopo.engine.vibration.barred import ranges_words, runs_barred, too_near_words
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.page import (
     Fact,
@@ -145,9 +145,14 @@ def _headline(checks: Sequence[RuleCheck]) -> str:
 
 
 def _barred(study: VibrationStudy | None) -> list[str]:
-    """Return that the engine runs at a barred speed, which the rule's factors say nothing of."""
-    sentence = "" if study is None else runs_barred(study.scene, study.barred_rpm or ())
-    return [f"But {sentence}."] if sentence else []
+    """Return what the rule's factors do not say: speeds left out, barred ones at or near the engine's own."""
+    if study is None:
+        return []
+    declared = study.response.barred_rpm
+    ranges = sorted({*declared, *(study.barred_rpm or ())})
+    faults = runs_barred(study.scene, ranges), too_near_words(study.scene, ranges)
+    left_out = f"No torque of {ranges_words(declared)} is in it (shaft.barred_rpm)." if declared else ""
+    return [*filter(None, [left_out]), *(f"But {fault}." for fault in faults if fault)]
 
 
 def _strength(record: RuleRecord) -> list[str]:

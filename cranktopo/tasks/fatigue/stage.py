@@ -13,6 +13,7 @@ from cranktopo.base.notes import Pace, note
 from cranktopo.design.assumed import Assumption, filter_by_table
 from cranktopo.design.strength import note_strength
 from cranktopo.engine.histories import HistoryKind
+from cranktopo.engine.judged_speeds import barred_remarks
 from cranktopo.engine.performance import note_pressure, pressure_words
 from cranktopo.engine.plan.planning import note_left_off, plan_for_stress
 from cranktopo.runs.destination import check_folder
@@ -111,6 +112,9 @@ def assess_by_methods(
         if target.scene.fatigue.treatment:
             note(f"{target.name}: {target.scene.fatigue.treatment}")
     resolved = [with_throw_stiffness(target) for target in resolved]
+    for target in resolved:
+        for remark in barred_remarks(target.scene, plan_for_stress(target.scene).enabled):
+            note(f"{target.name}: {remark}")
     local = [method for method in methods if method != "m53"]
     fields_of = partial(
         _fields, methods=local, loads=loads, fillet_fraction=fillet_fraction, both_worlds=both_worlds

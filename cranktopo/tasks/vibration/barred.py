@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from cranktopo.engine.vibration.barred import MisfireRange
-from cranktopo.engine.vibration.study import VibrationStudy
+import numpy as np
+
+from cranktopo.base.units import number_text
+from cranktopo.engine.vibration.barred import MisfireRange, barred_key, ranges_words
+from cranktopo.engine.vibration.study import VibrationStudy, swing_at
 from cranktopo.report.page import Fact
 
 
@@ -14,15 +17,55 @@ def barred_sentence(study: VibrationStudy) -> str:
     permitted = study.scene.shaft.permitted_shear_MPa if study.scene.shaft else None
     if study.barred_rpm is None:
         return "No range of speed is barred: shaft.permitted_shear_MPa is not given."
-    firing, silent = _ranges(study.barred_rpm), _misfire_ranges(study.misfire_barred)
+    firing, silent = ranges_words(study.barred_rpm), _misfire_ranges(study.misfire_barred)
     if not firing and not silent:
         also = ", with one cylinder misfiring too" if study.misfires else ""
-        return f"No range of speed is barred: the stress stays below {permitted:g} MPa{also}."
-    if not study.misfires:
-        return f"Barred, above {permitted:g} MPa: {firing}."
+        return f"No range of speed is barred: the stress stays below {permitted:g} MPa{also}.{_line(study)}"
+    ranges = f"Barred, above {permitted:g} MPa: {firing}."
+    if study.misfires:
+        ranges = (
+            f"Barred, above {permitted:g} MPa: with all cylinders firing {firing or 'none'}; "
+            f"with one misfiring {silent or 'none'}."
+        )
+    return f"{ranges}{_counted(study)}{_line(study)}"
+
+
+def passed_sentence(study: VibrationStudy) -> str:
+    """Return the torque at the speeds that the engine only passes through; empty where there are none."""
+    response = study.response
+    if response.running.all():
+        return ""
+    inside = np.array(study.shaft.in_crankshaft)
+    torque = response.torque_amplitude_Nm[:, inside].max(axis=1)
+    torque = np.where(response.running, -1.0, torque)
+    rpm, most = response.speeds_rpm[int(torque.argmax())], float(torque.max())
     return (
-        f"Barred, above {permitted:g} MPa: with all cylinders firing {firing or 'none'}; "
-        f"with one misfiring {silent or 'none'}."
+        f"The engine only passes through {ranges_words(response.barred_rpm)} (shaft.barred_rpm): what is "
+        f"told here is of other speeds; there the crankshaft has up to +-{number_text(most)} N m, at "
+        f"{rpm:.0f} rpm."
+    )
+
+
+def _counted(study: VibrationStudy) -> str:
+    """Return what leaves computed ranges out of torques and safeties, unless the design has that."""
+    if study.response.barred_rpm or not study.barred_rpm:
+        return ""
+    return f" They count in all torques and safeties unless the design has {barred_key(study.barred_rpm)}."
+
+
+def _line(study: VibrationStudy) -> str:
+    """Return what the permitted stress does not judge: the largest torque outside the crankshaft."""
+    joined = list(study.joined_sections)
+    if not joined:
+        return ""
+    torques = study.response.torque_amplitude_Nm[:, joined]
+    at, number = (int(n) for n in np.unravel_index(int(torques.argmax()), torques.shape))
+    found = [swing_at(study.response, joined[number], at), *(one for m in study.misfires for one in m.joined)]
+    worst = max(found, key=lambda one: one.torque_amplitude_Nm)
+    ends = study.shaft.sections[worst.section].replace(" - ", " and ")
+    return (
+        " The permitted stress is that of journals and pins alone: nothing here judges the "
+        f"+-{number_text(worst.torque_amplitude_Nm)} N m between {ends} at {worst.speed_rpm:.0f} rpm."
     )
 
 
@@ -30,20 +73,16 @@ def barred_fact(study: VibrationStudy) -> Fact | None:
     """Return the barred ranges as a fact of the page; None where no stress is given."""
     if study.barred_rpm is None:
         return None
-    ranges = [_ranges(study.barred_rpm, ", ")]
+    ranges = [ranges_words(study.barred_rpm, ", ")]
     if study.misfire_barred:
         ranges = [ranges[0] or "none", f"with one misfiring {_misfire_ranges(study.misfire_barred)}"]
     value = "; ".join(filter(None, ranges))
     return Fact("Barred", value or "none", barred_sentence(study), "bad" if value else "good")
 
 
-def _ranges(barred_rpm: Iterable[tuple[float, float]], between: str = " and ") -> str:
-    return between.join(f"{low:.0f} to {high:.0f} rpm" for low, high in barred_rpm)
-
-
 def _misfire_ranges(misfire_ranges: Iterable[MisfireRange]) -> str:
     return " and ".join(
-        f"{_ranges([(one.low_rpm, one.high_rpm)])} ({_cylinders(one)})" for one in misfire_ranges
+        f"{ranges_words([(one.low_rpm, one.high_rpm)])} ({_cylinders(one)})" for one in misfire_ranges
     )
 
 

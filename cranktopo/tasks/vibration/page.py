@@ -9,7 +9,7 @@ from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.engine.vibration.telling import WEAK
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.report.result_table import ResultTable
-from cranktopo.tasks.vibration.barred import barred_fact, barred_sentence
+from cranktopo.tasks.vibration.barred import barred_fact, barred_sentence, passed_sentence
 from cranktopo.tasks.vibration.plots import vibration_pictures
 from cranktopo.tasks.vibration.text import (
     JOINED,
@@ -55,8 +55,8 @@ def vibration_page(study: VibrationStudy, written: str) -> Page:
                 (campbell, torque),
                 more=(
                     f"{cancelled_sentence(study)} "
-                    f"{own_speed_sentence(study)} {pressure_sentence(study)} {barred_sentence(study)} "
-                    f"{run_up_sentence(study)}".strip(),
+                    f"{own_speed_sentence(study)} {pressure_sentence(study)} {passed_sentence(study)} "
+                    f"{barred_sentence(study)} {run_up_sentence(study)}".strip(),
                     f"{misfire_sentence(study)} {joined_misfire_sentence(study)}".strip(),
                 ),
             ),

@@ -16,7 +16,7 @@ from cranktopo.engine.vibration.steady import TELLING_SHARE
 from cranktopo.engine.vibration.study import Swing, VibrationStudy, largest_swing
 from cranktopo.engine.vibration.telling import WEAK, is_near, order_torque_Nm
 from cranktopo.report.result_table import Cell, ResultTable, Row, terminal
-from cranktopo.tasks.vibration.barred import barred_sentence
+from cranktopo.tasks.vibration.barred import barred_sentence, passed_sentence
 
 DISKS = (
     "Disks and springs stand for the body, which bends where it twists. Beside one body by finite elements\n"
@@ -304,6 +304,7 @@ def vibration_text(study: VibrationStudy) -> str:
     parts += [cancelled] if cancelled else []
     sentences = (
         worst_sentence(study),
+        passed_sentence(study),
         own_speed_sentence(study),
         pressure_sentence(study),
         run_up_sentence(study),
