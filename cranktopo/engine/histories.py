@@ -30,6 +30,7 @@ _QUANTITY_OF = {
 }
 """Quantity of a history that an effect switches."""
 _STEP_DEG = 1.0
+_JOINED = " radial force with "
 
 
 @dataclass(frozen=True)
@@ -97,6 +98,11 @@ def rated_histories(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) ->
     through the states of another one, and no cycle through those of two speeds.
     """
     return cycle_histories(scene, enabled) if kind == "cycle" else (load_history(scene, kind, enabled),)
+
+
+def joins_extremes(label: str) -> bool:
+    """Tell whether a load state, by its label, joins extremes that the throw need not have at once."""
+    return _JOINED in label
 
 
 def speed_words(speed_rpm: float) -> str:
@@ -223,7 +229,7 @@ def joined_extremes(
         np.zeros(len(pairs)),
         np.array([torques[twist] for _, twist in pairs]),
         np.full(len(pairs), speed),
-        tuple(f"{force} radial force with {twist} torque" for force, twist in pairs),
+        tuple(f"{force}{_JOINED}{twist} torque" for force, twist in pairs),
     )
 
 

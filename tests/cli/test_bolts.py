@@ -104,7 +104,7 @@ def test_the_needed_preload_stands_beside_the_one_that_it_is_compared_with(capsy
     assert vdi["preload_N"] == vdi["needed_preload_N"] == needed
     assert vdi["clamp_safety"] == pytest.approx(1.0, rel=1e-12)
     text = run(capsys, str(design))[1]
-    heads, _, _, row = text.split("\n\n")[1].splitlines()
+    heads, _, _, row = text.split("\n\n")[2].splitlines()
     assert re.split(r" {2,}", heads)[3:6] == ["preload", "preload needed", "least"]
     assert row.split()[4] == row.split()[5] == f"{needed / 1000:.1f}"
     assert "`preload needed` what it must be for load, scatter and settling" in text

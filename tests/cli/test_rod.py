@@ -13,12 +13,14 @@ from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder, load_scene
 from cranktopo.design.named import with_values
 from cranktopo.design.rod_body import drilled, rod_mass, section
+from cranktopo.tasks.bolts.result import BoltChecks
+from cranktopo.tasks.bolts.text import bolts_text
 from cranktopo.tasks.drawing.sheet import pages_figure
 from cranktopo.tasks.rod.drawing import rod_page
 from cranktopo.tasks.rod.outlines import front_outline
 from cranktopo.tasks.rod.result import LighterRod
 from cranktopo.tasks.rod.stage import check_rod_strength
-from cranktopo.tasks.rod.text import rod_text
+from cranktopo.tasks.rod.text import least_safety, rod_text
 
 TEXT = (designs_folder() / "mikron-iiic-rod.toml").read_text(encoding="utf-8")
 
@@ -33,8 +35,8 @@ def test_text_and_json_tell_the_same(capsys):
     code, text, _ = run(capsys, "rod")
     assert code == 0
     assert "0.4690 kg; 0.1436 kg oscillate, 0.3254 kg rotate" in text
-    least = "\nleast safety: yield 2.15 (shank buckling, motion); fatigue by lsa 1.45 (eye to shank)\n"
-    assert least in text
+    least = "\nleast safety: yield 2.15 (shank buckling, motion); fatigue by lsa 1.45 (eye to shank)"
+    assert f"{least}; bolts by VDI 2230 1.17 (yield)\n" in text
     code, out, _ = run(capsys, "rod", "--json")
     data = json.loads(out)
     assert data["buckling"][0]["yield_safety"] == pytest.approx(2.15, abs=0.005)
@@ -79,6 +81,21 @@ def test_elements_too_fine_for_the_memory(capsys):
     code, _, err = run(capsys, "rod", "--fea", "--element-size-mm", "0.01")
     assert code == 3
     assert "too fine" in err
+
+
+def test_a_bolt_that_fails_is_told_first(capsys):
+    """As a section that fails is: the least safety of a rod is that of its joint, too."""
+    strength = check_rod_strength("mikron-iiic-rod")
+    failing = strength.model_copy(
+        update={
+            "bolt": strength.bolt.model_copy(update={"smallest_safety": 0.9, "governing": "head pressure"})
+        }
+    )
+    assert least_safety(strength).startswith("least safety: ")
+    assert least_safety(failing).startswith("NOT SAFE: least safety: ")
+    assert least_safety(failing).endswith("bolts by VDI 2230 0.90 (head pressure)")
+    checks = BoltChecks(design="rod", joints=(failing.bolt,), assumed=())
+    assert bolts_text(checks).startswith("NOT SAFE: smallest safety by VDI 2230: 0.90, head pressure of rod.")
 
 
 def test_its_bolts_are_told_by_bolts_too(capsys):

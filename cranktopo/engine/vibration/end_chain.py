@@ -4,10 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from cranktopo.base.units import MM2_PER_M2, MPA_PER_GPA, NMM_PER_NM, density_kg_per_mm3
+from cranktopo.base.units import MM2_PER_M2, MPA_PER_GPA, NMM_PER_NM, density_kg_per_mm3, number_text
 from cranktopo.bodies.crank_ends import crank_end
 from cranktopo.design.crank import Side
 from cranktopo.design.schema import Scene
+
+_AT_TIP: dict[Side, tuple[str, ...]] = {
+    "free": ("pulley", "damper"),
+    "output": ("flywheel", "driven", "propeller"),
+}
+"""Parts that turn with the tip of an end where they have no stiffness of their own."""
+_SOFT = 0.3
+"""Share of an end's twist from which one of its steps is named."""
 
 
 @dataclass(frozen=True)
@@ -48,3 +56,26 @@ def end_chain(scene: Scene, side: Side, before_rad_per_Nm: float) -> EndChain | 
         total, tip = total + inertia, tip + inertia * (at + own / 2) / whole
         at += own
     return EndChain(1 / sum(soft), total - tip, tip, (total - tip) / whole)
+
+
+def tip_remarks(scene: Scene) -> list[str]:
+    """Return which rotors sit at the tips of the crank's ends, and what twists most on the way to them."""
+    found = []
+    for side, rotors in _AT_TIP.items():
+        end, chain = scene.crank.end_on(side) if scene.crank else None, end_chain(scene, side, 0.0)
+        rotor = next((name for name in rotors if scene.shaft and getattr(scene.shaft, name)), None)
+        if end is None or not end.step or chain is None or rotor is None or scene.shaft is None:
+            continue
+        own = rotor != "damper"  # whose stiffness is that of its ring
+        if own and getattr(scene.shaft, rotor).stiffness_Nm_per_rad:
+            continue  # it is that of the end
+        journal, *twists = (piece.twist_per_mm3 for piece in crank_end(scene, side))
+        softest = max(range(len(twists)), key=twists.__getitem__)
+        share = twists[softest] / (journal + sum(twists))
+        named = f", {100 * share:.0f} % of the twist in its {end.step[softest].kind}" if share > _SOFT else ""
+        found.append(
+            f"the {rotor} sits at the tip of the crank's {side} end: "
+            f"{number_text(chain.stiffness_Nm_per_rad)} N m/rad from the outer journal{named}."
+            + (f" shaft.{rotor}.stiffness_Nm_per_rad takes the place of that spring." if own else "")
+        )
+    return found

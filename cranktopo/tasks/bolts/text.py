@@ -49,6 +49,7 @@ _SHIGLEY: tuple[Column[JointCheck], ...] = (
 def bolts_text(checks: BoltChecks) -> str:
     """Return what `cranktopo bolts` prints."""
     parts = [
+        smallest_safety(checks),
         _FORCES_CAPTION,
         _table(_FORCES, checks),
         "VDI 2230: safeties",
@@ -56,11 +57,14 @@ def bolts_text(checks: BoltChecks) -> str:
         "Shigley: safeties",
         _table(_SHIGLEY, checks),
     ]
-    worst = min(checks.joints, key=lambda joint: joint.smallest_safety)
-    parts.append(
-        f"Smallest safety by VDI 2230: {worst.smallest_safety:.2f}, {worst.governing} of {worst.name}."
-    )
     return "\n\n".join(parts)
+
+
+def smallest_safety(checks: BoltChecks) -> str:
+    """Return the smallest safety with its reason and joint; NOT SAFE below 1."""
+    worst = min(checks.joints, key=lambda joint: joint.smallest_safety)
+    words = f"{worst.smallest_safety:.2f}, {worst.governing} of {worst.name}"
+    return f"{'' if worst.smallest_safety >= 1 else 'NOT SAFE: '}smallest safety by VDI 2230: {words}."
 
 
 def _table(columns: tuple[Column[Any], ...], checks: BoltChecks) -> str:

@@ -119,7 +119,8 @@ def _text(assessment: FatigueAssessment) -> str:
     baseline = assessment.baseline
     if assessment.fields:
         parts = [terminal(tables.field_table(assessment.fields, baseline))]
-        parts += ["\n".join(lines)] if (lines := tables.field_remarks(assessment.fields)) else []
+        fields = assessment.fields
+        parts += ["\n".join([*tables.field_remarks(fields), *tables.inclusions(fields)])]
     else:
         outside = "".join(
             f"\n{check.name}: outside the rule's polynomials: {'; '.join(check.outside)}."

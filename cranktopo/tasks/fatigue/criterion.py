@@ -67,8 +67,8 @@ class SafetyMethod:
         load_packages: loads the optional packages that it takes; fails before any solve where one is missing.
         check: checks what else it needs of a scene.
         title: in words, after "by"; its name where it gives none.
-        includes: what its safety counts and the least safety that it asks for, said where a comparison shows
-            several methods.
+        includes: what its safety counts and the least safety that it asks for.
+        asks: that least safety; a part fails below 1 by any method.
     """
 
     name: str
@@ -78,6 +78,7 @@ class SafetyMethod:
     load_packages: Callable[[], object] = field(default=lambda: None, kw_only=True)
     check: Callable[[Scene], None] = field(default=lambda _: None, kw_only=True)
     title: str = field(default="", kw_only=True)
+    asks: float = field(default=1.0, kw_only=True)
 
 
 @dataclass(frozen=True)

@@ -143,6 +143,7 @@ FKM = FatigueCriterion(
     takes=(*TREATMENT, *LAYERS, "roughness_um", "spectrum"),
     load_packages=load_rules,
     title="the FKM guideline",
+    asks=1.2,
     includes="roughness, survival of 97.5 %, mean stress, no size; FKM asks for 1.2 to 1.5 for steel, by "
     "consequence of failure and inspection",  # the guideline's table of j_F
 )

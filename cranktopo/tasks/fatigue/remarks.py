@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from cranktopo.base.notes import note, warn
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import speed_words
+from cranktopo.engine.histories import joins_extremes, speed_words
 from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.engine.vibration.vibrating_shaft import extreme_speeds_rpm
 from cranktopo.tasks.fatigue.criterion import larger_end_MPa
@@ -50,8 +50,12 @@ def overspeed_words(field: FatigueField) -> str:
     engine = field.model.scene.engine
     if not engine or not engine.overspeed_rpm:
         return ""
-    decides = field.critical.states[0].endswith(speed_words(engine.overspeed_rpm))
-    return f"the least safety is that at the overspeed of {engine.overspeed_rpm:g} rpm." if decides else ""
+    state = field.critical.states[0]
+    if not state.endswith(speed_words(engine.overspeed_rpm)):
+        return ""
+    torques = _torque_speeds(field.model.scene) if joins_extremes(state) else ""
+    beside = f", with the vibrating shaft's largest and smallest torque, of {torques} rpm" if torques else ""
+    return f"the least safety is that at the overspeed of {engine.overspeed_rpm:g} rpm{beside}."
 
 
 def deciding_speed_words(field: FatigueField) -> str:
@@ -67,11 +71,18 @@ def deciding_speed_words(field: FatigueField) -> str:
 
 def _joined_torque_words(scene: Scene) -> str:
     """Return the speeds of the torques of joined extremes; empty where all are of the engine's speed."""
+    speeds = _torque_speeds(scene)
+    if not speeds:
+        return ""
+    return f"joined extremes decide, with the vibrating shaft's largest and smallest torque, of {speeds} rpm."
+
+
+def _torque_speeds(scene: Scene) -> str:
+    """Return the speeds of a vibrating shaft's largest and smallest torque; empty where none vibrates."""
     enabled = plan_for_stress(scene).enabled
     if scene.engine is None or _EFFECT not in enabled:
         return ""
-    speeds = " and ".join(f"{rpm:.0f}" for rpm in extreme_speeds_rpm(scene, enabled))
-    return f"joined extremes decide, with the vibrating shaft's largest and smallest torque, of {speeds} rpm."
+    return " and ".join(f"{rpm:.0f}" for rpm in extreme_speeds_rpm(scene, enabled))
 
 
 def vibration_sets_words(fields: Sequence[FatigueField]) -> str:

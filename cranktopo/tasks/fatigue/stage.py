@@ -16,6 +16,7 @@ from cranktopo.engine.histories import HistoryKind
 from cranktopo.engine.judged_speeds import barred_remarks
 from cranktopo.engine.performance import note_pressure, pressure_words
 from cranktopo.engine.plan.planning import note_left_off, plan_for_stress
+from cranktopo.engine.vibration.end_chain import tip_remarks
 from cranktopo.runs.destination import check_folder
 from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
 from cranktopo.tasks.fatigue.criteria import safety_method, strengths_of
@@ -113,7 +114,9 @@ def assess_by_methods(
             note(f"{target.name}: {target.scene.fatigue.treatment}")
     resolved = [with_throw_stiffness(target) for target in resolved]
     for target in resolved:
-        for remark in barred_remarks(target.scene, plan_for_stress(target.scene).enabled):
+        enabled = plan_for_stress(target.scene).enabled
+        tips = tip_remarks(target.scene) if "torsional_vibration" in enabled else []
+        for remark in (*tips, *barred_remarks(target.scene, enabled)):
             note(f"{target.name}: {remark}")
     local = [method for method in methods if method != "m53"]
     fields_of = partial(

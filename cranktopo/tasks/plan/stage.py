@@ -12,6 +12,7 @@ from cranktopo.design.strength import strength_remarks
 from cranktopo.engine.performance import pressure_warnings
 from cranktopo.engine.plan.cost import effort
 from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.vibration.end_chain import tip_remarks
 from cranktopo.tasks.plan.result import DesignPlan, PlannedEvaluations
 
 
@@ -31,4 +32,5 @@ def design_plan(scene: Scene) -> DesignPlan:
 def plan_warnings(scene: Scene) -> list[str]:
     """Return what a user should know of material, pressure and shaft before anything is solved."""
     material = [f"material: {remark}" for remark in strength_remarks(scene)]
-    return [*material, *pressure_warnings(scene), *(shaft_warnings(scene) if scene.shaft else ())]
+    shaft = [*shaft_warnings(scene), *tip_remarks(scene)] if scene.shaft else []
+    return [*material, *pressure_warnings(scene), *shaft]

@@ -100,7 +100,7 @@ def rod_text(rod: RodStrength) -> str:
 
 
 def least_safety(rod: RodStrength) -> str:
-    """Return the least safeties of closed form and elements, with their places; NOT SAFE below 1."""
+    """Return the least safeties of closed form, elements and bolts, with their places; NOT SAFE below 1."""
     places = [(f"{one.place}, by elements", one) for one in (rod.elements.places if rod.elements else ())]
     every = [(one.section, one) for one in rod.sections] + places
     yielding = [(name, one.yield_safety) for name, one in every]
@@ -111,6 +111,8 @@ def least_safety(rod: RodStrength) -> str:
             ((name, one.fatigue_safety) for name, one in every), key=lambda one: one[1]
         ),
     }
+    if rod.bolt:
+        worst["bolts by VDI 2230"] = rod.bolt.governing, rod.bolt.smallest_safety
     words = "; ".join(f"{what} {safety:.2f} ({place})" for what, (place, safety) in worst.items())
     return f"{'' if min(safety for _, safety in worst.values()) >= 1 else 'NOT SAFE: '}least safety: {words}"
 

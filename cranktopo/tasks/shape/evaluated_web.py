@@ -131,7 +131,8 @@ def evaluated_original(
 
     def judged() -> EvaluatedWeb:
         waited = time.perf_counter()
-        whole = found.model_copy(update=work.once(safety, ahead.result)) if stressed else found
+        more = work.once(safety, ahead.result) if stressed else {}
+        whole = EvaluationResult.of_json(found.as_json() | more, "evaluation 'original'")
         return EvaluatedWeb(scene, whole, web.seconds + time.perf_counter() - waited)
 
     return web, judged

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from cranktopo.base.units import change_text, plain_number
 from cranktopo.design.goal.constraint import TOLERANCE, Constraint
+from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.engine.judged_histories import states_words
 from cranktopo.report.goal_table import limits_table, short_percent, violated_limits
 from cranktopo.report.result_table import Column, ResultTable, Row, tabulate, terminal
@@ -319,7 +320,12 @@ def _moved(shape: ShapeResult, price: LimitPrice) -> str:
     """Return a limit that is tighter by a percent in words; more of a negative value would be lower."""
     upper, quantity = price.sense == "<=", price.quantity.replace("_", " ")
     named = f"the {price.side} {quantity}" if _other_side(shape, price) else ""
-    if any((limit.required or 0.0) < 0 for limit in price.outcomes(shape.goal.limits)):
+    limits = price.outcomes(shape.goal.limits)
+    if quantity_named(price.quantity).unit == "%" and limits and limits[0].required:
+        now = limits[0].required  # a percent of a percentage says little, the percentage does
+        tighter = now - abs(now) / 100 if upper else now + abs(now) / 100
+        return f"a {price.side} {quantity} of {tighter:.2f} % in place of {now:g} %"
+    if any((limit.required or 0.0) < 0 for limit in limits):
         return f"{named or quantity} {'lower' if upper else 'higher'} by 1 % of its limit"
     return f"1 % {'less' if upper else 'more'} {named and 'of '}{named or quantity}"
 

@@ -12,7 +12,7 @@ from scipy.linalg import eigh
 
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.engine.vibration.end_chain import end_chain
+from cranktopo.engine.vibration.end_chain import end_chain, tip_remarks
 from cranktopo.engine.vibration.shaft_chain import bare_chain, estimated_chain
 
 NOSE = {"kind": "cylinder", "diameter_mm": 30.0, "length_mm": 60.0, "bore_diameter_mm": 10.0}
@@ -113,3 +113,20 @@ def test_the_bare_shaft_has_a_disk_and_a_spring_for_each_end() -> None:
     assert len(model.inertia_kg_m2) == 6
     plain = bare_chain(load_scene("mikron-iiic-plain"), 4000.0, (1e5,) * 4)
     assert model.stiffness_Nm_per_rad[1:4] == plain.stiffness_Nm_per_rad
+
+
+def test_the_rotor_at_a_tip_is_told_with_the_spring_to_it() -> None:
+    """A thin stub behind a cone takes most of the twist; a rotor with a stiffness of its own is not there."""
+    stub = {"kind": "thread", "diameter_mm": 16.0, "length_mm": 30.0, "thread": "M16"}
+    wheel = {"inertia_kg_m2": 0.2}
+    (told,) = tip_remarks(mikron({"output": [CONE, stub]}, flywheel=wheel))
+    end = end_chain(mikron({"output": [CONE, stub]}), "output", 0.0)
+    assert end is not None
+    assert told.startswith("the flywheel sits at the tip of the crank's output end: ")
+    assert f"{end.stiffness_Nm_per_rad:,.0f} N m/rad" in told
+    own = 30.0 / (math.pi / 32 * 16.0**4) / shear_MPa(mikron({})) * 1000  # rad per N m
+    assert f"{100 * own * end.stiffness_Nm_per_rad:.0f} % of the twist in its thread" in told
+    assert (
+        tip_remarks(mikron({"output": [CONE, stub]}, flywheel={**wheel, "stiffness_Nm_per_rad": 1e6})) == []
+    )
+    assert tip_remarks(mikron({"free": [NOSE]}, flywheel=wheel)) == []

@@ -13,6 +13,7 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import at_extreme_speeds
 from cranktopo.engine.plan.planning import plan_for_stress
+from cranktopo.engine.vibration.vibrating_shaft import extreme_speeds_rpm
 from cranktopo.tasks.fatigue import rule_check
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.fkm import FkmStrength, fkm
@@ -28,7 +29,7 @@ from cranktopo.tasks.fatigue.m53 import (
     outside_validity,
     pin_equivalent_MPa,
 )
-from cranktopo.tasks.fatigue.text import field_remarks
+from cranktopo.tasks.fatigue.text import field_remarks, inclusions
 from cranktopo.tasks.fea.targets import Target
 
 # J. Voparil, Brno University of Technology, 2011: amplitude, mean, related gradient of two crank webs.
@@ -142,6 +143,7 @@ def test_m53_takes_its_own_supports(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def judged_field(name: str, scene: Scene, labels: tuple[str, ...], safety: float = 1.2) -> Any:
     return SimpleNamespace(
+        method="lsa",
         model=SimpleNamespace(name=name, scene=scene),
         critical=SimpleNamespace(safety=safety, states=labels[:2]),
         labels=labels,
@@ -176,12 +178,40 @@ def test_a_safety_below_one_is_called_a_failure() -> None:
     """As safe as another that fails is no comfort: a comparison alone does not say it."""
     fields: Any = [
         SimpleNamespace(
+            method=method,
             model=SimpleNamespace(name=name, scene=SimpleNamespace(engine=None)),
             critical=SimpleNamespace(safety=safety),
             hardening={},
             lives={},
             scatter={},
         )
-        for name, safety in (("weak", 0.872), ("sound", 1.0))
+        for name, method, safety in (
+            ("weak", "lsa", 0.872),
+            ("sound", "lsa", 1.0),
+            ("short", "fkm", 1.168),
+            ("asked", "fkm", 1.2),
+        )
     ]
-    assert field_remarks(fields) == ["weak: safety 0.872 is below 1: by this method it fails."]
+    assert field_remarks(fields) == [
+        "weak: safety 0.872 is below 1: by this method it fails.",
+        "short: safety 1.168 is below 1.2, the least that the FKM guideline asks for: by this method it is "
+        "not enough.",
+    ]
+    of_lsa, of_fkm = inclusions(fields)
+    assert of_lsa.endswith("names no least safety.")
+    assert "FKM asks for 1.2 to 1.5" in of_fkm
+
+
+def test_the_overspeed_that_decides_is_told_with_the_speeds_of_the_torques() -> None:
+    """Joined extremes at the overspeed have the torques of a vibrating shaft at other speeds."""
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
+    data["shaft"] = {"flywheel": {"inertia_kg_m2": 0.2}}
+    data["engine"]["overspeed_rpm"] = 2800.0
+    on, off = (scene_from_dict(data | {"effects": {"torsional_vibration": state}}) for state in ("on", "off"))
+    joined, angle = ("largest radial force with largest torque, 2800 rpm",), ("12 deg, 2800 rpm",)
+    (with_torques,) = field_remarks([judged_field("a", on, joined)])
+    rpm = " and ".join(f"{one:.0f}" for one in extreme_speeds_rpm(on, plan_for_stress(on).enabled))
+    at = "a: the least safety is that at the overspeed of 2800 rpm"
+    assert with_torques == f"{at}, with the vibrating shaft's largest and smallest torque, of {rpm} rpm."
+    assert field_remarks([judged_field("a", on, angle)]) == [f"{at}."]
+    assert field_remarks([judged_field("a", off, joined)]) == [f"{at}."]

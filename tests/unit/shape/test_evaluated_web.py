@@ -41,7 +41,7 @@ def test_the_search_need_not_wait_for_the_safety(
 
     monkeypatch.setattr(module, "evaluate", lambda *_: evaluation)
     monkeypatch.setattr(module, "fatigue_field", safety)
-    monkeypatch.setattr(module, "safety_remarks", lambda _: [])
+    monkeypatch.setattr(module, "safety_remarks", lambda _: ["decided at the overspeed"])
     work = StageMemory()
     web, judged = evaluated_original(scene, {"fatigue_safety"}, None, work)
     assert begun.wait(600.0)
@@ -51,6 +51,7 @@ def test_the_search_need_not_wait_for_the_safety(
     assert judged().values == {**web.values, "fatigue_safety": 1.25}
     _, again = evaluated_original(scene, {"fatigue_safety"}, None, work)
     assert again().values["fatigue_safety"] == 1.25
+    assert again().evaluation.fatigue_remarks == ("decided at the overspeed",), "as a file of it is read"
     assert len(found) == 1
 
 

@@ -288,7 +288,8 @@ def test_a_limit_of_a_negative_unbalance_moves_up_or_down(data: dict[str, Any]) 
 
 
 def test_both_sides_of_a_limit_are_told_apart(data: dict[str, Any]) -> None:
-    more, less = "1 % more of the least balance factor", "1 % less of the greatest balance factor"
+    more = "a least balance factor of 49.49 % in place of 49 %"
+    less = "a greatest balance factor of 50.49 % in place of 51 %"
     assert _window(data, 0.05, 0.0, ">=") == [
         f"{more} costs 0.05 % mass",
         f"{less} does not decide: the least does",
