@@ -76,6 +76,8 @@ def polar_frame(axes: Any, points: Complex, largest: float, circles: int) -> Non
     axes.yaxis.set_major_locator(FixedLocator([at for at in places if 0 < at < _OUTERMOST * 1.05 * largest]))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda size, _: number_text(size)))
     axes.tick_params(labelsize=7, colors=GREY)
+    for name in axes.get_yticklabels():  # over the curves, readable where one passes all the same
+        name.set(zorder=5, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.3, "alpha": 0.8})
     axes.grid(color="0.9", linewidth=0.8)
 
 
