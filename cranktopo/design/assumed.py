@@ -89,8 +89,15 @@ def assumptions(scene: Scene, tables: Sequence[str]) -> tuple[Assumption, ...]:
             and scene.engine.arranged.rod_offset_mm is None
             and scene.rod_offset_mm
         ):
-            key, meaning = "engine.arrangement.rod_offset_mm", "half the pin's length"
+            key, rods = "engine.arrangement.rod_offset_mm", scene.engine.rods_per_pin
+            meaning = "half the pin's length" if rods == 2 else f"the pin's length over its {rods} rods"
             found.append(Assumption(key, scene.rod_offset_mm, meaning))
+        if table == LOADS and scene.engine and scene.has_master_rod:
+            key, meaning = (
+                "engine.arrangement.layout",
+                "all rods of a pin are centred on it, none is articulated",
+            )
+            found.append(Assumption(key, scene.engine.arranged.layout, meaning))
     return tuple(found)
 
 

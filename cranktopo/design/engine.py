@@ -75,25 +75,37 @@ class BalancerShaft(SceneTable):
 class Arrangement(SceneTable):
     """Arrangement of cylinders and throws; without it: in line, evenly firing.
 
-    `V`: two rods side by side on each pin; cylinder 1 to n/2 are the first bank, the others the second, each
-    from the free end. `boxer`: flat, opposed, each cylinder on its own pin; odd numbers are the first bank,
-    even ones the second. The second bank is ahead of the first in the sense of rotation.
+    `V`, `W`: two, or three and more rods side by side on each pin, one of each bank; cylinders are numbered
+    bank by bank, each from the free end. `boxer`: flat, opposed, each cylinder on its own pin; odd numbers
+    are the first bank, even ones the second. `radial`: cylinders evenly spaced around the shaft and numbered
+    so, their rods in one plane on one pin; with two or more rows neighbours belong to rows in turn. Later
+    banks and cylinders are ahead of the first in the sense of rotation.
     """
 
-    layout: Literal["in-line", "V", "boxer"] = "in-line"
+    layout: Literal["in-line", "V", "W", "boxer", "radial"] = "in-line"
     """Arrangement of the cylinders."""
     bank_angle_deg: float | None = Field(default=None, ge=1, le=180, examples=[90.0], allow_inf_nan=False)
     """Angle between the two banks; needed for `V`, 180 for a boxer."""
+    bank_angles_deg: tuple[Turn, ...] = Field(default=(), examples=[(0.0, 60.0, 120.0)], exclude_if=is_unset)
+    """Direction of each bank of a `W` from the first, in the sense of rotation; needed there."""
     rod_offset_mm: LengthOrZero | None = Field(default=None, examples=[18.0])
-    """Distance along the shaft of the two rods on a pin of a `V`; by default half the pin's length."""
+    """Distance along the shaft of neighbouring rods on a pin of a `V` or `W`; by default the pin's length
+    over their number. 0 in a `W`: one master rod carries the others."""
     cylinder_pitch_mm: Length | None = Field(default=None, examples=[114.0])
     """Distance of neighbouring throws, for `cranktopo balance`; by default the length of a throw."""
     throw_angles_deg: tuple[Turn, ...] = Field(default=(), examples=[(0.0, 180.0)])
     """Angle of each throw about the crank axis from the first, in the sense of rotation, from the free end;
-    needed where firing is uneven, by default such that it is even."""
+    needed where firing is uneven, by default such that it is even. A `radial` has one row for each."""
     balanced_oscillating_share: float = Field(default=0.0, ge=0, le=1, allow_inf_nan=False)
     """Share of the oscillating masses that the counterweights balance beside all rotating ones."""
     balancer_shaft: tuple[BalancerShaft, ...] = ()
+
+    @property
+    def banks_deg(self) -> tuple[float, ...]:
+        """Directions of the banks whose rods share a pin, from the first; one where no bank does."""
+        if self.layout == "V":
+            return (0.0, self.bank_angle_deg or 0.0)
+        return (self.layout == "W" and self.bank_angles_deg) or (0.0,)
 
 
 class GasAtSpeed(SceneTable):
@@ -213,7 +225,8 @@ class Engine(SceneTable):
     strokes: Literal[2, 4] = 4
     """Strokes of a working cycle."""
     cylinders: int = Field(default=1, ge=1, le=48)
-    """Number of cylinders, one throw each; in a `V` one for two."""
+    """Number of cylinders, one throw each; in a `V` one for two, in a `W` one for as many as it has banks, in
+    a `radial` one for all of a row."""
     firing_order: tuple[int, ...] = ()
     """Cylinder numbers in the order of firing; needed for more than one cylinder."""
     misfire: tuple[Annotated[int, WholeNumber], ...] = Field(default=(), examples=[(3,)], exclude_if=is_unset)
@@ -260,12 +273,15 @@ class Engine(SceneTable):
     @property
     def rods_per_pin(self) -> int:
         """Rods on each crankpin."""
-        return 2 if self.arranged.layout == "V" else 1
+        return self.cylinders // self.throws
 
     @property
     def throws(self) -> int:
         """Number of throws of the shaft."""
-        return self.cylinders // self.rods_per_pin
+        arranged = self.arranged
+        if arranged.layout == "radial":
+            return len(arranged.throw_angles_deg) or 1
+        return max(self.cylinders // len(arranged.banks_deg), 1)
 
     def throw_of(self, cylinder: int) -> int:
         """Index of the throw that a cylinder drives, 0 at the free end."""
@@ -276,12 +292,19 @@ class Engine(SceneTable):
         arranged = self.arranged
         if arranged.layout == "boxer":
             return 0.0 if cylinder % 2 else 180.0
-        return 0.0 if cylinder <= self.throws else arranged.bank_angle_deg or 0.0
+        if arranged.layout == "radial":
+            return 360.0 * (cylinder - 1) / self.cylinders
+        return arranged.banks_deg[(cylinder - 1) // self.throws]
 
     @property
     def bank_angle_deg(self) -> float:
-        """Angle between the two banks, deg; 0 in line."""
-        return self.axis_deg(2) if self.arranged.layout == "boxer" else self.axis_deg(self.cylinders)
+        """Angle between the two banks of a V or a boxer, of a W between its outer ones, deg; else 0."""
+        return 180.0 if self.arranged.layout == "boxer" else self.arranged.banks_deg[-1]
+
+    @property
+    def directions_deg(self) -> tuple[float, ...]:
+        """Direction of each cylinder's axis from that of the first, deg in the sense of rotation."""
+        return tuple(map(self.axis_deg, range(1, self.cylinders + 1)))
 
     @property
     def throw_angles_deg(self) -> tuple[float, ...]:
@@ -335,6 +358,16 @@ class Engine(SceneTable):
     def order(self) -> tuple[int, ...]:
         """Cylinder numbers in the order of firing."""
         return self.firing_order or (1,)
+
+
+def banks_words(layout: str, directions_deg: Sequence[float]) -> str:
+    """Return where the banks of a V or W are, or the cylinders of a radial, in words; else empty."""
+    different = tuple(dict.fromkeys(directions_deg))
+    if layout == "V":
+        return f", banks {different[-1]:g} deg apart"
+    if layout == "radial":
+        return f", cylinders {different[1]:g} deg apart"
+    return f", banks at {', '.join(f'{angle:g}' for angle in different)} deg" if layout == "W" else ""
 
 
 def _unevenness(fires_deg: Sequence[float], cycle_deg: float) -> float:

@@ -50,7 +50,7 @@ class Cycle:
     """Curves over one working cycle at one speed.
 
     Pressure and forces on the pins are those of cylinders that fire, the torque is that of all cylinders as
-    they are. Angles of a throw count from firing of its cylinder, in a V of that in the first bank. The
+    they are. Angles of a throw count from firing of its cylinder, where it has several of its first one. The
     forces on the pins are all the same object where all are alike.
 
     Attributes:

@@ -1,7 +1,7 @@
 """The shaft on its bearings as one straight beam: what neighbouring throws do to the bending of the webs.
 
 Each throw is a span of the mean stiffness that its closed-form bending compliance gives, alike in every
-direction, with its pin force, and the couple of two rods, in the middle; Euler-Bernoulli, two unknowns a node
+direction, with its pin force, and the couple of its rods, in the middle; Euler-Bernoulli, two unknowns a node
 in complex numbers x + iy.
 """
 
@@ -72,7 +72,7 @@ class PinLoads:
     """Loads on the pins, in one plane of complex numbers or in the axes of each throw, (throws, states).
 
     Attributes:
-        couple_Nmm: of the two rods of a pin about its middle, as `bend` counts it.
+        couple_Nmm: of the rods of a pin about its middle, as `bend` counts it.
         turning_N: centrifugal force of each throw, (throws, 1); it bends no web more or less over the cycle.
     """
 

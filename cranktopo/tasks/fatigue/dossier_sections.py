@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from cranktopo.base.units import number_text
-from cranktopo.design.engine import Engine, Gas
+from cranktopo.design.engine import Engine, Gas, banks_words
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ROTORS, ShaftTable
@@ -55,9 +55,9 @@ def _engine_rows(scene: Scene, engine: Engine, cycle: Cycle | None) -> _Rows:
     pressure = f"{peak:g} MPa" if peak else _UNKNOWN
     if curve is not None:
         pressure = f"{curve.pressure_MPa.max():.4g} MPa, {curve.source}"
-    bank = f", {engine.bank_angle_deg:g} deg between the banks" if engine.bank_angle_deg else ""
+    banks = banks_words(engine.arranged.layout, engine.directions_deg)
     return [
-        ("cylinders", f"{engine.cylinders}, {engine.arranged.layout}{bank}; {engine.strokes}-stroke"),
+        ("cylinders", f"{engine.cylinders}, {engine.arranged.layout}{banks}; {engine.strokes}-stroke"),
         ("bore and stroke", f"{engine.bore_mm:g} mm, {2 * scene.throw.radius_mm:g} mm"),
         ("length of the connecting rod", f"{engine.rod_length_mm:g} mm"),
         ("rated speed", f"{engine.speed_rpm:g} rpm"),
