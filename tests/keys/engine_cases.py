@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from tests.keys.bases import (
     BOXER,
+    BROAD,
     DISK,
     DISPLACEMENTS,
     EVEN,
@@ -95,6 +96,7 @@ ENGINE_CASES: dict[tuple[str, str], Table] = {
         "balance",
         {
             "layout": Other("boxer", also=BOXER),
+            "bank_angles_deg": Other([0.0, 50.0, 110.0], BROAD),
             "throw_angles_deg": Other([0.0, 170.0, 170.0, 0.0], EVEN),
         },
     ),
