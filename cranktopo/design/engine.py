@@ -91,6 +91,11 @@ class Arrangement(SceneTable):
     rod_offset_mm: LengthOrZero | None = Field(default=None, examples=[18.0])
     """Distance along the shaft of neighbouring rods on a pin of a `V` or `W`; by default the pin's length
     over their number. 0 in a `W`: one master rod carries the others."""
+    pin_splay_deg: float | None = Field(
+        default=None, ge=-90, le=90, allow_inf_nan=False, examples=[-30.0], exclude_if=is_unset
+    )
+    """Split pins of a `V`: angle by which the second rod's half pin is ahead of the first one's, in the sense
+    of rotation; the throw's own angle is in the middle of both."""
     cylinder_pitch_mm: Length | None = Field(default=None, examples=[114.0])
     """Distance of neighbouring throws, for `cranktopo balance`; by default the length of a throw."""
     throw_angles_deg: tuple[Turn, ...] = Field(default=(), examples=[(0.0, 180.0)])
@@ -287,6 +292,11 @@ class Engine(SceneTable):
         """Index of the throw that a cylinder drives, 0 at the free end."""
         return (cylinder - 1) % self.throws
 
+    def pin_deg(self, cylinder: int) -> float:
+        """Angle of a cylinder's part of a split pin ahead of its throw's own, deg; 0 of a straight pin."""
+        half = (self.arranged.pin_splay_deg or 0.0) / 2
+        return half if cylinder > self.throws else -half
+
     def axis_deg(self, cylinder: int) -> float:
         """Direction of a cylinder's axis from that of the first bank, deg in the sense of rotation."""
         arranged = self.arranged
@@ -313,13 +323,15 @@ class Engine(SceneTable):
         As given, else such that firing intervals are equal: the cylinder that fires j-th follows the first by
         j 180 strokes / n degrees of crank rotation, and its throw reaches top dead centre by then.
         """
-        return self.arranged.throw_angles_deg or tuple(map(self.even_angle_deg, range(1, self.throws + 1)))
+        given = self.arranged.throw_angles_deg
+        even = [self.even_angle_deg(cylinder) for cylinder in range(1, self.throws + 1)]
+        return given or tuple((angle - even[0]) % 360.0 for angle in even)
 
     def even_angle_deg(self, cylinder: int) -> float:
         """Angle that a cylinder's throw has where firing is even, deg in [0, 360)."""
         count, first = len(self.order), self.order.index(1)
         fires = (self.order.index(cylinder) - first) * self.cycle_deg / count
-        return (self.axis_deg(cylinder) - fires) % 360.0
+        return (self.axis_deg(cylinder) - self.pin_deg(cylinder) - fires) % 360.0
 
     @property
     def firing_angles_deg(self) -> tuple[float, ...]:
@@ -351,7 +363,9 @@ class Engine(SceneTable):
     def _dead_centre_deg(self, cylinder: int) -> float:
         """Crank angle of a cylinder's top dead centre after that of the first to fire, deg in [0, 360)."""
         angles = self.throw_angles_deg
-        mine, first = (self.axis_deg(c) - angles[self.throw_of(c)] for c in (cylinder, self.order[0]))
+        mine, first = (
+            self.axis_deg(c) - self.pin_deg(c) - angles[self.throw_of(c)] for c in (cylinder, self.order[0])
+        )
         return round((mine - first) % 360.0, 9) % 360.0
 
     @property

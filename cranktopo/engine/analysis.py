@@ -14,7 +14,12 @@ from cranktopo.base.units import MM_PER_M, NMM_PER_NM, angular_speed_rad_s
 from cranktopo.design.engine import Engine
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.schema import Scene
-from cranktopo.engine.balance.throw import ThrowBalance, product_of_inertia_kg_mm2, throw_balance
+from cranktopo.engine.balance.throw import (
+    ThrowBalance,
+    product_of_inertia_kg_mm2,
+    splayed_mass,
+    throw_balance,
+)
 from cranktopo.engine.cylinders import cylinders
 from cranktopo.engine.forces import (
     INERTIA_EFFECTS,
@@ -176,12 +181,28 @@ def _cycle(
     rod = rods.firing
     if difference(scene):
         rod = replace(rod, main_journal_force_N=_uneven_N(scene, rod, balance, engine.speed_rpm))
-    throw_N = rotating_forces(engine, balance, radius, engine.speed_rpm).throw_N
-    pins = tuple((pin, pin.forces(rod, throw_N, engine.cycle_deg)) for pin in rods_on_pins(scene, engine))
+    pins = tuple(
+        (pin, pin.forces(rod, _own_N(scene, engine, pin), engine.cycle_deg))
+        for pin in rods_on_pins(scene, engine)
+    )
     torque = shaft_torque(curve.angle_deg, rods.each(lambda one: one.torque_Nm), engine.throws)
     work = indicated_work_J(curve, engine, radius)
     mean = _mean_work_J(scene, engine, work)
     return Cycle(curve, pins, torque, work, mean, series_difference_percent(radius, engine.rod_length_mm))
+
+
+def _own_N(scene: Scene, engine: Engine, rods: RodsOnPin) -> complex:
+    """Return the centrifugal force of the throw alone that loads a web: twice the reaction of its bearing.
+
+    Real along the part of the pin beside the web. Of a throw with a straight pin it is the whole force.
+    """
+    per_kg_mm = angular_speed_rad_s(engine.speed_rpm) ** 2 / MM_PER_M
+    if not any(rods.ahead_deg):
+        return throw_balance(scene).throw_unbalance_kg_mm * per_kg_mm
+    mass, first = splayed_mass(scene), rods.ahead_deg[0] == 0.0
+    beside = engine.pin_deg(1 if first else engine.cylinders)
+    turn = complex(np.exp(-1j * np.radians(beside)))
+    return (mass.throw + (-2 if first else 2) * mass.throw_couple / scene.pitch_mm) * turn * per_kg_mm
 
 
 def _mean_work_J(scene: Scene, engine: Engine, work_J: float) -> float:

@@ -136,6 +136,7 @@ def _pin_loads(scene: Scene) -> PinLoads:
         return rod.tangential_force_N - 1j * rod.web_force_N
 
     every = found.each(on_pin_N)[:, :: every_degree(found.angle_deg)]
+    every = every * np.exp(1j * np.radians(about_z_deg(1.0) * layout.pin_deg))[:, None]
     beyond_mm = (layout.cylinder_z_mm - layout.throw_z_mm[list(layout.throw_of)])[:, None]
     turning = rotating_forces(engine, throw_balance(scene), scene.throw.radius_mm, engine.speed_rpm)
     return PinLoads(

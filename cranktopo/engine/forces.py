@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.units import MM_PER_M, NMM_PER_NM, angular_speed_rad_s
 from cranktopo.design.engine import Engine
 from cranktopo.design.schema import Scene
@@ -197,36 +197,47 @@ class RodsOnPin:
         name: the throw, or the web of it where the two differ; from the free end.
         phase_shifts_deg: crank angles at which its rods' cylinders fire, after the first of them by number.
         shares: by how much of itself each rod's force counts.
+        ahead_deg: angle of each rod's part of a split pin ahead of that beside the web.
     """
 
     name: str
     throw: int
     phase_shifts_deg: tuple[float, ...] = (0.0,)
     shares: tuple[float, ...] = (1.0,)
+    ahead_deg: tuple[float, ...] = (0.0,)
 
-    def superpose(self, curve: Curve, angle_deg: Array, cycle_deg: float) -> Curve:
-        """Return a force on the pin, of all its rods, from that of one rod at angles after its own firing."""
-        parts = zip(self.shares, self.phase_shifts_deg, strict=True)
-        every = [share * phase_shift(curve, angle_deg, by, cycle_deg) for share, by in parts]
+    def superpose(self, force: Complex, angle_deg: Array, cycle_deg: float) -> Complex:
+        """Return a force on the pin, of all its rods, from that of one rod at angles after its own firing.
+
+        Real along the part of the pin that it acts on, imaginary ahead of it.
+        """
+        turns = np.exp(1j * np.radians(self.ahead_deg))
+        parts = zip(self.shares * turns, self.phase_shifts_deg, strict=True)
+        every = [share * phase_shift(force, angle_deg, by, cycle_deg) for share, by in parts]
         return np.asarray(np.sum(every, axis=0))
 
-    def forces(self, rod: ThrowForces, throw_N: float, cycle_deg: float) -> ThrowForces:
-        """Return the forces of the throw from those of one rod; what belongs to one piston stays as it is."""
+    def forces(self, rod: ThrowForces, throw_N: complex, cycle_deg: float) -> ThrowForces:
+        """Return the forces of the throw from those of one rod; what belongs to one piston stays as it is.
+
+        Args:
+            throw_N: centrifugal force of the throw alone, real along the pin beside the web, imaginary ahead.
+        """
         if self.shares == (1.0,):
             return rod
-        radial, tangential, web = (
-            self.superpose(curve, rod.angle_deg, cycle_deg)
-            for curve in (rod.radial_force_N, rod.tangential_force_N, rod.web_force_N)
+        angle = rod.angle_deg
+        across: Complex = 1j * rod.tangential_force_N
+        by_rods, on_web = (
+            self.superpose(across - radial, angle, cycle_deg)
+            for radial in (rod.radial_force_N, rod.web_force_N)
         )
+        torques = [phase_shift(rod.torque_Nm, angle, by, cycle_deg) for by in self.phase_shifts_deg]
         return replace(
             rod,
-            radial_force_N=radial,
-            tangential_force_N=tangential,
-            web_force_N=web,
-            main_journal_force_N=np.hypot(web - throw_N, tangential) / 2,
-            torque_Nm=replace(self, shares=(1.0,) * len(self.shares)).superpose(
-                rod.torque_Nm, rod.angle_deg, cycle_deg
-            ),
+            radial_force_N=-by_rods.real,
+            tangential_force_N=by_rods.imag,
+            web_force_N=-on_web.real,
+            main_journal_force_N=np.abs(on_web + throw_N) / 2,
+            torque_Nm=np.sum(torques, axis=0),
         )
 
 
@@ -243,10 +254,12 @@ def rods_on_pins(scene: Scene, engine: Engine) -> tuple[RodsOnPin, ...]:
     for throw in range(engine.throws):
         own = fires[throw :: engine.throws]
         after = tuple((fire - own[0]) % engine.cycle_deg for fire in own)
+        numbers = range(throw + 1, engine.cylinders + 1, engine.throws)
+        pins = [engine.pin_deg(cylinder) for cylinder in numbers]
         if first == second:
-            found.append(RodsOnPin(f"throw {throw + 1}", throw, after, first))
+            found.append(RodsOnPin(f"throw {throw + 1}", throw, after, first, (0.0,) * len(pins)))
             continue
-        for side, shares in enumerate((first, second)):
+        for side, (shares, beside) in enumerate(((first, pins[0]), (second, pins[-1]))):
             name = f"web {2 * throw + side + 1} of throw {throw + 1}"
-            found.append(RodsOnPin(name, throw, after, shares))
+            found.append(RodsOnPin(name, throw, after, shares, tuple(pin - beside for pin in pins)))
     return tuple(found)

@@ -77,9 +77,21 @@ def _check_lengths(scene: Scene, arranged: Arrangement) -> None:
     if offset is not None and offset * (len(arranged.banks_deg) - 1) >= pin:
         most = f"{pin / (len(arranged.banks_deg) - 1):g} mm"
         raise scene.invalid(key, f"must be smaller than {most}: all rods are on throw.crankpin.length_mm")
+    _check_splay(scene, arranged)
     if pitch is not None and pitch <= pin:
         allowed = f"must be larger than throw.crankpin.length_mm = {pin:g} mm"
         raise scene.invalid(f"{_PATH}.cylinder_pitch_mm", allowed)
+
+
+def _check_splay(scene: Scene, arranged: Arrangement) -> None:
+    """Split pins belong to a V, and a half pin to one rod."""
+    key = f"{_PATH}.pin_splay_deg"
+    if arranged.pin_splay_deg and arranged.layout != "V":
+        raise scene.invalid(key, "only a V has split pins", "Leave it out.")
+    if arranged.pin_splay_deg and not scene.rod_offset_mm:
+        raise scene.invalid(
+            f"{_PATH}.rod_offset_mm", "must be > 0 mm with split pins: each half pin has a rod of its own"
+        )
 
 
 def _check_throws(scene: Scene, engine: Engine, arranged: Arrangement) -> None:
@@ -96,6 +108,7 @@ def _check_throws(scene: Scene, engine: Engine, arranged: Arrangement) -> None:
 
 def _check_even_firing(scene: Scene, engine: Engine) -> None:
     """Even firing is possible only where all rods of a pin ask for the same angle of it."""
+    splay = f", split pins ({_PATH}.pin_splay_deg)" if engine.arranged.layout == "V" else ""
     for cylinder in range(1, engine.cylinders + 1):
         first = engine.throw_of(cylinder) + 1
         gap = (engine.even_angle_deg(cylinder) - engine.even_angle_deg(first) + 180.0) % 360.0 - 180.0
@@ -103,8 +116,8 @@ def _check_even_firing(scene: Scene, engine: Engine) -> None:
             raise scene.invalid(
                 "engine.firing_order",
                 f"cannot be even: cylinders {first} and {cylinder} on one pin would need throws "
-                f"{abs(gap):g} deg apart, and split pins (two pins with a web between them) are not modelled",
-                f"Give {_PATH}.throw_angles_deg, or another order or bank angle.",
+                f"{abs(gap):g} deg apart",
+                f"Give {_PATH}.throw_angles_deg{splay}, or another order or bank angle.",
             )
 
 

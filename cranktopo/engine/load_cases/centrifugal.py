@@ -75,11 +75,12 @@ def _pulling_kg(scene: Scene, engine: Engine, enabled: frozenset[str]) -> tuple[
     """Mass on the pin that would pull as much as rods and pistons at their worst, and the crank angle."""
     angle = np.arange(0.0, engine.cycle_deg, STEP_DEG)
     radius, length = scene.throw.radius_mm, engine.rod_length_mm
-    one = np.full_like(angle, engine.rod_rotating_kg * ("rotating_rod_mass" in enabled))
+    one = np.full_like(angle, engine.rod_rotating_kg * ("rotating_rod_mass" in enabled)) + 0j
     if "reciprocating_inertia" in enabled:
         moving = exact_motion(np.radians(angle), radius, length).acceleration_ratio
-        one += engine.reciprocating_kg * moving * force_ratios(np.radians(angle), radius, length).radial
-    curves = [rods.superpose(one, angle, engine.cycle_deg) for rods in rods_on_pins(scene, engine)]
+        ratios = force_ratios(np.radians(angle), radius, length)
+        one += engine.reciprocating_kg * moving * (ratios.radial - 1j * ratios.tangential)
+    curves = [rods.superpose(one, angle, engine.cycle_deg).real for rods in rods_on_pins(scene, engine)]
     curve = max(curves, key=lambda kg: float(kg.max()))
     return float(curve.max()), float(angle[int(curve.argmax())])
 
