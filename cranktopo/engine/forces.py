@@ -225,9 +225,9 @@ class RodsOnPin:
         if self.shares == (1.0,):
             return rod
         angle = rod.angle_deg
-        across: Complex = 1j * rod.tangential_force_N
+        across: Complex = np.asarray(1j * rod.tangential_force_N)
         by_rods, on_web = (
-            self.superpose(across - radial, angle, cycle_deg)
+            self.superpose(np.asarray(across - radial), angle, cycle_deg)
             for radial in (rod.radial_force_N, rod.web_force_N)
         )
         torques = [phase_shift(rod.torque_Nm, angle, by, cycle_deg) for by in self.phase_shifts_deg]

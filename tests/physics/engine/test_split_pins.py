@@ -21,9 +21,9 @@ from cranktopo.engine.balance.free_forces import (
     rotating_force,
     turning_masses,
 )
-from cranktopo.engine.balance.throw import _half_product, throw_balance
+from cranktopo.engine.balance.throw import _half_product, splayed_mass, throw_balance
 from cranktopo.engine.balance.whole_engine import main_bearings
-from cranktopo.engine.continuous_beam import span_bending
+from cranktopo.engine.continuous_beam import _pin_loads, span_bending
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.histories import load_history
 from cranktopo.engine.vibration.torque_harmonics import curve_of, torque_harmonics
@@ -129,6 +129,19 @@ def test_each_web_carries_the_reaction_of_its_bearing(splay: float) -> None:
         assert forces.main_journal_force_N == pytest.approx(np.abs(load), rel=1e-9)
         sizes.append(forces.web_force_N.max())
     assert sizes[0] != pytest.approx(sizes[1], rel=1e-3)
+
+
+def test_the_shaft_as_a_beam_has_both_rods_in_their_directions() -> None:
+    """Both forces on a pin, in the axes of its throw: those of both bearings, less what the throw pulls."""
+    scene = twin(-30.0)
+    masses, loads = turning_masses(scene), _pin_loads(scene)
+    bearings = main_bearings(scene, masses)
+    crank = np.exp(1j * np.radians(masses.layout.throw_deg[0] + bearings.angle_deg))
+    along = (bearings.load_N.sum(axis=0) / crank)[:: bearings.angle_deg.size // loads.force_N.shape[1]]
+    own = splayed_mass(scene).throw * masses.w2 / 1000
+    assert loads.turning_N[0, 0] == pytest.approx(1j * own.real, rel=1e-12)
+    outward_and_ahead = loads.force_N[0].imag + 1j * loads.force_N[0].real
+    assert outward_and_ahead == pytest.approx(along - own, rel=1e-9, abs=1e-6)
 
 
 def test_torque_along_the_shaft_by_orders() -> None:
