@@ -97,6 +97,9 @@ def assumptions(scene: Scene, tables: Sequence[str]) -> tuple[Assumption, ...]:
             meaning = f"half pins overlap by {pin_overlap_mm(scene):.4g} mm; a web between them is left out"
             key = "engine.arrangement.pin_splay_deg"
             found.append(Assumption(key, scene.engine.arranged.pin_splay_deg, meaning))
+        if table == LOADS and scene.engine and scene.engine.opposed:
+            meaning = "loads, work, power and free forces are those of one crank of the two"
+            found.append(Assumption("engine.opposed", "this crank alone", meaning))
         if table == LOADS and scene.engine and scene.has_master_rod:
             key, meaning = (
                 "engine.arrangement.layout",

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.units import stem_and_unit
-from cranktopo.design.engine import banks_words
+from cranktopo.design.arrangement import banks_words
 from cranktopo.design.schema import Scene
 from cranktopo.design.starting_rod import starting_rod
 

@@ -20,6 +20,7 @@ from cranktopo.engine.balance.throw import (
     splayed_mass,
     throw_balance,
 )
+from cranktopo.engine.chamber import Chamber, chamber_of
 from cranktopo.engine.cylinders import cylinders
 from cranktopo.engine.forces import (
     INERTIA_EFFECTS,
@@ -59,13 +60,14 @@ class Cycle:
     forces on the pins are all the same object where all are alike.
 
     Attributes:
-        indicated_work_J: work of the gas per cycle in one cylinder that fires.
+        indicated_work_J: work of the gas per cycle in one cylinder that fires, on the piston of this crank.
         mean_work_J: the same of all cylinders, those that do not fire among them, over their number.
         series_difference_percent: largest difference of the textbook series from the exact motion, in
             percent of the largest exact value: displacement, velocity, acceleration.
     """
 
     pressure: PressureCurve
+    room: Chamber
     pins: tuple[tuple[RodsOnPin, ThrowForces], ...]
     torque: ShaftTorque
     indicated_work_J: float
@@ -188,7 +190,10 @@ def _cycle(
     torque = shaft_torque(curve.angle_deg, rods.each(lambda one: one.torque_Nm), engine.throws)
     work = indicated_work_J(curve, engine, radius)
     mean = _mean_work_J(scene, engine, work)
-    return Cycle(curve, pins, torque, work, mean, series_difference_percent(radius, engine.rod_length_mm))
+    room = chamber_of(scene)
+    return Cycle(
+        curve, room, pins, torque, work, mean, series_difference_percent(radius, engine.rod_length_mm)
+    )
 
 
 def _own_N(scene: Scene, engine: Engine, rods: RodsOnPin) -> complex:
@@ -224,7 +229,7 @@ def _uneven_N(scene: Scene, rod: ThrowForces, balance: ThrowBalance, speed_rpm: 
 
 
 def indicated_work_J(curve: PressureCurve, engine: Engine, radius_mm: float) -> float:
-    """Return the work of the gas in one cylinder per cycle, J: the closed integral of p dV.
+    """Return the work of the gas on one piston per cycle, J: the closed integral of p dV of its own volume.
 
     It uses pressures and piston positions only, no forces, so that the torque can be checked against it.
     Trapezoidal rule with every and with every other of an even number of points, extrapolated (Romberg).

@@ -90,6 +90,11 @@ ENGINE_CASES: dict[tuple[str, str], Table] = {
             "rod_centre_from_big_end_mm": Other(55.0, WHOLE_ROD),
         },
     ),
+    ("engine.opposed", ""): Table(
+        lambda: changed(builtin("mikron-iiic-plain"), {"engine.opposed": {"lead_deg": -15.0}}),
+        "engine.opposed",
+        "loads",
+    ),
     ("engine.arrangement", ""): Table(
         vee,
         "engine.arrangement",

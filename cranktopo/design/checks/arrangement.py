@@ -5,7 +5,8 @@ from __future__ import annotations
 from itertools import pairwise
 
 from cranktopo.base.errors import invalid
-from cranktopo.design.engine import Arrangement, BalancerShaft, Engine
+from cranktopo.design.arrangement import Arrangement, BalancerShaft
+from cranktopo.design.engine import Engine
 from cranktopo.design.schema import Scene
 
 _PATH = "engine.arrangement"

@@ -148,6 +148,7 @@ def check_engine(scene: Scene) -> None:
     _check_firing_order(scene, engine)
     check_misfire(engine)
     check_arrangement(scene)
+    _check_opposed(scene, engine)
     _check_rod(scene, engine)
     if engine.gas is not None:
         _check_gas(scene, engine.strokes, engine.gas)
@@ -180,6 +181,25 @@ def _check_firing_order(scene: Scene, engine: Engine) -> None:
         f"must name each of the {engine.cylinders} cylinders once (1 to {engine.cylinders})",
         "Give engine.firing_order = [...] or correct engine.cylinders.",
     )
+
+
+def _check_opposed(scene: Scene, engine: Engine) -> None:
+    """Check that the other crank of opposed pistons can turn, and that cylinders lie in one line."""
+    other = engine.opposed
+    if other is None:
+        return
+    if engine.gas is None:
+        raise CranktopoError(
+            "engine.opposed: is given without [engine.gas], whose pressures alone it changes.",
+            hint="Add [engine.gas], or leave it out.",
+        )
+    if engine.arranged.layout != "in-line":
+        hint = "Leave out [engine.opposed], or engine.arrangement.layout."
+        raise scene.invalid("engine.arrangement.layout", "must be 'in-line' with [engine.opposed]", hint)
+    radius = other.radius_mm or scene.throw.radius_mm
+    if (other.rod_length_mm or engine.rod_length_mm) <= radius:
+        key = "engine.opposed.rod_length_mm" if other.rod_length_mm else "engine.opposed.radius_mm"
+        raise scene.invalid(key, f"gives the other crank no rod longer than its throw radius, {radius:g} mm")
 
 
 def _check_rod(scene: Scene, engine: Engine) -> None:

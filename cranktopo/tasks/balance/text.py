@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from cranktopo.base.units import number_text
-from cranktopo.design.engine import banks_words
+from cranktopo.design.arrangement import banks_words
 from cranktopo.design.misfire import silent_words
 from cranktopo.engine.balance.balancer_shafts import SizedShaft
 from cranktopo.engine.balance.free_forces import NeededCounterweight

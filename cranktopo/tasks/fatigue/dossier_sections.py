@@ -6,7 +6,8 @@ from dataclasses import replace
 from typing import Any
 
 from cranktopo.base.units import number_text
-from cranktopo.design.engine import Engine, Gas, banks_words
+from cranktopo.design.arrangement import banks_words
+from cranktopo.design.engine import Engine, Gas
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ROTORS, ShaftTable
