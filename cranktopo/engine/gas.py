@@ -349,7 +349,7 @@ def _curve(gas: Gas, room: Chamber, cycle_deg: float, _state: FileState | None) 
         )
     if len(room.pistons) > 1:
         source += (
-            f"; least volume between the opposed pistons at {room.dead_centre_deg:.4g} deg of this crank"
+            f"; opposed pistons, least volume at {room.dead_centre_deg:.4g} deg of this crank"
         )
     for shared in (angle, pressure):
         shared.setflags(write=False)
