@@ -348,9 +348,7 @@ def _curve(gas: Gas, room: Chamber, cycle_deg: float, _state: FileState | None) 
             f"{gas.compression_ratio:g}"
         )
     if len(room.pistons) > 1:
-        source += (
-            f"; opposed pistons, least volume at {room.dead_centre_deg:.4g} deg of this crank"
-        )
+        source += f"; opposed pistons, least volume at {room.dead_centre_deg:.4g} deg of this crank"
     for shared in (angle, pressure):
         shared.setflags(write=False)
     return PressureCurve(angle, pressure, cycle_deg, source, room.dead_centre_deg)

@@ -78,7 +78,7 @@ def _kept_throws(name: str, layout: LayoutName, values: Mapping[str, Any]) -> di
     """Return the throw angles of the usual banks: other banks fire unevenly on the same crank."""
     if layout != "V":
         raise CranktopoError(
-            f"--bank-angle-deg: layout '{layout}' has no two banks at an angle of their own.",
+            f"--bank-angle-deg: layout '{layout}' has no banks at one angle.",
             hint="Leave it out, or give --layout V; of a W edit bank_angles_deg of the file.",
             code=ExitCode.USAGE,
         )

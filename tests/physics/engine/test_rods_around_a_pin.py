@@ -18,10 +18,13 @@ from cranktopo.engine.analysis import analyse
 from cranktopo.engine.balance.free_forces import ORDERS, free_forces, oscillating_force, turning_masses
 from cranktopo.engine.balance.whole_engine import main_bearings
 from cranktopo.engine.forces import INERTIA_EFFECTS
+from cranktopo.engine.histories import load_history
 from cranktopo.engine.states import load_cases
 from cranktopo.engine.vibration.shaft_chain import varying_inertia_percent
 from cranktopo.engine.vibration.torque_harmonics import curve_of, torque_harmonics
 from cranktopo.tasks.film.stage import _loaded_big_end
+from cranktopo.tasks.loads.stage import loads_at_speeds
+from cranktopo.tasks.loads.text import loads_text
 from tests.engine_arrangements import MIKRON, arranged
 
 KINDS = frozenset({"bending", "torsion", "tangential"}) | INERTIA_EFFECTS
@@ -306,3 +309,22 @@ def test_a_rod_is_refused_where_a_master_rod_carries_others() -> None:
     text = re.sub(r"(?m)^cylinders = 4", "cylinders = 3", text).replace("[1, 3, 4, 2]", "[1, 3, 2]")
     with pytest.raises(CranktopoError, match=r"\[rod\]: is given, but a master rod"):
         parse_scene(text + "\n[engine.arrangement]\nlayout = 'radial'\n")
+
+
+@pytest.mark.parametrize("scene", [W12, DOUBLE_ROW], ids=["W12", "double row"])
+def test_every_web_has_the_cycle_of_all_its_rods(scene: Scene) -> None:
+    """What fatigue judges: each web of a W, or throw of a radial, through all angles of its own cycle."""
+    history, cycle = load_history(scene, "cycle", KINDS), analyse(scene).cycle
+    assert cycle is not None
+    assert len(history.labels) == 720 * len(cycle.pins)
+    for index, (rods, forces) in enumerate(cycle.pins):
+        own = slice(720 * index, 720 * (index + 1))
+        assert history.labels[own.start].startswith(rods.name)
+        assert history.radial_N[own] == pytest.approx(forces.web_force_N[::4], rel=1e-9)
+        assert history.tangential_N[own] == pytest.approx(forces.tangential_force_N[::4], rel=1e-9)
+
+
+def test_words_of_many_rods() -> None:
+    told = " ".join(loads_text(loads_at_speeds(radial(9))[0]).split())
+    assert "9 rods on each pin: the torque is that of all; radial" in told
+    assert "all on the web that carries most" in told
