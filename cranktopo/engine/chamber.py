@@ -38,15 +38,11 @@ class Chamber:
     least_mm: float
     stroke_mm: float
 
-    def way_mm(self, angle_deg: Array) -> Array:
-        """Return how far the pistons are apart beyond the least at crank angles, together."""
-        return _ways_mm(self.pistons, angle_deg) - self.least_mm
-
     def volume(self, angle_deg: Array, compression_ratio: float) -> tuple[Array, Array]:
         """Return the volume over the least one, and its derivative per rad, at angles after the least one."""
-        at, swept = angle_deg + self.dead_centre_deg, compression_ratio - 1.0
-        rate = swept * _rates_mm(self.pistons, at) / self.stroke_mm
-        return 1.0 + swept * self.way_mm(at) / self.stroke_mm, rate
+        way, rate = _ways_mm(self.pistons, angle_deg + self.dead_centre_deg)
+        per_mm = (compression_ratio - 1.0) / self.stroke_mm
+        return 1.0 + per_mm * (way - self.least_mm), per_mm * rate
 
 
 def chamber_of(scene: Scene) -> Chamber:
@@ -67,7 +63,7 @@ def chamber(*pistons: Piston) -> Chamber:
     The room is least and largest between the dead centres of both pistons.
     """
     inner, outer = _still_deg(pistons, 0.0), _still_deg(pistons, 180.0)
-    least, most = _ways_mm(pistons, np.array([inner, outer]))
+    least, most = _ways_mm(pistons, np.array([inner, outer]))[0]
     return Chamber(pistons, inner, float(least), float(most - least))
 
 
@@ -78,24 +74,16 @@ def _still_deg(pistons: tuple[Piston, ...], own_deg: float) -> float:
         return own_deg
 
     def rate(angle_deg: float) -> float:
-        return float(_rates_mm(pistons, np.array([angle_deg]))[0])
+        return float(_ways_mm(pistons, np.array([angle_deg]))[1][0])
 
     low, high = sorted((own_deg, own_deg - lead))
     return root(rate, low, high, _TOLERANCE_DEG)
 
 
-def _ways_mm(pistons: tuple[Piston, ...], angle_deg: Array) -> Array:
-    ways = [
-        exact_motion(np.radians(angle_deg + one.lead_deg), one.radius_mm, one.rod_length_mm).displacement_mm
-        for one in pistons
-    ]
-    return np.asarray(np.sum(ways, axis=0))
-
-
-def _rates_mm(pistons: tuple[Piston, ...], angle_deg: Array) -> Array:
-    rates = [
-        one.radius_mm
-        * exact_motion(np.radians(angle_deg + one.lead_deg), one.radius_mm, one.rod_length_mm).velocity_ratio
-        for one in pistons
-    ]
-    return np.asarray(np.sum(rates, axis=0))
+def _ways_mm(pistons: tuple[Piston, ...], angle_deg: Array) -> tuple[Array, Array]:
+    """Return the sum of the pistons' paths from their inner dead centres, mm, and its derivative per rad."""
+    way, rate = np.zeros_like(angle_deg), np.zeros_like(angle_deg)
+    for one in pistons:
+        motion = exact_motion(np.radians(angle_deg + one.lead_deg), one.radius_mm, one.rod_length_mm)
+        way, rate = way + motion.displacement_mm, rate + one.radius_mm * motion.velocity_ratio
+    return way, rate
