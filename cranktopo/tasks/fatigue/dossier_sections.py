@@ -59,6 +59,7 @@ def _engine_rows(scene: Scene, engine: Engine, cycle: Cycle | None) -> _Rows:
     banks = banks_words(engine.arranged.layout, engine.directions_deg)
     return [
         ("cylinders", f"{engine.cylinders}, {engine.arranged.layout}{banks}; {engine.strokes}-stroke"),
+        *_opposed_rows(engine),
         ("bore and stroke", f"{engine.bore_mm:g} mm, {2 * scene.throw.radius_mm:g} mm"),
         ("length of the connecting rod", f"{engine.rod_length_mm:g} mm"),
         ("rated speed", f"{engine.speed_rpm:g} rpm"),
@@ -73,6 +74,13 @@ def _engine_rows(scene: Scene, engine: Engine, cycle: Cycle | None) -> _Rows:
         ("firing angles of the cylinders", _listed(engine.firing_angles_deg, "deg")),
         ("angles of the throws", _listed(engine.throw_angles_deg, "deg")),
     ]
+
+
+def _opposed_rows(engine: Engine) -> _Rows:
+    if engine.opposed is None:
+        return []
+    other = f"the other crank is {engine.opposed.lead_deg:g} deg ahead; loads and power are those of this one"
+    return [("opposed pistons", other)]
 
 
 def _performance_rows(scene: Scene, engine: Engine, cycle: Cycle | None) -> _Rows:

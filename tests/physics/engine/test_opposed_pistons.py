@@ -19,6 +19,7 @@ from cranktopo.engine.chamber import Piston, chamber, chamber_of
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.motored import motored_curve
 from cranktopo.engine.performance import pressure_warnings
+from cranktopo.tasks.fatigue.dossier_sections import engine_section
 from tests.engine_arrangements import MIKRON, arranged
 
 R, L = 48.0, 166.0
@@ -161,6 +162,7 @@ def test_a_measured_trace_counts_from_the_least_volume(tmp_path: Path) -> None:
 def test_what_is_of_one_crank_is_told_and_what_cannot_be_is_refused() -> None:
     told = [str(one) for one in assumptions(opposed(-12.0), (LOADS,))]
     assert any("free forces are those of one crank of the two" in one for one in told)
+    assert "the other crank is -12 deg ahead; loads and power" in str(engine_section(opposed(-12.0), None))
     with pytest.raises(CranktopoError, match=r"lead_deg = 61\.0: must be"):
         opposed(61.0)
     with pytest.raises(CranktopoError, match=r"opposed\.radius_mm = 170\.0: gives the other crank no rod"):
