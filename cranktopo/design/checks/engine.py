@@ -188,11 +188,6 @@ def _check_opposed(scene: Scene, engine: Engine) -> None:
     other = engine.opposed
     if other is None:
         return
-    if engine.gas is None:
-        raise CranktopoError(
-            "engine.opposed: is given without [engine.gas], whose pressures alone it changes.",
-            hint="Add [engine.gas], or leave it out.",
-        )
     if engine.arranged.layout != "in-line":
         hint = "Leave out [engine.opposed], or engine.arrangement.layout."
         raise scene.invalid("engine.arrangement.layout", "must be 'in-line' with [engine.opposed]", hint)

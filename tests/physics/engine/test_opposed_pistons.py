@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.assumed import LOADS, assumptions
+from cranktopo.design.idle_keys import idle_keys
 from cranktopo.design.loading import parse_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse
@@ -169,7 +171,8 @@ def test_what_is_of_one_crank_is_told_and_what_cannot_be_is_refused() -> None:
         opposed(0.0, "radius_mm = 170.0")
     with pytest.raises(CranktopoError, match=r"opposed\.rod_length_mm = 40\.0: gives the other crank no rod"):
         opposed(0.0, "rod_length_mm = 40.0")
-    with pytest.raises(CranktopoError, match=r"engine\.opposed: is given without \[engine\.gas\]"):
-        parse_scene(re.sub(r"(?s)\[engine\.gas\].*?(?=\n\[)", "[engine.opposed]\nlead_deg = 5.0\n", MIKRON))
+    text = re.sub(r"(?s)\[engine\.gas\].*?(?=\n\[)", "[engine.opposed]\nlead_deg = 5.0\n", MIKRON)
+    idle = idle_keys(parse_scene(text), tomllib.loads(text))
+    assert idle == ("engine.opposed.lead_deg: it changes the pressure, which needs [engine.gas]",)
     with pytest.raises(CranktopoError, match=r"layout = 'boxer': must be 'in-line' with \[engine\.opposed\]"):
         arranged("layout = 'boxer'\n[engine.opposed]\nlead_deg = 5.0", 4, (1, 3, 2, 4))
