@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -89,9 +90,30 @@ def assumptions(scene: Scene, tables: Sequence[str]) -> tuple[Assumption, ...]:
             and scene.engine.arranged.rod_offset_mm is None
             and scene.rod_offset_mm
         ):
-            key, meaning = "engine.arrangement.rod_offset_mm", "half the pin's length"
+            key, rods = "engine.arrangement.rod_offset_mm", scene.engine.rods_per_pin
+            meaning = "half the pin's length" if rods == 2 else f"the pin's length over its {rods} rods"
             found.append(Assumption(key, scene.rod_offset_mm, meaning))
+        if table == LOADS and scene.engine and scene.engine.arranged.pin_splay_deg:
+            meaning = f"half pins overlap by {pin_overlap_mm(scene):.4g} mm; a web between them is left out"
+            key = "engine.arrangement.pin_splay_deg"
+            found.append(Assumption(key, scene.engine.arranged.pin_splay_deg, meaning))
+        if table == LOADS and scene.engine and scene.engine.opposed:
+            meaning = "loads, work, power and free forces are those of one crank of the two"
+            found.append(Assumption("engine.opposed", "this crank alone", meaning))
+        if table == LOADS and scene.engine and scene.has_master_rod:
+            key, meaning = (
+                "engine.arrangement.layout",
+                "all rods of a pin are centred on it, none is articulated",
+            )
+            found.append(Assumption(key, scene.engine.arranged.layout, meaning))
     return tuple(found)
+
+
+def pin_overlap_mm(scene: Scene) -> float:
+    """Return by how much the half pins of a split pin overlap in a section across the shaft, mm."""
+    half = abs(scene.engine.pin_deg(1)) if scene.engine else 0.0
+    apart = 2 * scene.throw.radius_mm * math.sin(math.radians(half))
+    return scene.throw.crankpin.outer_diameter_mm - apart
 
 
 def stored_assumptions(entries: Iterable[Mapping[str, Any]]) -> tuple[Assumption, ...]:

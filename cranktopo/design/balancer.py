@@ -16,8 +16,8 @@ from cranktopo.base.table import (
     Stiffness,
     TurningSpeed,
 )
+from cranktopo.design.arrangement import Gear
 from cranktopo.design.bolt import Bolt
-from cranktopo.design.engine import Gear
 from cranktopo.design.material import Material
 from cranktopo.design.shaft import RollerBearing
 from cranktopo.design.shape import Range

@@ -28,9 +28,9 @@ def own_main_room_mm(scene: Scene) -> float:
 
 
 def big_end_room_mm(scene: Scene) -> float:
-    """Return the length of the crankpin between its fillets that each rod has, mm."""
+    """Return the length of the crankpin between its fillets that each big end has, mm."""
     first, second = (half.throw.crankpin for half in halves(scene))
-    return _between_mm(first, second) / (scene.engine.rods_per_pin if scene.engine else 1)
+    return _between_mm(first, second) / scene.big_ends
 
 
 def _between_mm(first: Journal, second: Journal) -> float:

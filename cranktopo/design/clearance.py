@@ -186,7 +186,7 @@ def _below_piston(rod_mm: float, throw_mm: float, skirt_mm: float, half_mm: floa
 def _half_width_mm(scene: Scene) -> float:
     """Half of the width of a round piston above the web's pin face; 0 where the web lies beside it."""
     assert scene.engine is not None
-    beside = scene.throw.crankpin.length_mm / (2 * scene.engine.rods_per_pin)
+    beside = scene.throw.crankpin.length_mm / 2 - max(scene.rod_places_mm)
     return math.sqrt(max((scene.engine.bore_mm / 2) ** 2 - beside**2, 0.0))
 
 

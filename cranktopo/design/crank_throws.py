@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from cranktopo.base.errors import CranktopoError
+from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.files import read_text_file
 from cranktopo.design.crank import OWN_THROW, Crank, Side
 from cranktopo.design.halves import halves
@@ -82,6 +82,19 @@ def carried(scene: Scene) -> tuple[int, ...]:
     """Return the numbers of the main journals that sit in a bearing."""
     bearings = scene.crank.bearings if scene.crank else ()
     return bearings or tuple(range(throw_count(scene) + 1))
+
+
+def refuse_split_pins(scene: Scene) -> None:
+    """Refuse split pins, for what models a throw with a straight pin."""
+    splay = scene.engine.arranged.pin_splay_deg if scene.engine else None
+    if splay:
+        raise invalid(
+            "engine.arrangement.pin_splay_deg",
+            splay,
+            "split pins are not modelled as a body",
+            "Taken by loads, plan, balance and film, by vibration with shaft.throw_stiffness_Nm_per_rad; "
+            "without this key the pin is straight.",
+        )
 
 
 def refuse_flying_web(scene: Scene) -> None:

@@ -1,4 +1,4 @@
-"""Scene tables of the engine that loads the throw: gas, masses, cylinders, firing order, arrangement."""
+"""Scene tables of the engine that loads the throw: gas, masses, cylinders, firing order."""
 
 from __future__ import annotations
 
@@ -14,9 +14,7 @@ from cranktopo.base.table import (
     CrankAngle,
     Force,
     Length,
-    LengthOrZero,
     Mass,
-    Place,
     Pressure,
     SceneTable,
     Speed,
@@ -25,75 +23,10 @@ from cranktopo.base.table import (
     WholeNumber,
     is_unset,
 )
+from cranktopo.design.arrangement import Arrangement, Opposed
 
-Turn = Annotated[float, Field(ge=0, lt=360, allow_inf_nan=False)]
-"""An angle about the crank axis, deg."""
 TraceAngle = Annotated[float, Field(ge=-720, le=720, allow_inf_nan=False)]
 """An angle of a measured trace, deg, counted from wherever the indicating system does."""
-
-
-class Gear(SceneTable):
-    """Helical gear that drives a balancer shaft."""
-
-    power_kW: float = Field(ge=1e-6, le=1e5, allow_inf_nan=False, examples=[1.0])
-    """Power that it passes on: what the shaft's bearings and oil take."""
-    pitch_radius_mm: Length = Field(examples=[34.6])
-    """Radius of its pitch circle."""
-    helix_deg: float = Field(default=0.0, ge=0, le=60, allow_inf_nan=False)
-    """Helix angle at the pitch circle; 0 for a spur gear."""
-    pressure_deg: float = Field(default=20.0, ge=5, le=45, allow_inf_nan=False)
-    """Pressure angle in the section normal to the teeth."""
-
-
-class BalancerShaft(SceneTable):
-    """A balancer shaft (Lanchester); its unbalance, phase and place are found where they are not given.
-
-    It turns at `order` times the speed of the crank. A pair that turns with and against the crank balances a
-    force along the cylinders.
-    """
-
-    order: Annotated[Literal[1, 2], WholeNumber] = Field(examples=[2])
-    """Its speed over that of the crank."""
-    turns: Literal["with", "against"] = Field(examples=["against"])
-    """Sense of its rotation: with the crank or against it."""
-    balances: Literal["force", "moment"] = "force"
-    """One mass against a free force, or two opposite masses against a free moment."""
-    distance_mm: Length | None = Field(default=None, examples=[200.0])
-    """Distance along the shaft of the two masses of a shaft that balances a moment; needed there."""
-    z_mm: Place | None = Field(default=None, examples=[0.0])
-    """Place of the mass of a shaft that balances a force, along the crank from its middle, toward the
-    takeoff; by default where it also takes most of the moment of its order."""
-    unbalance_kg_mm: float | None = Field(default=None, ge=0, le=1e7, examples=[5.0], allow_inf_nan=False)
-    """Mass times radius of each of its masses; by default what the engine needs."""
-    phase_deg: CrankAngle | None = Field(default=None, examples=[180.0])
-    """Direction of its mass (of two: of that nearer to the takeoff) at firing top dead centre of the first
-    cylinder that fires, from the engine's plane of symmetry, in the crank's sense of rotation; by default
-    what the engine needs."""
-    gear: Gear | None = None
-
-
-class Arrangement(SceneTable):
-    """Arrangement of cylinders and throws; without it: in line, evenly firing.
-
-    `V`: two rods side by side on each pin; cylinder 1 to n/2 are the first bank, the others the second, each
-    from the free end. `boxer`: flat, opposed, each cylinder on its own pin; odd numbers are the first bank,
-    even ones the second. The second bank is ahead of the first in the sense of rotation.
-    """
-
-    layout: Literal["in-line", "V", "boxer"] = "in-line"
-    """Arrangement of the cylinders."""
-    bank_angle_deg: float | None = Field(default=None, ge=1, le=180, examples=[90.0], allow_inf_nan=False)
-    """Angle between the two banks; needed for `V`, 180 for a boxer."""
-    rod_offset_mm: LengthOrZero | None = Field(default=None, examples=[18.0])
-    """Distance along the shaft of the two rods on a pin of a `V`; by default half the pin's length."""
-    cylinder_pitch_mm: Length | None = Field(default=None, examples=[114.0])
-    """Distance of neighbouring throws, for `cranktopo balance`; by default the length of a throw."""
-    throw_angles_deg: tuple[Turn, ...] = Field(default=(), examples=[(0.0, 180.0)])
-    """Angle of each throw about the crank axis from the first, in the sense of rotation, from the free end;
-    needed where firing is uneven, by default such that it is even."""
-    balanced_oscillating_share: float = Field(default=0.0, ge=0, le=1, allow_inf_nan=False)
-    """Share of the oscillating masses that the counterweights balance beside all rotating ones."""
-    balancer_shaft: tuple[BalancerShaft, ...] = ()
 
 
 class GasAtSpeed(SceneTable):
@@ -213,7 +146,8 @@ class Engine(SceneTable):
     strokes: Literal[2, 4] = 4
     """Strokes of a working cycle."""
     cylinders: int = Field(default=1, ge=1, le=48)
-    """Number of cylinders, one throw each; in a `V` one for two."""
+    """Number of cylinders, one throw each; in a `V` one for two, in a `W` one for as many as it has banks, in
+    a `radial` one for all of a row."""
     firing_order: tuple[int, ...] = ()
     """Cylinder numbers in the order of firing; needed for more than one cylinder."""
     misfire: tuple[Annotated[int, WholeNumber], ...] = Field(default=(), examples=[(3,)], exclude_if=is_unset)
@@ -221,6 +155,7 @@ class Engine(SceneTable):
     gas: Gas | None = None
     masses: Masses = Masses()
     arrangement: Arrangement | None = None
+    opposed: Opposed | None = Field(default=None, exclude_if=is_unset)
     max_gas_force_N: Force | None = Field(default=None, examples=[35900.0])
     """Largest gas force, when it is known and the pressure is not."""
     max_torque_Nm: Torque | None = Field(default=None, examples=[690.0])
@@ -260,28 +195,43 @@ class Engine(SceneTable):
     @property
     def rods_per_pin(self) -> int:
         """Rods on each crankpin."""
-        return 2 if self.arranged.layout == "V" else 1
+        return self.cylinders // self.throws
 
     @property
     def throws(self) -> int:
         """Number of throws of the shaft."""
-        return self.cylinders // self.rods_per_pin
+        arranged = self.arranged
+        if arranged.layout == "radial":
+            return len(arranged.throw_angles_deg) or 1
+        return max(self.cylinders // len(arranged.banks_deg), 1)
 
     def throw_of(self, cylinder: int) -> int:
         """Index of the throw that a cylinder drives, 0 at the free end."""
         return (cylinder - 1) % self.throws
+
+    def pin_deg(self, cylinder: int) -> float:
+        """Angle of a cylinder's part of a split pin ahead of its throw's own, deg; 0 of a straight pin."""
+        half = (self.arranged.pin_splay_deg or 0.0) / 2
+        return half if cylinder > self.throws else -half
 
     def axis_deg(self, cylinder: int) -> float:
         """Direction of a cylinder's axis from that of the first bank, deg in the sense of rotation."""
         arranged = self.arranged
         if arranged.layout == "boxer":
             return 0.0 if cylinder % 2 else 180.0
-        return 0.0 if cylinder <= self.throws else arranged.bank_angle_deg or 0.0
+        if arranged.layout == "radial":
+            return 360.0 * (cylinder - 1) / self.cylinders
+        return arranged.banks_deg[(cylinder - 1) // self.throws]
 
     @property
     def bank_angle_deg(self) -> float:
-        """Angle between the two banks, deg; 0 in line."""
-        return self.axis_deg(2) if self.arranged.layout == "boxer" else self.axis_deg(self.cylinders)
+        """Angle between the two banks of a V or a boxer, of a W between its outer ones, deg; else 0."""
+        return 180.0 if self.arranged.layout == "boxer" else self.arranged.banks_deg[-1]
+
+    @property
+    def directions_deg(self) -> tuple[float, ...]:
+        """Direction of each cylinder's axis from that of the first, deg in the sense of rotation."""
+        return tuple(map(self.axis_deg, range(1, self.cylinders + 1)))
 
     @property
     def throw_angles_deg(self) -> tuple[float, ...]:
@@ -290,13 +240,15 @@ class Engine(SceneTable):
         As given, else such that firing intervals are equal: the cylinder that fires j-th follows the first by
         j 180 strokes / n degrees of crank rotation, and its throw reaches top dead centre by then.
         """
-        return self.arranged.throw_angles_deg or tuple(map(self.even_angle_deg, range(1, self.throws + 1)))
+        given = self.arranged.throw_angles_deg
+        even = [self.even_angle_deg(cylinder) for cylinder in range(1, self.throws + 1)]
+        return given or tuple((angle - even[0]) % 360.0 for angle in even)
 
     def even_angle_deg(self, cylinder: int) -> float:
         """Angle that a cylinder's throw has where firing is even, deg in [0, 360)."""
         count, first = len(self.order), self.order.index(1)
         fires = (self.order.index(cylinder) - first) * self.cycle_deg / count
-        return (self.axis_deg(cylinder) - fires) % 360.0
+        return (self.axis_deg(cylinder) - self.pin_deg(cylinder) - fires) % 360.0
 
     @property
     def firing_angles_deg(self) -> tuple[float, ...]:
@@ -328,7 +280,9 @@ class Engine(SceneTable):
     def _dead_centre_deg(self, cylinder: int) -> float:
         """Crank angle of a cylinder's top dead centre after that of the first to fire, deg in [0, 360)."""
         angles = self.throw_angles_deg
-        mine, first = (self.axis_deg(c) - angles[self.throw_of(c)] for c in (cylinder, self.order[0]))
+        mine, first = (
+            self.axis_deg(c) - self.pin_deg(c) - angles[self.throw_of(c)] for c in (cylinder, self.order[0])
+        )
         return round((mine - first) % 360.0, 9) % 360.0
 
     @property

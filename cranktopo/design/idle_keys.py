@@ -6,6 +6,7 @@ import copy
 from collections.abc import Iterator
 from typing import Any
 
+from cranktopo.design.arrangement import Opposed
 from cranktopo.design.bolt import BoltedJoint
 from cranktopo.design.checks.bolts import bolts_of
 from cranktopo.design.halves import difference
@@ -126,6 +127,9 @@ def _of_engine(scene: Scene) -> Iterator[_Idle]:
     if engine.gas is not None and not engine.gas.modelled:
         for key in _OF_COMBUSTION:
             yield "engine.gas", key, "belongs to the combustion model, and the pressure is measured"
+    if engine.opposed is not None and engine.gas is None:
+        for key in Opposed.model_fields:
+            yield "engine.opposed", key, "it changes the pressure, which needs [engine.gas]"
     if scene.rod is not None:
         for key in _OF_ROD:
             yield "engine.masses", key, "[rod] gives the masses of the rod"

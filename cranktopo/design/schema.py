@@ -308,11 +308,31 @@ class Scene(SceneTable):
 
     @property
     def rod_offset_mm(self) -> float:
-        """Distance along the shaft of the two rods on a pin, mm; 0 for one rod, by default half the pin."""
-        if self.engine is None or self.engine.rods_per_pin == 1:
+        """Distance along the shaft of neighbouring rods on a pin, mm; 0 for one rod or those of a radial.
+
+        By default the pin's length over the number of its rods.
+        """
+        engine = self.engine
+        if engine is None or engine.rods_per_pin == 1 or engine.arranged.layout == "radial":
             return 0.0
-        offset_mm = self.engine.arranged.rod_offset_mm
-        return self.throw.crankpin.length_mm / 2 if offset_mm is None else offset_mm
+        offset_mm = engine.arranged.rod_offset_mm
+        return self.throw.crankpin.length_mm / engine.rods_per_pin if offset_mm is None else offset_mm
+
+    @property
+    def rod_places_mm(self) -> tuple[float, ...]:
+        """Place of every rod on a pin from its middle, toward the takeoff, the first bank's first, mm."""
+        rods = self.engine.rods_per_pin if self.engine else 1
+        return tuple(self.rod_offset_mm * (rod - (rods - 1) / 2) for rod in range(rods))
+
+    @property
+    def has_master_rod(self) -> bool:
+        """True where one big end carries the rods of three or more cylinders, all in one plane."""
+        return self.engine is not None and self.engine.rods_per_pin > 2 and not self.rod_offset_mm
+
+    @property
+    def big_ends(self) -> int:
+        """Number of big ends beside each other on a pin."""
+        return 1 if self.engine is None or self.has_master_rod else self.engine.rods_per_pin
 
     @property
     def web_z_mm(self) -> tuple[float, float]:

@@ -186,7 +186,7 @@ class ShaftTable(SceneTable):
     """The same of every throw, from the free end; one between neighbours is stiffer than the outer ones."""
     cylinder_damping_Nms_per_rad: TorsionalDamping = 0.0
     """Absolute damping of a cylinder (friction): torque over the angular velocity of its throw's vibration.
-    A throw with two rods has it twice."""
+    A throw has it once for each of its rods."""
     throw_damping_Nms_per_rad: TorsionalDamping = 0.0
     """Relative damping: torque between neighbouring throws over their relative angular velocity."""
     throw_loss_factor: LossFactor = 0.02

@@ -9,11 +9,19 @@ from typing import Any, Literal
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.units import stem_and_unit
+from cranktopo.design.arrangement import banks_words
 from cranktopo.design.schema import Scene
 from cranktopo.design.starting_rod import starting_rod
 
-LayoutName = Literal["single", "in-line", "V", "boxer"]
-USUAL_CYLINDERS: Mapping[LayoutName, int] = {"single": 1, "in-line": 4, "V": 8, "boxer": 4}
+LayoutName = Literal["single", "in-line", "V", "W", "boxer", "radial"]
+USUAL_CYLINDERS: Mapping[LayoutName, int] = {
+    "single": 1,
+    "in-line": 4,
+    "V": 8,
+    "W": 12,
+    "boxer": 4,
+    "radial": 9,
+}
 
 
 @dataclass(frozen=True)
@@ -22,12 +30,14 @@ class Firing:
 
     Attributes:
         bank_deg: angle between the banks of a V.
-        throws_deg: angles of the throws where no choice of them fires evenly.
+        throws_deg: angles of the throws where no choice of them fires evenly, and of the rows of a radial.
+        banks_deg: directions of the banks of a W.
     """
 
     order: tuple[int, ...]
     bank_deg: float | None = None
     throws_deg: tuple[float, ...] = ()
+    banks_deg: tuple[float, ...] = ()
 
 
 FIRING: Mapping[tuple[LayoutName, int], Firing] = {
@@ -44,11 +54,24 @@ FIRING: Mapping[tuple[LayoutName, int], Firing] = {
     ("V", 8): Firing((1, 3, 7, 2, 6, 5, 4, 8), 90.0),
     ("V", 10): Firing((1, 6, 2, 7, 4, 9, 5, 10, 3, 8), 72.0),
     ("V", 12): Firing((1, 7, 5, 11, 3, 9, 6, 12, 2, 8, 4, 10), 60.0),
+    ("W", 12): Firing((1, 5, 9, 3, 7, 11, 4, 8, 12, 2, 6, 10), banks_deg=(0.0, 60.0, 120.0)),
+    ("W", 18): Firing(
+        (1, 7, 13, 5, 11, 17, 3, 9, 15, 6, 12, 18, 2, 8, 14, 4, 10, 16), banks_deg=(0.0, 40.0, 80.0)
+    ),
+    ("radial", 3): Firing((1, 3, 2)),
+    ("radial", 5): Firing((1, 3, 5, 2, 4)),
+    ("radial", 7): Firing((1, 3, 5, 7, 2, 4, 6)),
+    ("radial", 9): Firing((1, 3, 5, 7, 9, 2, 4, 6, 8)),
+    ("radial", 14): Firing((1, 10, 5, 14, 9, 4, 13, 8, 3, 12, 7, 2, 11, 6), throws_deg=(0.0, 180.0)),
+    ("radial", 18): Firing(
+        (1, 12, 5, 16, 9, 2, 13, 6, 17, 10, 3, 14, 7, 18, 11, 4, 15, 8), throws_deg=(0.0, 180.0)
+    ),
     ("boxer", 2): Firing((1, 2)),
     ("boxer", 4): Firing((1, 3, 2, 4)),
     ("boxer", 6): Firing((1, 6, 3, 2, 5, 4)),
 }
-"""Cylinders are numbered as in `[engine]`: of a V bank by bank, of a boxer odd numbers are the first bank."""
+"""Cylinders are numbered as in `[engine]`: of a V or W bank by bank, of a radial around the shaft, of a boxer
+odd numbers are the first bank."""
 
 _LENGTHS = {
     "throw.main_journal.outer_diameter_mm": 0.70,
@@ -61,7 +84,10 @@ _LENGTHS = {
     "web.width_mm": 0.87,
 }
 """Lengths over a bore of a car, within a quarter of those of the built-in `car-diesel`."""
-_LENGTHS_OF_V = {"throw.crankpin.length_mm": 0.55, "web.thickness_mm": 0.26}
+_LENGTHS_OF: Mapping[str, Mapping[str, float]] = {
+    "V": {"throw.crankpin.length_mm": 0.55, "web.thickness_mm": 0.26},
+    "W": {"throw.crankpin.length_mm": 0.80, "web.thickness_mm": 0.28},
+}
 _LARGE_LENGTHS = {
     "throw.main_journal.outer_diameter_mm": 0.90,
     "throw.main_journal.length_mm": 0.44,
@@ -73,7 +99,10 @@ _LARGE_LENGTHS = {
     "web.width_mm": 1.30,
 }
 """Lengths over a large bore: charged medium-speed engines have 18 to 20 MPa and the rule's 1.15."""
-_LARGE_LENGTHS_OF_V = {"throw.crankpin.length_mm": 0.80, "web.thickness_mm": 0.40}
+_LARGE_LENGTHS_OF: Mapping[str, Mapping[str, float]] = {
+    "V": {"throw.crankpin.length_mm": 0.80, "web.thickness_mm": 0.40},
+    "W": {"throw.crankpin.length_mm": 1.15, "web.thickness_mm": 0.43},
+}
 _CAR_MM, _LARGE_MM = 130.0, 250.0
 """Bores up to which, and from which on, either set of lengths holds; between them they blend."""
 _ROD = 3.5
@@ -123,6 +152,8 @@ def starting_values(layout: LayoutName, cylinders: int, bore_mm: float, stroke_m
     )
     if firing.bank_deg is not None:
         arranged["engine.arrangement.bank_angle_deg"] = firing.bank_deg
+    if firing.banks_deg:
+        arranged["engine.arrangement.bank_angles_deg"] = list(firing.banks_deg)
     if firing.throws_deg:
         arranged["engine.arrangement.throw_angles_deg"] = list(firing.throws_deg)
     return {
@@ -143,11 +174,8 @@ def starting_values(layout: LayoutName, cylinders: int, bore_mm: float, stroke_m
 
 def _lengths(layout: LayoutName, bore_mm: float) -> dict[str, float]:
     """Return the lengths of throw and web, those of a car and of a large engine blended by the bore."""
-    of_v = layout == "V"
-    car, large = (
-        _LENGTHS | (_LENGTHS_OF_V if of_v else {}),
-        _LARGE_LENGTHS | (_LARGE_LENGTHS_OF_V if of_v else {}),
-    )
+    car = {**_LENGTHS, **_LENGTHS_OF.get(layout, {})}
+    large = {**_LARGE_LENGTHS, **_LARGE_LENGTHS_OF.get(layout, {})}
     part = min(max((bore_mm - _CAR_MM) / (_LARGE_MM - _CAR_MM), 0.0), 1.0)
     return {key: _rounded(((1 - part) * car[key] + part * large[key]) * bore_mm) for key in car}
 
@@ -196,8 +224,7 @@ def arrangement_line(scene: Scene) -> str:
     every = f"every {gaps[0]:g} deg" if even else f"after {', '.join(f'{gap:g}' for gap in gaps)} deg"
     order = "-".join(map(str, engine.order))
     angles = ", ".join(f"{angle:g}" for angle in engine.throw_angles_deg)
-    banks = f", banks {engine.bank_angle_deg:g} deg apart" if engine.arranged.layout == "V" else ""
-    placed = f"throws at {angles} deg{banks}"
+    placed = f"throws at {angles} deg{banks_words(engine.arranged.layout, engine.directions_deg)}"
     return f"assumed: firing order {order}, {every}; {placed}; lengths and masses by the bore"
 
 

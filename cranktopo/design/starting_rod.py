@@ -30,7 +30,9 @@ def starting_rod(values: Mapping[str, Any]) -> dict[str, Any]:
     bore = max(_SHELL * pin, pin + 2 * _WALL_MM)
     big = max(_RING * pin, bore + 2 * _WALL_MM)
     room = values["throw.crankpin.length_mm"] - 2 * values["throw.crankpin.fillet_mm"]
-    width = _WIDTH * room / (2 if values.get("engine.arrangement.layout") == "V" else 1)
+    layout = values.get("engine.arrangement.layout")
+    beside = {"V": 2, "W": len(values.get("engine.arrangement.bank_angles_deg", ()))}
+    width = _WIDTH * room / beside.get(str(layout), 1)
     left = values["engine.rod_length_mm"] - big / 2
     ring = min(_SMALL_RING * _SMALL_END * values["engine.bore_mm"], 2 * _SHARE_OF_LENGTH * left)
     small = max(min(ring / _SMALL_RING, ring - 2 * _WALL_MM), SMALLEST_MM)

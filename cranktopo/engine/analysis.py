@@ -14,7 +14,13 @@ from cranktopo.base.units import MM_PER_M, NMM_PER_NM, angular_speed_rad_s
 from cranktopo.design.engine import Engine
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.schema import Scene
-from cranktopo.engine.balance.throw import ThrowBalance, product_of_inertia_kg_mm2, throw_balance
+from cranktopo.engine.balance.throw import (
+    ThrowBalance,
+    product_of_inertia_kg_mm2,
+    splayed_mass,
+    throw_balance,
+)
+from cranktopo.engine.chamber import Chamber, chamber_of
 from cranktopo.engine.cylinders import cylinders
 from cranktopo.engine.forces import (
     INERTIA_EFFECTS,
@@ -50,17 +56,18 @@ class Cycle:
     """Curves over one working cycle at one speed.
 
     Pressure and forces on the pins are those of cylinders that fire, the torque is that of all cylinders as
-    they are. Angles of a throw count from firing of its cylinder, in a V of that in the first bank. The
+    they are. Angles of a throw count from firing of its cylinder, where it has several of its first one. The
     forces on the pins are all the same object where all are alike.
 
     Attributes:
-        indicated_work_J: work of the gas per cycle in one cylinder that fires.
+        indicated_work_J: work of the gas per cycle in one cylinder that fires, on the piston of this crank.
         mean_work_J: the same of all cylinders, those that do not fire among them, over their number.
         series_difference_percent: largest difference of the textbook series from the exact motion, in
             percent of the largest exact value: displacement, velocity, acceleration.
     """
 
     pressure: PressureCurve
+    room: Chamber
     pins: tuple[tuple[RodsOnPin, ThrowForces], ...]
     torque: ShaftTorque
     indicated_work_J: float
@@ -176,12 +183,31 @@ def _cycle(
     rod = rods.firing
     if difference(scene):
         rod = replace(rod, main_journal_force_N=_uneven_N(scene, rod, balance, engine.speed_rpm))
-    throw_N = rotating_forces(engine, balance, radius, engine.speed_rpm).throw_N
-    pins = tuple((pin, pin.forces(rod, throw_N, engine.cycle_deg)) for pin in rods_on_pins(scene, engine))
+    pins = tuple(
+        (pin, pin.forces(rod, _own_N(scene, engine, pin), engine.cycle_deg))
+        for pin in rods_on_pins(scene, engine)
+    )
     torque = shaft_torque(curve.angle_deg, rods.each(lambda one: one.torque_Nm), engine.throws)
     work = indicated_work_J(curve, engine, radius)
     mean = _mean_work_J(scene, engine, work)
-    return Cycle(curve, pins, torque, work, mean, series_difference_percent(radius, engine.rod_length_mm))
+    room = chamber_of(scene)
+    return Cycle(
+        curve, room, pins, torque, work, mean, series_difference_percent(radius, engine.rod_length_mm)
+    )
+
+
+def _own_N(scene: Scene, engine: Engine, rods: RodsOnPin) -> complex:
+    """Return the centrifugal force of the throw alone that loads a web: twice the reaction of its bearing.
+
+    Real along the part of the pin beside the web. Of a throw with a straight pin it is the whole force.
+    """
+    per_kg_mm = angular_speed_rad_s(engine.speed_rpm) ** 2 / MM_PER_M
+    if not any(rods.ahead_deg):
+        return throw_balance(scene).throw_unbalance_kg_mm * per_kg_mm
+    mass, first = splayed_mass(scene), rods.ahead_deg[0] == 0.0
+    beside = engine.pin_deg(1 if first else engine.cylinders)
+    turn = complex(np.exp(-1j * np.radians(beside)))
+    return (mass.throw + (-2 if first else 2) * mass.throw_couple / scene.pitch_mm) * turn * per_kg_mm
 
 
 def _mean_work_J(scene: Scene, engine: Engine, work_J: float) -> float:
@@ -203,7 +229,7 @@ def _uneven_N(scene: Scene, rod: ThrowForces, balance: ThrowBalance, speed_rpm: 
 
 
 def indicated_work_J(curve: PressureCurve, engine: Engine, radius_mm: float) -> float:
-    """Return the work of the gas in one cylinder per cycle, J: the closed integral of p dV.
+    """Return the work of the gas on one piston per cycle, J: the closed integral of p dV of its own volume.
 
     It uses pressures and piston positions only, no forces, so that the torque can be checked against it.
     Trapezoidal rule with every and with every other of an even number of points, extrapolated (Romberg).

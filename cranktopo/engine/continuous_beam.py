@@ -1,7 +1,7 @@
 """The shaft on its bearings as one straight beam: what neighbouring throws do to the bending of the webs.
 
 Each throw is a span of the mean stiffness that its closed-form bending compliance gives, alike in every
-direction, with its pin force, and the couple of two rods, in the middle; Euler-Bernoulli, two unknowns a node
+direction, with its pin force, and the couple of its rods, in the middle; Euler-Bernoulli, two unknowns a node
 in complex numbers x + iy.
 """
 
@@ -14,16 +14,17 @@ import numpy as np
 
 from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.frames import about_z_deg
+from cranktopo.base.units import MM_PER_M, angular_speed_rad_s
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.halves import halves
 from cranktopo.design.misfire import all_firing
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.layout import engine_layout
-from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.balance.throw import splayed_mass
 from cranktopo.engine.bearings import bearing_spring_N_per_mm, bearing_tilt_spring_Nmm_per_rad
 from cranktopo.engine.cylinders import cylinders
-from cranktopo.engine.forces import ThrowForces, by_throw, rotating_forces
+from cranktopo.engine.forces import ThrowForces, by_throw
 from cranktopo.engine.histories import every_degree
 from cranktopo.engine.throw_compliance import throw_compliance
 from cranktopo.numerics.stepped_beam import Beam, bend
@@ -72,7 +73,7 @@ class PinLoads:
     """Loads on the pins, in one plane of complex numbers or in the axes of each throw, (throws, states).
 
     Attributes:
-        couple_Nmm: of the two rods of a pin about its middle, as `bend` counts it.
+        couple_Nmm: of the rods of a pin about its middle, as `bend` counts it.
         turning_N: centrifugal force of each throw, (throws, 1); it bends no web more or less over the cycle.
     """
 
@@ -136,12 +137,13 @@ def _pin_loads(scene: Scene) -> PinLoads:
         return rod.tangential_force_N - 1j * rod.web_force_N
 
     every = found.each(on_pin_N)[:, :: every_degree(found.angle_deg)]
+    every = every * np.exp(1j * np.radians(about_z_deg(1.0) * layout.pin_deg))[:, None]
     beyond_mm = (layout.cylinder_z_mm - layout.throw_z_mm[list(layout.throw_of)])[:, None]
-    turning = rotating_forces(engine, throw_balance(scene), scene.throw.radius_mm, engine.speed_rpm)
+    turning_N = splayed_mass(scene).throw.real * angular_speed_rad_s(engine.speed_rpm) ** 2 / MM_PER_M
     return PinLoads(
         by_throw(every, engine.throws),
         by_throw(beyond_mm * every, engine.throws),
-        np.full((engine.throws, 1), 1j * turning.throw_N),
+        np.full((engine.throws, 1), 1j * turning_N),
     )
 
 

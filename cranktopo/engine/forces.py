@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.units import MM_PER_M, NMM_PER_NM, angular_speed_rad_s
 from cranktopo.design.engine import Engine
 from cranktopo.design.schema import Scene
@@ -53,7 +53,7 @@ class ShaftTorque:
 
 
 def shaft_torque(angle_deg: Array, rods_Nm: Array, throws: int) -> ShaftTorque:
-    """Return the torque behind each throw of a shaft; where a pin has two rods, they are a bank apart.
+    """Return the torque behind each throw; the cylinders of a pin are as many numbers apart as it has throws.
 
     Args:
         rods_Nm: torque of every cylinder's rod, cylinder 1, at the free end, first, (cylinders, angles).
@@ -190,59 +190,76 @@ class RodsOnPin:
 
     A throw stands on its two main bearings, and what a web carries is the reaction of the bearing beside it.
     A rod that is nearer to one web therefore counts there by more than its force, and by less at the other:
-    by twice the lever rule's share, which is 1 in the middle of the pin.
+    by twice the lever rule's share, which is 1 in the middle of the pin. Rods of one plane (radial) are all
+    centred on the pin, articulated ones too.
 
     Attributes:
         name: the throw, or the web of it where the two differ; from the free end.
-        phase_shifts_deg: crank angles at which its rods' cylinders fire, after that of the first bank.
+        phase_shifts_deg: crank angles at which its rods' cylinders fire, after the first of them by number.
         shares: by how much of itself each rod's force counts.
+        ahead_deg: angle of each rod's part of a split pin ahead of that beside the web.
     """
 
     name: str
     throw: int
     phase_shifts_deg: tuple[float, ...] = (0.0,)
     shares: tuple[float, ...] = (1.0,)
+    ahead_deg: tuple[float, ...] = (0.0,)
 
-    def superpose(self, curve: Array, angle_deg: Array, cycle_deg: float) -> Array:
-        """Return a force on the pin, of all its rods, from that of one rod at angles after its own firing."""
-        parts = zip(self.shares, self.phase_shifts_deg, strict=True)
-        return np.sum([share * phase_shift(curve, angle_deg, by, cycle_deg) for share, by in parts], axis=0)
+    def superpose(self, force: Complex, angle_deg: Array, cycle_deg: float) -> Complex:
+        """Return a force on the pin, of all its rods, from that of one rod at angles after its own firing.
 
-    def forces(self, rod: ThrowForces, throw_N: float, cycle_deg: float) -> ThrowForces:
-        """Return the forces of the throw from those of one rod; what belongs to one piston stays as it is."""
+        Real along the part of the pin that it acts on, imaginary ahead of it.
+        """
+        turns = np.exp(1j * np.radians(self.ahead_deg))
+        parts = zip(self.shares * turns, self.phase_shifts_deg, strict=True)
+        every = [share * phase_shift(force, angle_deg, by, cycle_deg) for share, by in parts]
+        return np.asarray(np.sum(every, axis=0))
+
+    def forces(self, rod: ThrowForces, throw_N: complex, cycle_deg: float) -> ThrowForces:
+        """Return the forces of the throw from those of one rod; what belongs to one piston stays as it is.
+
+        Args:
+            throw_N: centrifugal force of the throw alone, real along the pin beside the web, imaginary ahead.
+        """
         if self.shares == (1.0,):
             return rod
-        radial, tangential, web = (
-            self.superpose(curve, rod.angle_deg, cycle_deg)
-            for curve in (rod.radial_force_N, rod.tangential_force_N, rod.web_force_N)
+        angle = rod.angle_deg
+        across: Complex = np.asarray(1j * rod.tangential_force_N)
+        by_rods, on_web = (
+            self.superpose(np.asarray(across - radial), angle, cycle_deg)
+            for radial in (rod.radial_force_N, rod.web_force_N)
         )
+        torques = [phase_shift(rod.torque_Nm, angle, by, cycle_deg) for by in self.phase_shifts_deg]
         return replace(
             rod,
-            radial_force_N=radial,
-            tangential_force_N=tangential,
-            web_force_N=web,
-            main_journal_force_N=np.hypot(web - throw_N, tangential) / 2,
-            torque_Nm=replace(self, shares=(1.0, 1.0)).superpose(rod.torque_Nm, rod.angle_deg, cycle_deg),
+            radial_force_N=-by_rods.real,
+            tangential_force_N=by_rods.imag,
+            web_force_N=-on_web.real,
+            main_journal_force_N=np.abs(on_web + throw_N) / 2,
+            torque_Nm=np.sum(torques, axis=0),
         )
 
 
-def near_share(scene: Scene) -> float:
-    """By how much of itself a rod's force counts at the web that is nearer to it; 1 in the pin's middle."""
-    return 1 + scene.rod_offset_mm / scene.pitch_mm
+def web_shares(scene: Scene) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """By how much of itself the force of each rod on a pin counts at the first and at the second web."""
+    toward = [2 * place / scene.pitch_mm for place in scene.rod_places_mm]
+    return tuple(1 - part for part in toward), tuple(1 + part for part in toward)
 
 
 def rods_on_pins(scene: Scene, engine: Engine) -> tuple[RodsOnPin, ...]:
     """Return the rods on the pin of every throw, or of every web where the two of a throw differ."""
-    throws, fires = engine.throws, engine.firing_angles_deg
-    if engine.rods_per_pin == 1:
-        return tuple(RodsOnPin(f"throw {throw + 1}", throw) for throw in range(throws))
-    found, near = [], near_share(scene)
-    for throw in range(throws):
-        after = (0.0, (fires[throw + throws] - fires[throw]) % engine.cycle_deg)
-        if near == 1.0:
-            found.append(RodsOnPin(f"throw {throw + 1}", throw, after, (1.0, 1.0)))
+    fires, (first, second) = engine.firing_angles_deg, web_shares(scene)
+    found = []
+    for throw in range(engine.throws):
+        own = fires[throw :: engine.throws]
+        after = tuple((fire - own[0]) % engine.cycle_deg for fire in own)
+        numbers = range(throw + 1, engine.cylinders + 1, engine.throws)
+        pins = [engine.pin_deg(cylinder) for cylinder in numbers]
+        if first == second:
+            found.append(RodsOnPin(f"throw {throw + 1}", throw, after, first, (0.0,) * len(pins)))
             continue
-        for side, shares in enumerate(((near, 2 - near), (2 - near, near))):
+        for side, (shares, beside) in enumerate(((first, pins[0]), (second, pins[-1]))):
             name = f"web {2 * throw + side + 1} of throw {throw + 1}"
-            found.append(RodsOnPin(name, throw, after, shares))
+            found.append(RodsOnPin(name, throw, after, shares, tuple(pin - beside for pin in pins)))
     return tuple(found)

@@ -14,7 +14,8 @@ follow from the peak pressure and its angle.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from pathlib import Path
 
@@ -25,8 +26,8 @@ from cranktopo.base.errors import invalid
 from cranktopo.base.root import root
 from cranktopo.design.engine import Engine, Gas, GasAtSpeed
 from cranktopo.design.schema import Scene
+from cranktopo.engine.chamber import Chamber, chamber_of
 from cranktopo.engine.indicator import read_indicator
-from cranktopo.engine.kinematics import exact_motion
 
 _WIEBE_EFFICIENCY = 6.908  # -ln(1 - 0.999)
 _OVERLAP_DEG = 20.0  # width of the change from exhaust to intake pressure after gas-exchange dead centre
@@ -38,19 +39,18 @@ class _Combustion:
 
     Attributes:
         cycle_deg: 720 (four-stroke) or 360 (two-stroke).
-        start_deg: start of burning from firing top dead centre (negative: before it).
+        start_deg: start of burning after the least volume of firing (negative: before it).
         heat_MPa: heat released per cycle over the clearance volume.
     """
 
     gas: Gas
-    radius_mm: float
-    rod_length_mm: float
+    room: Chamber
     cycle_deg: float
     start_deg: float
     heat_MPa: float
 
 
-def fit_combustion(gas: Gas, radius_mm: float, rod_length_mm: float, cycle_deg: float) -> _Combustion:
+def fit_combustion(gas: Gas, room: Chamber, cycle_deg: float) -> _Combustion:
     """Return start of burning and heat such that the pressure peaks where and as high as the scene says.
 
     At the peak p' = 0, hence (n - 1) q x' = n p v'; q follows from the integral for a trial start, and the
@@ -59,8 +59,8 @@ def fit_combustion(gas: Gas, radius_mm: float, rod_length_mm: float, cycle_deg: 
     peak = _required_value("engine.gas.peak_angle_deg", gas.peak_angle_deg)
 
     def model(start: float) -> _Combustion:
-        trial = _Combustion(gas, radius_mm, rod_length_mm, cycle_deg, start, 1.0)
-        return _Combustion(gas, radius_mm, rod_length_mm, cycle_deg, start, _heat_for_peak(trial))
+        trial = _Combustion(gas, room, cycle_deg, start, 1.0)
+        return _Combustion(gas, room, cycle_deg, start, _heat_for_peak(trial))
 
     def slope(start: float) -> float:
         return _peak_slope(model(start), peak)
@@ -80,7 +80,7 @@ def fit_combustion(gas: Gas, radius_mm: float, rod_length_mm: float, cycle_deg: 
 
 
 def combustion_pressure_MPa(model: _Combustion, angle_deg: Array) -> Array:
-    """Return the absolute cylinder pressure at crank angles from firing top dead centre, MPa."""
+    """Return the absolute cylinder pressure at rising angles after the least volume of firing, MPa."""
     gas = model.gas
     opening, closing = gas.exhaust_opening_deg, _intake_closing_deg(model)
     pressure = np.empty_like(angle_deg)
@@ -119,9 +119,7 @@ def _smooth_step(fraction: Array) -> Array:
 
 def _volume(model: _Combustion, angle_deg: Array) -> tuple[Array, Array]:
     """Volume over the clearance volume, and its derivative per rad."""
-    motion = exact_motion(np.radians(angle_deg), model.radius_mm, model.rod_length_mm)
-    swept = model.gas.compression_ratio - 1.0
-    return 1.0 + swept * motion.displacement_mm / (2 * model.radius_mm), swept / 2 * motion.velocity_ratio
+    return model.room.volume(angle_deg, model.gas.compression_ratio)
 
 
 def _compression(model: _Combustion, angle_deg: Array) -> Array:
@@ -229,12 +227,16 @@ FileState = tuple[str, int, int]
 
 @dataclass(frozen=True)
 class PressureCurve:
-    """Absolute cylinder pressure over one working cycle from firing top dead centre, its end not included."""
+    """Absolute cylinder pressure over one working cycle from firing top dead centre, its end not included.
+
+    Opposed pistons have the least volume, from which the gas counts its angles, at `least_volume_deg`.
+    """
 
     angle_deg: Array
     pressure_MPa: Array
     cycle_deg: float
     source: str
+    least_volume_deg: float = 0.0
 
 
 def file_state(path: str | Path) -> FileState:
@@ -273,7 +275,7 @@ def between(curves: tuple[tuple[float, PressureCurve], ...], speed_rpm: float) -
     part = (speed_rpm - low) / (high - low) if high > low else 0.0
     part = min(max(part, 0.0), 1.0)
     pressure = below.pressure_MPa + part * (above.pressure_MPa - below.pressure_MPa)
-    return PressureCurve(below.angle_deg, pressure, below.cycle_deg, _place_in_map(curves, speed_rpm))
+    return replace(below, pressure_MPa=pressure, source=_place_in_map(curves, speed_rpm))
 
 
 def _place_in_map(curves: tuple[tuple[float, PressureCurve], ...], speed_rpm: float) -> str:
@@ -325,30 +327,44 @@ def _around(
 
 def _curve_of(scene: Scene, engine: Engine, gas: Gas) -> PressureCurve:
     state = None if gas.indicator_csv is None else file_state(gas.indicator_csv)
-    return _curve(gas, scene.throw.radius_mm, engine.rod_length_mm, engine.cycle_deg, state)
+    return _curve(gas, chamber_of(scene), engine.cycle_deg, state)
 
 
 @lru_cache(maxsize=64)
-def _curve(
-    gas: Gas, radius_mm: float, rod_length_mm: float, cycle_deg: float, _state: FileState | None
-) -> PressureCurve:
+def _curve(gas: Gas, room: Chamber, cycle_deg: float, _state: FileState | None) -> PressureCurve:
     """Compute the curve of what it depends on, the state of an indicator file among it."""
     angle = np.arange(0.0, cycle_deg, STEP_DEG)
+    after = after_least_deg(angle, room, cycle_deg)
     if gas.indicator_csv is not None:
-        pressure = _measured(gas, gas.indicator_csv, cycle_deg, angle)
+        pressure = _measured(gas, gas.indicator_csv, cycle_deg, after)
         firing = f", firing at its {gas.firing_deg:g} deg" if gas.firing_deg else ""
         source = f"indicator diagram {gas.indicator_csv}{firing}"
     else:
-        model = fit_combustion(gas, radius_mm, rod_length_mm, cycle_deg)
-        pressure = combustion_pressure_MPa(model, angle)
+        model = fit_combustion(gas, room, cycle_deg)
+        pressure = at_rising(lambda rising: combustion_pressure_MPa(model, rising), after)
         source = (
             f"Wiebe combustion model fitted to {gas.peak_pressure_MPa:g} MPa at "
             f"{gas.peak_angle_deg:g} deg: burning starts at {model.start_deg:.1f} deg, compression ratio "
             f"{gas.compression_ratio:g}"
         )
+    if len(room.pistons) > 1:
+        source += f"; opposed pistons, least volume at {room.dead_centre_deg:.4g} deg of this crank"
     for shared in (angle, pressure):
         shared.setflags(write=False)
-    return PressureCurve(angle, pressure, cycle_deg, source)
+    return PressureCurve(angle, pressure, cycle_deg, source, room.dead_centre_deg)
+
+
+def after_least_deg(angle_deg: Array, room: Chamber, cycle_deg: float) -> Array:
+    """Return crank angles as the gas counts them, after the least volume of firing, within a cycle."""
+    return np.asarray(np.mod(angle_deg - room.dead_centre_deg, cycle_deg))
+
+
+def at_rising(function: Callable[[Array], Array], angle_deg: Array) -> Array:
+    """Return the values of a function that takes rising angles at angles in another order."""
+    order = np.argsort(angle_deg, kind="stable")
+    found = np.empty_like(angle_deg)
+    found[order] = function(angle_deg[order])
+    return found
 
 
 def _measured(gas: Gas, path: str, cycle_deg: float, angle: Array) -> Array:

@@ -16,8 +16,11 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.engine import Engine, Gas
 from cranktopo.design.misfire import MIRRORED
 from cranktopo.design.schema import Scene
+from cranktopo.engine.chamber import chamber_of
 from cranktopo.engine.gas import (
     PressureCurve,
+    after_least_deg,
+    at_rising,
     between,
     combustion_pressure_MPa,
     fit_combustion,
@@ -53,15 +56,19 @@ def motored_map(scene: Scene) -> tuple[tuple[float, PressureCurve], ...]:
 def _motored(scene: Scene, engine: Engine, gas: Gas, fired: PressureCurve) -> PressureCurve:
     if gas.indicator_csv is not None:
         return replace(fired, pressure_MPa=_mirrored(fired, gas.exhaust_opening_deg), source=MIRRORED)
-    model = fit_combustion(gas, scene.throw.radius_mm, engine.rod_length_mm, engine.cycle_deg)
+    room = chamber_of(scene)
+    model = fit_combustion(gas, room, engine.cycle_deg)
     cold = gas.model_copy(update={"polytropic_expansion": gas.polytropic_compression})
-    pressure = combustion_pressure_MPa(replace(model, gas=cold, heat_MPa=0.0), fired.angle_deg)
+    still = replace(model, gas=cold, heat_MPa=0.0)
+    after = after_least_deg(fired.angle_deg, room, engine.cycle_deg)
+    pressure = at_rising(lambda rising: combustion_pressure_MPa(still, rising), after)
     return replace(fired, pressure_MPa=pressure, source="compression and expansion without combustion")
 
 
 def _mirrored(fired: PressureCurve, opening_deg: float) -> Array:
     """The trace with its compression in place of the expansion, which passes into the gas exchange."""
-    angle, pressure = fired.angle_deg, fired.pressure_MPa
+    pressure = fired.pressure_MPa
+    angle = np.mod(fired.angle_deg - fired.least_volume_deg, fired.cycle_deg)
     expanding = angle < 180.0
     exhaust = np.clip((angle[expanding] - opening_deg) / (180.0 - opening_deg), 0.0, 1.0)
     weight = (1.0 - np.cos(np.pi * exhaust)) / 2

@@ -135,9 +135,13 @@ def implausible(cycle: Cycle, engine: Engine, radius_mm: float) -> tuple[str, ..
 
 
 def _peak_after_firing_deg(cycle: Cycle, engine: Engine) -> float:
-    """Return the crank angle of the largest pressure after firing top dead centre; negative before it."""
+    """Return the crank angle of the largest pressure after firing top dead centre; negative before it.
+
+    Opposed pistons have it where their volume is least.
+    """
     curve = cycle.pressure
-    angle = float(curve.angle_deg[int(curve.pressure_MPa.argmax())])
+    angle = float(curve.angle_deg[int(curve.pressure_MPa.argmax())]) - curve.least_volume_deg
+    angle = round(angle % engine.cycle_deg, 9)
     return angle if angle <= engine.cycle_deg / 2 else angle - engine.cycle_deg
 
 
@@ -176,7 +180,7 @@ def _charge_too_low(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
     found = (
         f"the trace has {charge:.3g} MPa before compression, less than any engine ({LEAST_CHARGE_MPA:g} MPa)"
     )
-    exponent = _exponent(cycle, engine, radius_mm)
+    exponent = _exponent(cycle, engine)
     if exponent is not None and EXPONENTS[0] <= exponent <= EXPONENTS[1]:
         return (
             f"{found}, and rises in compression as gas does, with the exponent {exponent:.2f}: all its "
@@ -216,7 +220,7 @@ def _wrong_exponent(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
 
     Nothing is told beside a charge too low, which raises the exponent by itself.
     """
-    exponent = _exponent(cycle, engine, radius_mm)
+    exponent = _exponent(cycle, engine)
     if exponent is None or EXPONENTS[0] <= exponent <= EXPONENTS[1]:
         return ""
     if _a_turn_off(_peak_after_firing_deg(cycle, engine), engine) or _charge_too_low(
@@ -231,17 +235,18 @@ def _wrong_exponent(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
     )
 
 
-def _exponent(cycle: Cycle, engine: Engine, radius_mm: float) -> float | None:
+def _exponent(cycle: Cycle, engine: Engine) -> float | None:
     """Exponent of the volume in the compression of a trace; None without a trace or its compression ratio."""
     gas = engine.gas
     if gas is None or gas.indicator_csv is None or "compression_ratio" not in gas.model_fields_set:
         return None
-    way = exact_motion(np.radians(_COMPRESSION_DEG), radius_mm, engine.rod_length_mm).displacement_mm
-    volume = 2 * radius_mm / (gas.compression_ratio - 1) + way
+    volume, _ = cycle.room.volume(np.array(_COMPRESSION_DEG), gas.compression_ratio)
     early, late = (_pressure_at(cycle, angle) for angle in _COMPRESSION_DEG)
     return math.log(late / early) / math.log(volume[0] / volume[1]) if early > 0 else None
 
 
 def _pressure_at(cycle: Cycle, angle_deg: float) -> float:
+    """Return the pressure at an angle after the least volume of firing, MPa."""
     curve = cycle.pressure
-    return float(np.interp(angle_deg, curve.angle_deg, curve.pressure_MPa, period=curve.cycle_deg))
+    at = angle_deg + curve.least_volume_deg
+    return float(np.interp(at, curve.angle_deg, curve.pressure_MPa, period=curve.cycle_deg))

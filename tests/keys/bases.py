@@ -45,6 +45,11 @@ EVEN: Data = {
     "engine.firing_order": [1, 3, 4, 2],
     "engine.arrangement": {"throw_angles_deg": [0.0, 180.0, 180.0, 0.0]},
 }
+BROAD: Data = {
+    "engine.cylinders": 3,
+    "engine.firing_order": [1, 2, 3],
+    "engine.arrangement": {"layout": "W", "bank_angles_deg": [0.0, 60.0, 120.0], "throw_angles_deg": [0.0]},
+}
 CURVE = [[40.0, 90.0], [100.0, 11.0]]
 FILM: Data = {
     "big_end_clearance_mm": 0.06,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from tests.keys.bases import (
     BOXER,
+    BROAD,
     DISK,
     DISPLACEMENTS,
     EVEN,
@@ -89,12 +90,18 @@ ENGINE_CASES: dict[tuple[str, str], Table] = {
             "rod_centre_from_big_end_mm": Other(55.0, WHOLE_ROD),
         },
     ),
+    ("engine.opposed", ""): Table(
+        lambda: changed(builtin("mikron-iiic-plain"), {"engine.opposed": {"lead_deg": -15.0}}),
+        "engine.opposed",
+        "loads",
+    ),
     ("engine.arrangement", ""): Table(
         vee,
         "engine.arrangement",
         "balance",
         {
             "layout": Other("boxer", also=BOXER),
+            "bank_angles_deg": Other([0.0, 50.0, 110.0], BROAD),
             "throw_angles_deg": Other([0.0, 170.0, 170.0, 0.0], EVEN),
         },
     ),

@@ -99,7 +99,9 @@ def packed_pocketed() -> Data:
     peaks = [{"rpm": rpm, "peak_pressure_MPa": 5.0, "peak_angle_deg": 11.0} for rpm in (1800.0, 2500.0)]
     data = builtin("mikron-iiic-plain", envelope=None, web=web("obround", width_mm=84.0, pocket=pockets))
     own = {"outer_diameter_mm": 43.0, "bore_diameter_mm": 20.0, "length_mm": 42.0, "fillet_mm": 2.5}
-    return changed(data, {"engine.gas": {"map": peaks}, "throw.second_main_journal": own})
+    other = {"lead_deg": -12.0, "radius_mm": 44.0}
+    engine = {"engine.gas": {"map": peaks}, "engine.opposed": other}
+    return changed(data, {**engine, "throw.second_main_journal": own})
 
 
 def packed() -> list[Data]:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.design.engine import Gas, Gear
+from cranktopo.design.arrangement import Gear
+from cranktopo.design.engine import Gas
 from cranktopo.design.loading import load_scene
 from cranktopo.design.shaft import RollerBearing
 from cranktopo.engine.analysis import analyse

@@ -33,7 +33,7 @@ from cranktopo.bodies.cells.layers import (
 )
 from cranktopo.bodies.envelope_file import bounds_mm, envelope_bounds_mm
 from cranktopo.design.checks.scene import check_envelope_reach
-from cranktopo.design.crank_throws import refuse_flying_web
+from cranktopo.design.crank_throws import refuse_flying_web, refuse_split_pins
 from cranktopo.design.halves import envelope_asymmetry, may_mirror, require_equal_halves, web_asymmetry
 from cranktopo.design.schema import Scene
 from cranktopo.throw.recess import require_no_recess
@@ -113,6 +113,7 @@ def build_domain(
     """
     require_equal_halves(scene)
     refuse_flying_web(scene)
+    refuse_split_pins(scene)
     require_no_recess(scene)
     if extent is None:
         extent = "quarter" if laterally_symmetric(scene, target) else "half"

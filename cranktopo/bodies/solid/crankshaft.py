@@ -14,7 +14,7 @@ from cranktopo.bodies.solid.shapes import add_all, cut, fused
 from cranktopo.bodies.solid.step import import_solid
 from cranktopo.bodies.solid.throw import add_full_throw, throw_form
 from cranktopo.design.crank import Side
-from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.crank_throws import refuse_split_pins, throw_scenes
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
 from cranktopo.throw.crank_end import BodyStep
@@ -49,6 +49,7 @@ def _in_place(occ: Any, body: DimTags, angle_deg: float, z_mm: float) -> DimTags
 
 def placed_throws(occ: Any, scene: Scene, add: Callable[[Any, Scene], DimTags]) -> list[DimTags]:
     """Return the throws of a crank, each made once by `add`, turned by firing order and in its place."""
+    refuse_split_pins(scene)
     bodies: list[DimTags] = []
     by_name: dict[str, DimTags] = {}
     places = zip(throw_scenes(scene), scene.shaft_angles_deg, main_journal_places_mm(scene), strict=False)

@@ -17,6 +17,7 @@ from cranktopo.bodies.solid.drilled import drilled
 from cranktopo.bodies.solid.shapes import add_all, add_bodies, add_solid, cut
 from cranktopo.bodies.volume import half_throw_volume_mm3, outlet_roundings_mm3, throw_volume_mm3
 from cranktopo.design.checks.scene import check_solid
+from cranktopo.design.crank_throws import refuse_split_pins
 from cranktopo.design.halves import (
     difference,
     halves,
@@ -46,6 +47,7 @@ def add_half_throw(occ: Any, scene: Scene, *, by_tools: bool = False) -> DimTags
 
 
 def _add_half(occ: Any, scene: Scene, by_tools: bool) -> DimTags:
+    refuse_split_pins(scene)
     check_solid(scene)
     return built(occ, scene, "half throw", partial(_half, by_tools=by_tools), half_form)
 

@@ -1,12 +1,13 @@
-"""Consistency of engine, arrangement and shaft table, and what the latter should not leave out."""
+"""Consistency of engine and shaft table, and what the latter should not leave out."""
 
 from __future__ import annotations
 
 import math
 
 from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.design.checks.arrangement import check_arrangement
 from cranktopo.design.checks.engine_size import check_engine_size
-from cranktopo.design.engine import Arrangement, BalancerShaft, Engine, Gas
+from cranktopo.design.engine import Engine, Gas
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import Damper, Rotor, ShaftTable
 
@@ -146,104 +147,6 @@ def _check_barred(scene: Scene, shaft: ShaftTable) -> None:
         least = high
 
 
-_PATH = "engine.arrangement"
-
-
-def _check_arrangement(scene: Scene) -> None:
-    """Check that layout, banks, throws and balancer shafts fit together."""
-    engine = scene.engine
-    if engine is None or engine.arrangement is None:
-        return
-    _check_layout(scene, engine.cylinders, engine.arrangement)
-    _check_lengths(scene, engine.arrangement)
-    _check_throws(scene, engine, engine.arrangement)
-    for number, shaft in enumerate(engine.arrangement.balancer_shaft):
-        _check_balancer(
-            scene, f"{_PATH}.balancer_shaft[{number}]", shaft, engine.arrangement.balancer_shaft[:number]
-        )
-
-
-def _check_layout(scene: Scene, cylinders: int, arranged: Arrangement) -> None:
-    bank, layout = arranged.bank_angle_deg, arranged.layout
-    if layout == "V" and bank is None:
-        raise scene.invalid(f"{_PATH}.bank_angle_deg", "must be given for a V, >= 1 and <= 180 deg")
-    if layout == "in-line" and bank is not None:
-        raise scene.invalid(
-            f"{_PATH}.bank_angle_deg", "an in-line engine has one bank", f"Give {_PATH}.layout = 'V'."
-        )
-    if layout == "boxer" and bank not in (None, 180.0):
-        raise scene.invalid(f"{_PATH}.bank_angle_deg", "must be 180 deg for a boxer", "Leave it out.")
-    if layout != "in-line" and cylinders % 2:
-        raise scene.invalid("engine.cylinders", f"must be even for {_PATH}.layout = '{layout}'")
-
-
-def _check_lengths(scene: Scene, arranged: Arrangement) -> None:
-    pin, offset, pitch = scene.throw.crankpin.length_mm, arranged.rod_offset_mm, arranged.cylinder_pitch_mm
-    if offset is not None and arranged.layout != "V":
-        raise scene.invalid(f"{_PATH}.rod_offset_mm", "only a V has two rods on a pin", "Leave it out.")
-    for key, than, fits in (
-        ("rod_offset_mm", "smaller", offset is None or offset < pin),
-        ("cylinder_pitch_mm", "larger", pitch is None or pitch > pin),
-    ):
-        if not fits:
-            raise scene.invalid(
-                f"{_PATH}.{key}", f"must be {than} than throw.crankpin.length_mm = {pin:g} mm"
-            )
-
-
-def _check_throws(scene: Scene, engine: Engine, arranged: Arrangement) -> None:
-    key, angles = f"{_PATH}.throw_angles_deg", arranged.throw_angles_deg
-    if not angles:
-        _check_even_firing(scene, engine)
-        return
-    if len(angles) != engine.throws:
-        raise scene.invalid(key, f"must have one angle per throw ({engine.throws})")
-    if angles[0]:
-        raise scene.invalid(key, "must begin with 0: angles count from the first throw")
-    _ = engine.firing_angles_deg  # refuses throws that contradict the firing order
-
-
-def _check_even_firing(scene: Scene, engine: Engine) -> None:
-    """Even firing is possible only where both rods of a pin ask for the same angle of it."""
-    for cylinder in range(1, engine.cylinders + 1):
-        first = engine.throw_of(cylinder) + 1
-        gap = (engine.even_angle_deg(cylinder) - engine.even_angle_deg(first) + 180.0) % 360.0 - 180.0
-        if abs(gap) > 1e-6:
-            raise scene.invalid(
-                "engine.firing_order",
-                f"cannot be even: cylinders {first} and {cylinder} on one pin would need throws "
-                f"{abs(gap):g} deg apart, and split pins (two pins with a web between them) are not modelled",
-                f"Give {_PATH}.throw_angles_deg, or another order or bank angle.",
-            )
-
-
-def _check_balancer(scene: Scene, path: str, shaft: BalancerShaft, before: tuple[BalancerShaft, ...]) -> None:
-    moment = shaft.balances == "moment"
-    if moment and shaft.distance_mm is None:
-        raise scene.invalid(f"{path}.distance_mm", "must be given where balances = 'moment'")
-    if not moment and shaft.distance_mm is not None:
-        raise scene.invalid(
-            f"{path}.distance_mm",
-            "a shaft that balances a force has one mass",
-            "Leave it out, or give balances = 'moment'.",
-        )
-    if moment and shaft.z_mm is not None:
-        raise scene.invalid(
-            f"{path}.z_mm", "two opposite masses act alike wherever they are", "Leave it out."
-        )
-    free = shaft.unbalance_kg_mm is None or shaft.phase_deg is None
-    alike = [
-        s for s in before if (s.order, s.turns, s.balances) == (shaft.order, shaft.turns, shaft.balances)
-    ]
-    if alike and (free or any(s.unbalance_kg_mm is None or s.phase_deg is None for s in alike)):
-        raise invalid(
-            path,
-            f"order {shaft.order}, {shaft.turns} the crank, {shaft.balances}",
-            "is there twice and cannot be found from the engine's needs",
-            "Give unbalance_kg_mm and phase_deg of both, or leave one out.",
-        )
-
-
 def check_engine(scene: Scene) -> None:
     """Check that rod, speeds, firing order and gas fit together."""
     engine = scene.engine
@@ -262,7 +165,8 @@ def check_engine(scene: Scene) -> None:
         raise scene.invalid("engine.min_torque_Nm", f"must be at most engine.max_torque_Nm = {high:g} N m")
     _check_firing_order(scene, engine)
     check_misfire(engine)
-    _check_arrangement(scene)
+    check_arrangement(scene)
+    _check_opposed(scene, engine)
     _check_rod(scene, engine)
     if engine.gas is not None:
         _check_gas(scene, engine.strokes, engine.gas)
@@ -295,6 +199,20 @@ def _check_firing_order(scene: Scene, engine: Engine) -> None:
         f"must name each of the {engine.cylinders} cylinders once (1 to {engine.cylinders})",
         "Give engine.firing_order = [...] or correct engine.cylinders.",
     )
+
+
+def _check_opposed(scene: Scene, engine: Engine) -> None:
+    """Check that the other crank of opposed pistons can turn, and that cylinders lie in one line."""
+    other = engine.opposed
+    if other is None:
+        return
+    if engine.arranged.layout != "in-line":
+        hint = "Leave out [engine.opposed], or engine.arrangement.layout."
+        raise scene.invalid("engine.arrangement.layout", "must be 'in-line' with [engine.opposed]", hint)
+    radius = other.radius_mm or scene.throw.radius_mm
+    if (other.rod_length_mm or engine.rod_length_mm) <= radius:
+        key = "engine.opposed.rod_length_mm" if other.rod_length_mm else "engine.opposed.radius_mm"
+        raise scene.invalid(key, f"gives the other crank no rod longer than its throw radius, {radius:g} mm")
 
 
 def _check_rod(scene: Scene, engine: Engine) -> None:

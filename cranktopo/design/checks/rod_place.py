@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cranktopo.base.errors import CranktopoError
 from cranktopo.design.bearing_room import big_end_room_mm
 from cranktopo.design.checks.plain_bearings import check_room_of_free_dimensions
 from cranktopo.design.crank_throws import throw_scenes
@@ -14,6 +15,11 @@ _ROUNDING_MM = 1e-9
 
 def check_rod_place(scene: Scene, rod: Rod) -> None:
     """Check that the rod fits onto each crankpin of the crank, and its piston pin into the cylinder."""
+    if scene.has_master_rod:
+        raise CranktopoError(
+            "[rod]: is given, but a master rod carries the other rods of its pin here; it is not modelled.",
+            hint="Take [rod] out, and give the masses of one cylinder in [engine.masses].",
+        )
     for throw in dict.fromkeys(throw_scenes(scene)):
         _check_bore(scene, rod, throw)
         _check_width(scene, rod, throw)
@@ -50,7 +56,7 @@ def _check_own_width(scene: Scene) -> None:
 def _check_width(scene: Scene, rod: Rod, throw: Scene) -> None:
     room = big_end_room_mm(throw)
     if rod.big_end_width_mm > room + _ROUNDING_MM:
-        rods = scene.engine.rods_per_pin if scene.engine else 1
+        rods = scene.big_ends
         share = f", over the {rods} rods on it" if rods > 1 else ""
         allowed = f"must be at most {room:.4g} mm, the crankpin's length between its fillets{share}"
         if room <= 0:

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from cranktopo.base.units import MM_PER_M, W_PER_KW, angular_speed_rad_s
-from cranktopo.design.engine import BalancerShaft, Gear
+from cranktopo.design.arrangement import BalancerShaft, Gear
 from cranktopo.engine.balance.free_forces import ForceEllipse, FreeForce, direction_deg
 
 _ORDERS: tuple[Literal[1, 2], ...] = (1, 2)

@@ -14,7 +14,7 @@ from cranktopo.design.crank import Side
 from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
-from cranktopo.engine.balance.throw import product_of_inertia_kg_mm2, throw_balance
+from cranktopo.engine.balance.throw import splayed_mass, throw_balance
 from cranktopo.throw.moments import Moments
 
 _NOTHING = Moments(0.0, 0.0, 0.0, 0.0)
@@ -95,9 +95,10 @@ def drawn_crank_mass(scene: Scene) -> CrankMass:
     middle = places[-1] / 2
     along = np.exp(1j * np.radians(scene.shaft_angles_deg))
     balances = [throw_balance(throw) for throw in throws]
-    first = along * [complex(b.throw_unbalance_kg_mm, b.lateral_unbalance_kg_mm) for b in balances]
+    turned = [splayed_mass(throw) for throw in throws]
+    first = along * [one.throw for one in turned]
     planes = places[:-1] + [halves(throw)[0].pitch_mm / 2 for throw in throws] - middle
-    product = (first * planes).sum() + (along * list(map(product_of_inertia_kg_mm2, throws))).sum()
+    product = (first * planes).sum() + (along * [one.throw_couple for one in turned]).sum()
     free, output = end_mass(scene, "free"), end_mass(scene, "output")
     product += free.couple_kg_mm2 + output.couple_kg_mm2
     product += middle * (output.unbalance_kg_mm - free.unbalance_kg_mm)

@@ -13,14 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from cranktopo.base.arrays import Array, Complex
+from cranktopo.base.arrays import Array, Complex, Index
 from cranktopo.base.units import MM_PER_M, angular_speed_rad_s
 from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.crank import ROUNDING, EndMass, end_mass, unless_rounding
 from cranktopo.engine.balance.layout import EngineLayout, engine_layout, unit_vectors
-from cranktopo.engine.balance.throw import product_of_inertia_kg_mm2, throw_balance
+from cranktopo.engine.balance.throw import throw_balance, turning_throw
 from cranktopo.engine.kinematics import acceleration_harmonics
 
 ORDERS = (1, 2, 4, 6)
@@ -109,12 +109,14 @@ class TurningMasses:
 
     Attributes:
         throw_kg_mm: rotating unbalance of each throw with its rods, real along the throw.
-        couple_kg_mm2: its moment about the plane of the cylinder, toward the takeoff; 0 with equal halves.
+        couple_kg_mm2: its moment about the plane of the cylinder, toward the takeoff; 0 with equal halves and
+            a straight pin.
         web_kg_mm: unbalance of either web of a throw with its counterweight.
         own_kg_mm: unbalance that the counterweight of either web takes already.
         rod_kg_mm: mass of one rod that turns, times the throw radius.
         piston_kg_mm: oscillating mass of one cylinder times the throw radius.
-        counterweight_kg_mm: what both counterweights of a throw balance, real along the throw.
+        counterweight_kg_mm, counterweight_couple_kg_mm2: what both counterweights of a throw balance, real
+            along the throw.
         harmonics: Fourier coefficients of the pistons' acceleration for `ORDERS`.
         w2: angular speed squared, 1/s2.
         ends: of the crank, free end first; counterweights leave them as they are.
@@ -128,6 +130,7 @@ class TurningMasses:
     rod_kg_mm: float
     piston_kg_mm: float
     counterweight_kg_mm: complex | Complex
+    counterweight_couple_kg_mm2: complex | Complex
     harmonics: Array
     w2: float
     ends: tuple[EndMass, EndMass]
@@ -156,6 +159,7 @@ def turning_masses(scene: Scene) -> TurningMasses:
     alike = all(throw is throws[0] for throw in throws)
     different = throws[:1] if alike else throws
     balances = [throw_balance(throw) for throw in different]
+    turning = [turning_throw(throw) for throw in different]
 
     def of_throws(values: Iterable[Any]) -> Any:
         found = list(values)
@@ -167,17 +171,14 @@ def turning_masses(scene: Scene) -> TurningMasses:
 
     return TurningMasses(
         layout=engine_layout(scene),
-        throw_kg_mm=of_throws(
-            complex(b.rotating_unbalance_kg_mm, b.lateral_unbalance_kg_mm) for b in balances
-        ),
-        couple_kg_mm2=of_throws(map(product_of_inertia_kg_mm2, different)),
+        throw_kg_mm=of_throws(one.unbalance_kg_mm for one in turning),
+        couple_kg_mm2=of_throws(one.couple_kg_mm2 for one in turning),
         web_kg_mm=of_webs("web_kg_mm"),
         own_kg_mm=of_webs("own_counterweights_kg_mm"),
         rod_kg_mm=engine.rod_rotating_kg * radius,
         piston_kg_mm=engine.reciprocating_kg * radius,
-        counterweight_kg_mm=of_throws(
-            complex(b.counterweight_kg_mm, b.lateral_unbalance_kg_mm) for b in balances
-        ),
+        counterweight_kg_mm=of_throws(one.balanced_kg_mm for one in turning),
+        counterweight_couple_kg_mm2=of_throws(one.balanced_couple_kg_mm2 for one in turning),
         harmonics=acceleration_harmonics(radius, engine.rod_length_mm, ORDERS),
         w2=angular_speed_rad_s(engine.speed_rpm) ** 2,
         ends=(end_mass(scene, "free"), end_mass(scene, "output")),
@@ -189,7 +190,7 @@ def rotating_force(masses: TurningMasses, counterweighted: bool = False) -> Free
     throw = masses.throw_kg_mm - (masses.counterweight_kg_mm if counterweighted else 0.0)
     parts = unit_vectors(masses.layout.throw_deg) * throw * masses.w2 / MM_PER_M
     found = _free_force(1, parts, np.zeros_like(parts), masses.layout.throw_z_mm) + _force_of_ends(masses)
-    return found if counterweighted else found + _couple_of_product(masses)
+    return found + _couple_of_product(masses, counterweighted)
 
 
 def _force_of_ends(masses: TurningMasses) -> FreeForce:
@@ -199,9 +200,10 @@ def _force_of_ends(masses: TurningMasses) -> FreeForce:
     return FreeForce(1, ForceEllipse(turned * force), ForceEllipse(turned * moment / MM_PER_M))
 
 
-def _couple_of_product(masses: TurningMasses) -> FreeForce:
-    """Return the couples of all throws; counterweights take them."""
-    couples = unit_vectors(masses.layout.throw_deg) * masses.couple_kg_mm2 * masses.w2 / MM_PER_M**2
+def _couple_of_product(masses: TurningMasses, counterweighted: bool) -> FreeForce:
+    """Return the couples of all throws, or what their counterweights leave of them."""
+    left = masses.couple_kg_mm2 - (masses.counterweight_couple_kg_mm2 if counterweighted else 0.0)
+    couples = unit_vectors(masses.layout.throw_deg) * left * masses.w2 / MM_PER_M**2
     return FreeForce(1, ForceEllipse(), ForceEllipse(_sum(couples)))
 
 
@@ -213,7 +215,7 @@ def oscillating_force(masses: TurningMasses, order: int) -> FreeForce:
     """
     layout = masses.layout
     axis = unit_vectors(layout.axis_deg)
-    behind = layout.axis_deg - layout.throw_deg[list(layout.throw_of)]
+    behind = layout.axis_deg - layout.crank_deg
     half = masses.piston_kg_mm * masses.w2 / MM_PER_M * masses.harmonics[ORDERS.index(order)] / 2
     turned = unit_vectors(order * behind)
     return _free_force(order, half * axis * turned.conj(), half * axis * turned, layout.cylinder_z_mm)
@@ -232,8 +234,8 @@ def counterweights(masses: TurningMasses) -> tuple[NeededCounterweight, ...]:
     leave neither force nor moment of the rotating masses and the share of the oscillating ones.
     """
     layout, along = masses.layout, unit_vectors(masses.layout.throw_angle_deg)
-    throw, couple = -masses.counterweight_kg_mm * along, -masses.couple_kg_mm2 * along
-    on_webs = masses.on_webs(-masses.counterweight_kg_mm, -masses.couple_kg_mm2)
+    throw, couple = -masses.counterweight_kg_mm * along, -masses.counterweight_couple_kg_mm2 * along
+    on_webs = masses.on_webs(-masses.counterweight_kg_mm, -masses.counterweight_couple_kg_mm2)
     own = (along[:, None] * np.stack(on_webs, axis=-1)).ravel()
     middle = _sum(layout.web_z_mm.astype(np.complex128)).real / len(own)
     z = layout.web_z_mm - middle
@@ -280,15 +282,18 @@ def inner_moment(masses: TurningMasses, weights: Sequence[NeededCounterweight] =
     layout, per_kg_mm = masses.layout, masses.w2 / MM_PER_M
     z = np.concatenate([layout.throw_z_mm, layout.cylinder_z_mm, layout.web_z_mm])
     along = unit_vectors(layout.throw_angle_deg)
-    couple = sum(web * place for web, place in zip(masses.web_kg_mm, layout.web_places_mm, strict=True))
+    throw_of = np.array(layout.throw_of)
+    ends = unit_vectors(layout.pin_deg[[0, -1]])
+    near, far = (web * end for web, end in zip(masses.web_kg_mm, ends, strict=True))
+    rods = masses.rod_kg_mm * unit_vectors(layout.pin_deg)
+    of_rods = _by_throw(rods * (layout.cylinder_z_mm - layout.throw_z_mm[throw_of]), throw_of)
+    couple = near * layout.web_places_mm[0] + far * layout.web_places_mm[1] + of_rods
     pair = masses.on_webs(0j, masses.couple_kg_mm2 - couple)
-    webs = (along[:, None] * (np.stack(pair, axis=-1) + np.stack(masses.web_kg_mm, axis=-1))).ravel()
+    webs = (along[:, None] * (np.stack(pair, axis=-1) + np.stack([near, far], axis=-1))).ravel()
     for weight in weights:
         webs[weight.web - 1] += weight.unbalance_kg_mm * np.exp(1j * np.radians(weight.deg))
-    throw_of = np.array(layout.throw_of)
-    rods = masses.rod_kg_mm * along[throw_of]
-    pins = (masses.throw_kg_mm - sum(masses.web_kg_mm) - masses.rod_kg_mm * np.bincount(throw_of)) * along
-    force = np.concatenate([pins, rods, webs]) * per_kg_mm
+    pins = (masses.throw_kg_mm - near - far - _by_throw(rods, throw_of)) * along
+    force = np.concatenate([pins, rods * along[throw_of], webs]) * per_kg_mm
     first = layout.bearing_z_mm[0]
     reaction = (force * (layout.bearing_z_mm[-1] - z)).sum() / layout.length_mm
     arms = np.maximum(z[:, None] - z[None, :], 0.0)
@@ -297,6 +302,11 @@ def inner_moment(masses: TurningMasses, weights: Sequence[NeededCounterweight] =
     size = np.where(np.abs(moment) > ROUNDING * scale, np.abs(moment), 0.0)
     worst = int(np.flatnonzero(size >= size.max() * (1 - 1e-9))[0])
     return InnerMoment(float(size[worst]), float(z[worst]), _polar(moment[worst] if size[worst] else 0j)[1])
+
+
+def _by_throw(of_cylinders: Complex, throw_of: Index) -> Complex:
+    """Return the sum of the cylinders of each throw."""
+    return np.bincount(throw_of, of_cylinders.real) + 1j * np.bincount(throw_of, of_cylinders.imag)
 
 
 def direction_deg(value: complex) -> float:

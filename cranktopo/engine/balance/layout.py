@@ -27,7 +27,8 @@ class EngineLayout:
     Attributes:
         throw_of: index of each cylinder's throw.
         throw_angle_deg: angle of each throw from the first one: fixed in the shaft.
-        throw_z_mm: plane of each throw's cylinder, between its two rods where it has two.
+        pin_deg: angle of each cylinder's part of a split pin ahead of its throw.
+        throw_z_mm: plane of each throw's cylinder, in the middle of its rods where it has several.
         axis_deg: direction of each cylinder's axis, from the crank axis to the piston.
         web_places_mm: middle of either web of a throw from the plane of its cylinder; one for each throw
             where these differ.
@@ -38,6 +39,7 @@ class EngineLayout:
     throw_of: tuple[int, ...]
     throw_angle_deg: Array
     throw_deg: Array
+    pin_deg: Array
     throw_z_mm: Array
     axis_deg: Array
     firing_deg: Array
@@ -45,6 +47,11 @@ class EngineLayout:
     web_places_mm: tuple[float | Array, float | Array]
     bearing_z_mm: Array
     bay_of: tuple[int, ...]
+
+    @property
+    def crank_deg(self) -> Array:
+        """Direction of each cylinder's part of its crankpin."""
+        return np.asarray(self.throw_deg[list(self.throw_of)] + self.pin_deg)
 
     @property
     def web_z_mm(self) -> Array:
@@ -65,16 +72,18 @@ def engine_layout(scene: Scene) -> EngineLayout:
     bearings = list(carried(scene))
     throw_of = tuple(engine.throw_of(number) for number in numbers)
     axis = np.array([engine.axis_deg(number) for number in numbers]) - engine.bank_angle_deg / 2
-    side = np.array([1.0 if number > throws else -1.0 for number in numbers])
+    from_middle = np.array([(number - 1) // throws - (engine.rods_per_pin - 1) / 2 for number in numbers])
     first, angle = engine.order[0], np.array(engine.throw_angles_deg)
+    pins = np.array([engine.pin_deg(number) for number in numbers])
     return EngineLayout(
         throw_of=throw_of,
         throw_angle_deg=angle,
-        throw_deg=(axis[first - 1] + angle - angle[engine.throw_of(first)]) % 360.0,
+        throw_deg=(axis[first - 1] - pins[first - 1] + angle - angle[engine.throw_of(first)]) % 360.0,
+        pin_deg=pins,
         throw_z_mm=throw_z,
         axis_deg=axis,
         firing_deg=np.array(engine.firing_angles_deg),
-        cylinder_z_mm=throw_z[list(throw_of)] + side * rod_offset[list(throw_of)] / 2,
+        cylinder_z_mm=throw_z[list(throw_of)] + from_middle * rod_offset[list(throw_of)],
         web_places_mm=web_places,
         bearing_z_mm=journal_z[bearings],
         bay_of=tuple(sum(number <= throw for number in bearings) - 1 for throw in range(throws)),
@@ -85,7 +94,7 @@ _Places = tuple[float | Array, float | Array]
 
 
 def _along_shaft(scene: Scene, engine: Engine) -> tuple[Array, Array, _Places, Array]:
-    """Places of main journals and throws, of the webs from their throw, and the distance of two rods, mm."""
+    """Places of main journals and throws, of the webs from their throw, and the distance of its rods, mm."""
     throws, every = engine.throws, throw_scenes(scene)
     offset = np.array([throw.rod_offset_mm for throw in every])
     if all(throw is every[0] for throw in every):

@@ -183,6 +183,77 @@ def product_of_inertia_kg_mm2(scene: Scene) -> complex:
     return second - first
 
 
+@dataclass(frozen=True)
+class SplayedMass:
+    """Unbalance of a throw with split pins and its moment about the middle of the pin, kg mm and kg mm2.
+
+    Real along the middle of both half pins, imaginary ahead of it; with a straight pin that of the throw.
+
+    Attributes:
+        throw, throw_couple: of the throw alone, without its rods.
+        rods, rods_couple: per kg on each of two half pins, at the places of their rods.
+    """
+
+    throw: complex
+    throw_couple: complex
+    rods: complex
+    rods_couple: complex
+
+
+def splayed_mass(scene: Scene) -> SplayedMass:
+    """Return what the halves of a throw give, each turned with its part of the pin.
+
+    U = U1 exp(-i s/2) + U2 exp(i s/2) with the splay s; the moments of both halves about the middle of the
+    pin are opposite, so that C = C2 exp(i s/2) - C1 exp(-i s/2).
+    """
+    half = math.radians(scene.engine.pin_deg(1)) if scene.engine else 0.0
+    turns = np.exp(1j * half), np.exp(-1j * half)
+    unbalances, products = of_halves(scene, _half_unbalance), of_halves(scene, _half_product)
+    radius, places = scene.throw.radius_mm, scene.rod_places_mm
+    return SplayedMass(
+        throw=complex(unbalances[0] * turns[0] + unbalances[1] * turns[1]),
+        throw_couple=complex(products[1] * turns[1] - products[0] * turns[0]),
+        rods=complex(radius * (turns[0] + turns[1])),
+        rods_couple=complex(radius * (places[0] * turns[0] + places[-1] * turns[1])),
+    )
+
+
+@dataclass(frozen=True)
+class TurningThrow:
+    """Unbalance of a throw with its rods and its moment about the plane of the cylinder, as it turns.
+
+    What counterweights balance of them has the share of the oscillating masses, as if on the pin.
+    """
+
+    unbalance_kg_mm: complex
+    couple_kg_mm2: complex
+    balanced_kg_mm: complex
+    balanced_couple_kg_mm2: complex
+
+
+def turning_throw(scene: Scene) -> TurningThrow:
+    """Return what turns with a throw; of a split pin real along the middle of its halves."""
+    engine, balance = scene.engine, throw_balance(scene)
+    aside, couple = 1j * balance.lateral_unbalance_kg_mm, product_of_inertia_kg_mm2(scene)
+    if engine is None or not engine.arranged.pin_splay_deg:
+        with_rods, needed = balance.rotating_unbalance_kg_mm + aside, balance.counterweight_kg_mm + aside
+        return TurningThrow(with_rods, couple, needed, couple)
+    mass, kg = splayed_mass(scene), engine.rod_rotating_kg
+    share = kg + engine.arranged.balanced_oscillating_share * engine.reciprocating_kg
+    return TurningThrow(
+        mass.throw + kg * mass.rods,
+        mass.throw_couple + kg * mass.rods_couple,
+        mass.throw + share * mass.rods,
+        mass.throw_couple + share * mass.rods_couple,
+    )
+
+
+def _half_unbalance(scene: Scene) -> complex:
+    half = _half(scene)
+    total = half.journal + half.crankpin + half.fillets + half.web
+    return complex(total.first_y, total.first_x)
+
+
 def _half_product(scene: Scene) -> complex:
     """Return what a half throw adds, its places counted from the mid-pin plane.
 

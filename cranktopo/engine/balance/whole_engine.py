@@ -75,14 +75,16 @@ def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = F
     unfired = rod_force(scene, engine, fires=False)[1] if engine.misfire else rod
     load = np.zeros((len(layout.bearing_z_mm), len(angle)), dtype=np.complex128)
     directions = unit_vectors(layout.throw_deg)
-    places = zip(layout.throw_of, layout.cylinder_z_mm, layout.firing_deg, strict=True)
-    for cylinder, (throw, z, fires) in enumerate(places, start=1):
+    pins = unit_vectors(layout.crank_deg)
+    places = zip(layout.throw_of, pins, layout.cylinder_z_mm, layout.firing_deg, strict=True)
+    for cylinder, (throw, pin, z, fires) in enumerate(places, start=1):
         own = phase_shift(unfired if cylinder in engine.misfire else rod, angle, fires, engine.cycle_deg)
-        _share(load, layout.bearing_z_mm, layout.bay_of[throw], z, directions[throw] * own)
+        _share(load, layout.bearing_z_mm, layout.bay_of[throw], z, pin * own)
     shape = layout.throw_z_mm.shape
     spinning = masses.throw_kg_mm - (masses.counterweight_kg_mm if counterweighted else 0.0)
     spinning = np.broadcast_to(spinning, shape)
-    couple = np.broadcast_to(0j if counterweighted else masses.couple_kg_mm2, shape)
+    couple = masses.couple_kg_mm2 - (masses.counterweight_couple_kg_mm2 if counterweighted else 0.0)
+    couple = np.broadcast_to(couple, shape)
     for throw, z in enumerate(layout.throw_z_mm):
         turned = directions[throw] * spinning[throw] * masses.w2 / MM_PER_M
         _share(load, layout.bearing_z_mm, layout.bay_of[throw], z, turned)

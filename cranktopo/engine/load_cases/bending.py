@@ -5,7 +5,7 @@ from __future__ import annotations
 from cranktopo.base.near_ties import clearly_more
 from cranktopo.engine.analysis import Extreme, LoadAnalysis
 from cranktopo.engine.extreme_state import ExtremeState, ThrowLoads, place_of
-from cranktopo.engine.forces import near_share
+from cranktopo.engine.forces import web_shares
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.load_type import LoadFacts, LoadType
 
@@ -14,7 +14,7 @@ def _states(throw: ThrowLoads) -> tuple[ExtremeState]:
     analysis = throw.analysis
     peak_force_N, cycle = analysis.engine.max_gas_force_N, analysis.cycle
     if peak_force_N is not None:
-        share, source = near_share(throw.scene), "engine.max_gas_force_N"
+        share, source = max(web_shares(throw.scene)[0]), "engine.max_gas_force_N"
         source += f", times {share:.3g} for the web nearer to its rod" if share != 1 else ""
         case = LoadCase(name="bending", kind="bending", radial_N=peak_force_N * share, source=source)
         return (ExtremeState("max_radial", case),)

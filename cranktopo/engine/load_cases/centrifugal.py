@@ -1,7 +1,7 @@
 """The throw's own body force at the highest speed, and the pull of rods and pistons then.
 
 Where the body force is off, that pull is an extreme of the radial force. It is taken with gas and without:
-gas adds to the pull at bottom dead centre, and in a V to that of the other cylinder.
+gas adds to the pull at bottom dead centre, and in a V, W or radial to that of the other cylinders.
 """
 
 from __future__ import annotations
@@ -64,8 +64,8 @@ def _pull_without_gas(throw: ThrowLoads) -> tuple[Extreme, str]:
     """Inertia alone: the rods pull the pin outward, one alone at top dead centre."""
     engine = throw.top.engine
     kg, deg = _pulling_kg(throw.scene, engine, throw.enabled)
-    two = engine.rods_per_pin > 1
-    pulling = "both pistons and rods of a pin" if two else "piston and rod at top dead centre"
+    every = {1: "piston and rod at top dead centre", 2: "both pistons and rods of a pin"}
+    pulling = every.get(engine.rods_per_pin, "all pistons and rods of a pin")
     source = f"inertia of {pulling} without gas force, {engine.speed_rpm:g} rpm"
     deg = deg % 360.0 + (360.0 if engine.strokes == 4 else 0.0)
     return Extreme(-kg * throw.top.rotating.r_w2_m_s2 + 0.0, deg), source
@@ -75,11 +75,12 @@ def _pulling_kg(scene: Scene, engine: Engine, enabled: frozenset[str]) -> tuple[
     """Mass on the pin that would pull as much as rods and pistons at their worst, and the crank angle."""
     angle = np.arange(0.0, engine.cycle_deg, STEP_DEG)
     radius, length = scene.throw.radius_mm, engine.rod_length_mm
-    one = np.full_like(angle, engine.rod_rotating_kg * ("rotating_rod_mass" in enabled))
+    one = np.full_like(angle, engine.rod_rotating_kg * ("rotating_rod_mass" in enabled)) + 0j
     if "reciprocating_inertia" in enabled:
         moving = exact_motion(np.radians(angle), radius, length).acceleration_ratio
-        one += engine.reciprocating_kg * moving * force_ratios(np.radians(angle), radius, length).radial
-    curves = [rods.superpose(one, angle, engine.cycle_deg) for rods in rods_on_pins(scene, engine)]
+        ratios = force_ratios(np.radians(angle), radius, length)
+        one += engine.reciprocating_kg * moving * (ratios.radial - 1j * ratios.tangential)
+    curves = [rods.superpose(one, angle, engine.cycle_deg).real for rods in rods_on_pins(scene, engine)]
     curve = max(curves, key=lambda kg: float(kg.max()))
     return float(curve.max()), float(angle[int(curve.argmax())])
 

@@ -37,9 +37,9 @@ from cranktopo.cli.verbosity import verbosity_options
 def command(design: str, as_json: bool, page: Path | None, share: float | None) -> None:
     """Balance of DESIGN's whole engine at its speed: free forces and moments by order, and their balancing.
 
-    In line, V or boxer, as [engine.arrangement] says. Counterweights of every web, for its throw and for the
-    shaft; balance factor; bending moment inside the shaft; balancer shafts of the scene, or those that would
-    be needed; loads of the main bearings over the cycle with and without counterweights.
+    In line, V, W, boxer or radial, as [engine.arrangement] says. Counterweights of every web, for its throw
+    and for the shaft; balance factor; bending moment inside the shaft; balancer shafts of the scene, or those
+    that would be needed; loads of the main bearings over the cycle with and without counterweights.
 
     Example: cranktopo balance car-diesel --propose 50% --report balance.html
     """

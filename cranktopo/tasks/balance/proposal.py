@@ -66,6 +66,7 @@ def propose_counterweight(scene: Scene, percent: float) -> ProposedCounterweight
         CranktopoError: different webs, no oscillating mass, or no radius that balances so much or so little.
     """
     _require_equal_halves(scene)
+    _require_straight_pin(scene)
     if not rods_kg_mm(scene)[1]:
         raise invalid("engine.masses", None, "must be given: without them nothing oscillates")
     own_deg = scene.web.counterweight.half_angle_deg if scene.web.counterweight else _HALF_ANGLE_DEG
@@ -97,6 +98,17 @@ def _require_equal_halves(scene: Scene) -> None:
         hint=f"Propose on a copy of the design with {copy}. Without --propose, balance takes this design "
         "and says what each of its webs needs.",
     )
+
+
+def _require_straight_pin(scene: Scene) -> None:
+    splay = scene.engine.arranged.pin_splay_deg if scene.engine else None
+    if splay:
+        raise invalid(
+            "engine.arrangement.pin_splay_deg",
+            splay,
+            "--propose sizes the counterweights of a throw with a straight pin",
+            "Without --propose, balance says what each web needs.",
+        )
 
 
 def _other_angles_deg(own_deg: float) -> list[float]:

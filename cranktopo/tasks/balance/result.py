@@ -28,6 +28,9 @@ class ArrangementSummary(Result):
     cylinders: int
     throws: int
     bank_angle_deg: float
+    """Between the two banks of a V or boxer, or the outer ones of a W; 0 of other layouts."""
+    cylinder_directions_deg: tuple[float, ...]
+    """Direction of each cylinder from the first, in the sense of rotation."""
     cylinder_pitch_mm: float
     throw_angles_deg: tuple[float, ...]
     firing_angles_deg: tuple[float, ...]
@@ -130,6 +133,7 @@ def balance_result(balance: EngineBalance, proposal: ProposedCounterweight | Non
             cylinders=engine.cylinders,
             throws=engine.throws,
             bank_angle_deg=engine.bank_angle_deg,
+            cylinder_directions_deg=engine.directions_deg,
             cylinder_pitch_mm=_pitch_mm(balance),
             throw_angles_deg=tuple(engine.throw_angles_deg),
             firing_angles_deg=tuple(engine.firing_angles_deg),

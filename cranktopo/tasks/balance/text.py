@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from cranktopo.base.units import number_text
+from cranktopo.design.arrangement import banks_words
 from cranktopo.design.misfire import silent_words
 from cranktopo.engine.balance.balancer_shafts import SizedShaft
 from cranktopo.engine.balance.free_forces import NeededCounterweight
@@ -247,7 +248,7 @@ def bearings_words(data: Balance) -> str:
 def arrangement_words(data: Balance) -> str:
     """Layout, throws and firing in one line."""
     engine = data.arrangement
-    bank = f", banks {engine.bank_angle_deg:g} deg apart" if engine.layout == "V" else ""
+    bank = banks_words(engine.layout, engine.cylinder_directions_deg)
     throws, fires = map(_listed, (engine.throw_angles_deg, engine.firing_angles_deg))
     cylinders = f"{engine.cylinders} cylinder{'s' * (engine.cylinders > 1)}"
     return (

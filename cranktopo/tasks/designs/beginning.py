@@ -78,8 +78,8 @@ def _kept_throws(name: str, layout: LayoutName, values: Mapping[str, Any]) -> di
     """Return the throw angles of the usual banks: other banks fire unevenly on the same crank."""
     if layout != "V":
         raise CranktopoError(
-            f"--bank-angle-deg: layout '{layout}' has no banks at an angle of their own.",
-            hint="Leave it out, or give --layout V.",
+            f"--bank-angle-deg: layout '{layout}' has no banks at one angle.",
+            hint="Leave it out, or give --layout V; of a W edit bank_angles_deg of the file.",
             code=ExitCode.USAGE,
         )
     engine = parse_scene(template(name, values), name).engine

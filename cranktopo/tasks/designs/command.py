@@ -130,7 +130,7 @@ def sketch_command(part: str, file: Path, force: bool) -> None:
 @click.option("--name", help="Name of the design; the file's by default.")
 @click.option(
     "--layout",
-    type=Choice(["single", "in-line", "V", "boxer"]),
+    type=Choice(["single", "in-line", "V", "W", "boxer", "radial"]),
     help="Begin with an engine of this layout: usual proportions, firing order and throw angles.",
 )
 @click.option("--cylinders", type=click.IntRange(1, 48), help="Its cylinders, in line without --layout.")

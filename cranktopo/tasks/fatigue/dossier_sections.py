@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from cranktopo.base.units import number_text
+from cranktopo.design.arrangement import banks_words
 from cranktopo.design.engine import Engine, Gas
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.schema import Scene
@@ -55,9 +56,10 @@ def _engine_rows(scene: Scene, engine: Engine, cycle: Cycle | None) -> _Rows:
     pressure = f"{peak:g} MPa" if peak else _UNKNOWN
     if curve is not None:
         pressure = f"{curve.pressure_MPa.max():.4g} MPa, {curve.source}"
-    bank = f", {engine.bank_angle_deg:g} deg between the banks" if engine.bank_angle_deg else ""
+    banks = banks_words(engine.arranged.layout, engine.directions_deg)
     return [
-        ("cylinders", f"{engine.cylinders}, {engine.arranged.layout}{bank}; {engine.strokes}-stroke"),
+        ("cylinders", f"{engine.cylinders}, {engine.arranged.layout}{banks}; {engine.strokes}-stroke"),
+        *_opposed_rows(engine),
         ("bore and stroke", f"{engine.bore_mm:g} mm, {2 * scene.throw.radius_mm:g} mm"),
         ("length of the connecting rod", f"{engine.rod_length_mm:g} mm"),
         ("rated speed", f"{engine.speed_rpm:g} rpm"),
@@ -72,6 +74,13 @@ def _engine_rows(scene: Scene, engine: Engine, cycle: Cycle | None) -> _Rows:
         ("firing angles of the cylinders", _listed(engine.firing_angles_deg, "deg")),
         ("angles of the throws", _listed(engine.throw_angles_deg, "deg")),
     ]
+
+
+def _opposed_rows(engine: Engine) -> _Rows:
+    if engine.opposed is None:
+        return []
+    other = f"the other crank is {engine.opposed.lead_deg:g} deg ahead; loads and power are those of this one"
+    return [("opposed pistons", other)]
 
 
 def _performance_rows(scene: Scene, engine: Engine, cycle: Cycle | None) -> _Rows:

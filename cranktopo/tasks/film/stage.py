@@ -21,6 +21,7 @@ from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.engine.balance.free_forces import turning_masses
 from cranktopo.engine.balance.layout import unit_vectors
 from cranktopo.engine.balance.whole_engine import main_bearings, rod_force
+from cranktopo.engine.forces import rods_on_pins
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.performance import note_pressure, pressure_words
 from cranktopo.numerics.bearing_film.orbit import LEAST_SHARE, JournalBearing, LoadedJournal, Orbit, orbits
@@ -232,17 +233,25 @@ def _bearing(
 
 
 def _loaded_big_end(scene: Scene, step: int) -> LoadedBearing:
-    """The big end of the first cylinder, its axis real; the rod swings against the crank at dead centre."""
+    """The big end of the first cylinder, its axis real; the rod swings against the crank at dead centre.
+
+    A master rod is that of the first cylinder of its throw: its big end carries all rods of the pin.
+    """
     engine = engine_of(scene)
     angle_deg, rod, _ = rod_force(scene, engine)
     angle = np.radians(angle_deg[::step])
     w2 = angular_speed_rad_s(engine.speed_rpm) ** 2
     spinning = engine.rod_rotating_kg * scene.throw.radius_mm / MM_PER_M * w2
-    on_pin = (rod + spinning) * unit_vectors(angle_deg)
+    on_pin = rod + spinning
+    if scene.has_master_rod:
+        every = [pin.superpose(on_pin, angle_deg, engine.cycle_deg) for pin in rods_on_pins(scene, engine)]
+        on_pin = max(every, key=lambda one: round(float(np.abs(one).max()), 6))
+    on_pin = on_pin * unit_vectors(angle_deg)
     ratio = scene.throw.radius_mm / engine.rod_length_mm
     swing = -ratio * np.cos(angle) / np.sqrt(1 - (ratio * np.sin(angle)) ** 2)
     largest = _largest(on_pin, angle_deg)
-    return LoadedBearing("big end", big_end(scene), -on_pin[::step], swing, engine.cylinders, largest)
+    number = engine.throws * scene.big_ends
+    return LoadedBearing("big end", big_end(scene), -on_pin[::step], swing, number, largest)
 
 
 def _assumed(scene: Scene, table: PlainBearings) -> tuple[Assumption, ...]:

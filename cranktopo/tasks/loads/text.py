@@ -22,7 +22,12 @@ def loads_text(loads: Loads) -> str:
     """Return the tables of one speed: extremes, engine torque, balance, load cases."""
     parts = [_heading(loads)]
     if loads.points:
-        parts += [_extremes(loads.extremes), _two_rods(loads.rods_per_pin), _silent(loads), _torque(loads)]
+        parts += [
+            _extremes(loads.extremes),
+            _rods_together(loads.rods_per_pin),
+            _silent(loads),
+            _torque(loads),
+        ]
     parts += [_piston(loads.piston)]
     clearance = loads.clearance.told
     parts += [_balance(loads.balance), crank_words(loads.crank)]
@@ -75,13 +80,15 @@ def _extremes(extremes: Mapping[str, Range]) -> str:
     return text_table("llrrrr", ("extremes of one throw", "unit", "max", "at deg", "min", "at deg"), rows)
 
 
-def _two_rods(rods: int | None) -> str:
-    if rods in (None, 1):
+def _rods_together(rods: int | None) -> str:
+    if rods is None or rods == 1:
         return ""
+    number, every = ("Two", "both") if rods == 2 else (str(rods), "all")
     return (
-        "Two rods on each pin: the torque is that of both; radial, tangential, web and main journal force\n"
-        "are those of both on the web that carries most, by the lever rule; the rest is of one cylinder.\n"
-        "Degrees count from firing of the cylinder in the first bank."
+        f"{number} rods on each pin: the torque is that of {every}; radial, tangential, web and main journal "
+        f"force\nare those of {every} on the web that carries most, by the lever rule; the rest is of one "
+        "cylinder.\n"
+        "Degrees count from firing of the first cylinder of the throw, by number."
     )
 
 

@@ -9,6 +9,7 @@ from scipy.integrate import quad
 
 from cranktopo.design.loading import load_scene
 from cranktopo.engine.analysis import analyse, at_speed
+from cranktopo.engine.chamber import Piston, chamber
 from cranktopo.engine.forces import by_cylinder, shaft_torque
 from cranktopo.engine.gas import combustion_pressure_MPa, fit_combustion
 from cranktopo.engine.kinematics import exact_motion
@@ -31,7 +32,7 @@ def test_torque_does_the_indicated_work(speed):
 def test_indicated_work_by_adaptive_quadrature():
     """The closed integral of p dV of the combustion model, with breaks where its phases meet."""
     gas = MIKRON.engine.gas
-    model = fit_combustion(gas, 48.0, 166.0, 720.0)
+    model = fit_combustion(gas, chamber(Piston(48.0, 166.0)), 720.0)
     area = math.pi / 4 * 95**2
 
     def power(a):

@@ -78,7 +78,7 @@ def test_both_rods_of_a_pin_turn_with_it():
 
 
 REFUSED = [
-    ("layout = 'W'", {}, r"engine\.arrangement\.layout = 'W': must be"),
+    ("layout = 'X'", {}, r"engine\.arrangement\.layout = 'X': must be"),
     ("layot = 'V'", {}, r"unknown key engine\.arrangement\.layot"),
     ("layout = 'V'", {}, r"bank_angle_deg = None: must be given for a V"),
     ("layout = 'V'\nbank_angle_deg = 190.0", {}, r"bank_angle_deg = 190\.0: must be"),
@@ -87,7 +87,7 @@ REFUSED = [
     ("layout = 'boxer'", {"cylinders": 3, "order": (1, 2, 3)}, r"engine\.cylinders = 3: must be even"),
     (VEE, TWIN, r"order.*cannot be even.*split pins"),
     (VEE + "rod_offset_mm = 40.0", {}, r"rod_offset_mm = 40\.0: must be smaller"),
-    ("rod_offset_mm = 10.0", {}, r"rod_offset_mm = 10\.0: only a V has two rods on a pin"),
+    ("rod_offset_mm = 10.0", {}, r"rod_offset_mm = 10\.0: only a V or a W has rods side by side"),
     ("cylinder_pitch_mm = 30.0", {}, r"cylinder_pitch_mm = 30\.0: must be larger than throw\.crankpin"),
     ("cylinder_pitch_mm = 0.0", {}, r"cylinder_pitch_mm = 0\.0: must be"),
     ("throw_angles_deg = [0.0, 180.0]", {}, r"must have one angle per throw \(4\)"),

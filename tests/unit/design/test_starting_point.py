@@ -39,7 +39,7 @@ def test_every_layout_is_a_valid_design_with_loads(layout: LayoutName, cylinders
     """It fires evenly but for V engines whose pins cannot."""
     scene = started(layout, cylinders)
     uneven = {("V", 2): [450, 270], ("V", 4): [180, 270, 180, 90], ("V", 6): [90, 150] * 3}
-    assert gaps_deg(scene) == uneven.get((layout, cylinders), [720 / cylinders] * cylinders)
+    assert gaps_deg(scene) == uneven.get((layout, cylinders), [round(720 / cylinders, 6)] * cylinders)
     cycle = analyse(scene).cycle
     assert cycle is not None
     assert cycle.engine_torque()[0] > 0

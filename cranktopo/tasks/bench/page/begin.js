@@ -2,7 +2,7 @@
 import { $, make, numberOf } from "./base.js";
 import { complain, say, status } from "./talk.js";
 
-const LAYOUTS = ["single", "in-line", "V", "boxer"];
+const LAYOUTS = ["single", "in-line", "V", "W", "boxer", "radial"];
 
 // Engines of each use with values that are usual there: a beginning, to be replaced by what is known.
 const USES = {
@@ -35,7 +35,7 @@ export function showMaterials(names) {
 }
 
 export function beginForm() {
-  const form = $("questions"), usual = { single: 1, "in-line": 4, V: 8, boxer: 4 };
+  const form = $("questions"), usual = { single: 1, "in-line": 4, V: 8, W: 12, boxer: 4, radial: 9 };
   form.querySelector("fieldset").append(
     ...LAYOUTS.map((name) => make("label", {}, make("input", { type: "radio", name: "layout", value: name, checked: name === "single",
       onchange: () => (form.elements.cylinders.value = usual[name]) }), ` ${name}`)),
