@@ -1,9 +1,9 @@
-"""Mass-conserving film of a moment: pressure, oil that each cell holds, and place of the journal that its load asks.
+"""Mass-conserving film over a step: pressure, oil that each cell holds, and the place that a load gives.
 
-Cavitation by Jakobsson, Floberg and Olsson. A cell whose oil does not fill it has no pressure, and keeps its oil
-until the film closes on it. In a frame that turns with the mean speed of journal and bearing nothing is
-carried along, so that a step over time is a linear complementarity problem, in the form of M. Giacopini et al.
-(ASME J. Tribology 132, 041702, 2010), with a symmetric M-matrix:
+Cavitation by Jakobsson, Floberg and Olsson. A cell whose oil does not fill it has no pressure, and keeps its
+oil until the film closes on it. In a frame that turns with the mean speed of journal and bearing nothing is
+carried along, so that a step over time is a linear complementarity problem, in the form of M. Giacopini et
+al. (ASME J. Tribology 132, 041702, 2010), with a symmetric M-matrix:
 
     0 <= pressure,  0 <= A pressure + (thickness - oil before) / step = void / step,  one of the two is 0.
 
@@ -25,6 +25,14 @@ _CHANGES = 60
 """Most steps of Newton's method; it takes about five."""
 _BALANCED = 1e-12
 """Of the load, what may be left of it, and of the oil that a cell can hold."""
+_FREE, _SHORT, _SHORTER, _SHORTEST = 8, 0.5, 0.9, 0.02
+"""Steps of Newton's method of any length; those after them are shorter and shorter, over the least film.
+
+Cells that fill and empty in turn end in this way.
+"""
+_WEAK = 1e-5
+"""Least resistance against a move, over that across it: a single row of cells with pressure pushes one way."""
+_NEARER, _MIDDLE = 0.97, 1e-3
 _CLOSER = 0.7
 """Part of the least film by which one step of Newton's method may thin it."""
 
@@ -58,12 +66,16 @@ class FilmState:
         pressure: of each cell in the middle of the step; the cells with a pressure are full.
         eccentricity: of the journal in the middle of the width, in the frame of the cells.
         tilt: what is added to it at the end of the width.
+        fed: flow into the film during the step.
+        left_out: oil that the balance of the step does not account for, over that of a full film.
     """
 
     oil: Array
     pressure: Array
     eccentricity: complex
     tilt: complex = 0j
+    fed: float = 0.0
+    left_out: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -85,40 +97,58 @@ class Step:
 def advanced(cells: FilmCells, before: FilmState, step: Step) -> FilmState:
     """Return the film after a step.
 
+    A film that closes by more than a midpoint rule can tell is moved by the implicit rule of Euler.
+
     Raises:
         CranktopoError: a film that finds no balance, as where no oil is left to carry the load.
     """
-    weight = cells.toward * (cells.area / cells.half_widths)
-    place, pressure = before.eccentricity, before.pressure
-    for _ in range(_CHANGES):
-        state = _Balance.of(cells, before, step, place)
-        slack = state.outflow(pressure)
-        active = pressure * state.diagonal >= slack
-        left = step.load - (weight * pressure).sum()
-        off = np.where(active, slack, pressure * state.diagonal)
-        limit = _BALANCED * max(cells.area / step.length, float((pressure * state.diagonal).max()))
-        if abs(left) <= _BALANCED * max(abs(step.load), 1e-12) and np.abs(off).max() <= limit:
-            return _ended(cells, state, slack, pressure, step)
-        right = np.stack([-state.outflow(np.where(active, pressure, 0.0)), *state.changes(pressure)])
-        own, by_x, by_y = cells.solve(state.g, step.supply.feed, active, right)
-        pressure = np.where(active, pressure, 0.0) + own
-        left = step.load - (weight * pressure).sum()
-        push_x, push_y = (weight * by_x).sum(), (weight * by_y).sum()
-        move = _two(push_x, push_y, left)
-        move *= state.allowed(move)
-        pressure = pressure + by_x * move.real + by_y * move.imag
-        place = place + move
+    for later in (0.5, 1.0):
+        if (found := _balanced(cells, before, step, later)) is not None:
+            return found
     raise solver_error(
         "oil film: the mass-conserving film finds no balance with its load.",
         "Raise supply_pressure_MPa or the viscosity, or take a smaller clearance.",
     )
 
 
+def _balanced(cells: FilmCells, before: FilmState, step: Step, later: float) -> FilmState | None:
+    """Return the film after a step whose flow is that of so late a part of it; None: not found."""
+    weight = cells.toward * (cells.area / cells.half_widths)
+    place, pressure = inside(before.eccentricity, step.tilt), before.pressure
+    for number in range(_CHANGES):
+        state = _Balance.of(cells, before, step, place, later)
+        slack = state.outflow(pressure)
+        active: Mask = pressure * state.diagonal >= slack
+        left = step.load - (weight * pressure).sum()
+        off = np.where(active, slack, pressure * state.diagonal)
+        limit = _BALANCED * max(cells.area / step.length, float((pressure * state.diagonal).max()))
+        if abs(left) <= _BALANCED * max(abs(step.load), 1e-12) and np.abs(off).max() <= limit:
+            return _ended(before, state, slack, pressure)
+        right = np.stack([-state.outflow(np.where(active, pressure, 0.0)), *state.changes(pressure)])
+        own, by_x, by_y = cells.solve(state.g, step.supply.feed, active, right)
+        pressure = np.where(active, pressure, 0.0) + own
+        left = step.load - (weight * pressure).sum()
+        move = _two((weight * by_x).sum(), (weight * by_y).sum(), left)
+        move *= state.allowed(move, number)
+        pressure = pressure + by_x * move.real + by_y * move.imag
+        place = place + move
+    return None
+
+
+def inside(place: complex, tilt: complex) -> complex:
+    """Return the place of a journal, or one nearer to the middle where its tilt would let it touch."""
+    while place and max(abs(place + tilt), abs(place - tilt)) >= 1.0:
+        place = place * _NEARER if abs(place) > _MIDDLE else 0j
+    return place
+
+
 def _two(by_x: complex, by_y: complex, left: complex) -> complex:
-    """Solve x by_x + y by_y = left for real x and y, as x + i y."""
-    determinant = by_x.real * by_y.imag - by_y.real * by_x.imag
-    x = (left.real * by_y.imag - by_y.real * left.imag) / determinant
-    y = (by_x.real * left.imag - left.real * by_x.imag) / determinant
+    """Return the move x + i y with x by_x + y by_y = left, less along what next to nothing resists."""
+    matrix = np.array([[by_x.real, by_y.real], [by_x.imag, by_y.imag]])
+    u, sizes, v = np.linalg.svd(matrix)
+    if not sizes[0]:
+        return left / abs(left)  # nothing carries yet
+    x, y = v.T @ (u.T @ [left.real, left.imag] / np.maximum(sizes, _WEAK * sizes[0]))
     return complex(x, y)
 
 
@@ -127,26 +157,29 @@ class _Balance:
     """Balance of oil of every cell at a place of the journal.
 
     Attributes:
-        film, end: in the middle of the step, and at its end.
-        g: conductance of the faces, in the middle.
+        later: when the film flows, as part of the step.
+        film, end: film at that time, and at the end of the step.
+        g: conductance of the faces at that time.
         filling: oil that is missing to fill each cell, over the step.
     """
 
     cells: FilmCells
     step: Step
     place: complex
+    later: float
     film: Thickness
     end: Thickness
     g: Conductance
     filling: Array
 
     @classmethod
-    def of(cls, cells: FilmCells, before: FilmState, step: Step, place: complex) -> _Balance:
+    def of(cls, cells: FilmCells, before: FilmState, step: Step, place: complex, later: float) -> _Balance:
         end = cells.thickness(place, step.tilt)
-        film = cells.thickness((before.eccentricity + place) / 2, (before.tilt + step.tilt) / 2)
+        tilt = before.tilt + later * (step.tilt - before.tilt)
+        film = cells.thickness(before.eccentricity + later * (place - before.eccentricity), tilt)
         filling = (end.cell - before.oil) * (cells.area / step.length)
         g = cells.conductance(film.around**3, film.along**3)
-        return cls(cells, step, place, film, end, g, filling)
+        return cls(cells, step, place, later, film, end, g, filling)
 
     @property
     def diagonal(self) -> Array:
@@ -160,26 +193,40 @@ class _Balance:
 
     def changes(self, pressure: Array) -> tuple[Array, Array]:
         """Return what a move of the journal along both axes takes from this outflow."""
-        found, film = [], self.film
+        found, film, part = [], self.film, 3 * self.later
         for way in (1 + 0j, 1j):
             moved = self.cells.thickness(way, 0j)
             g = self.cells.conductance(
-                1.5 * film.around**2 * (moved.around - 1), 1.5 * film.along**2 * (moved.along - 1)
+                part * film.around**2 * (moved.around - 1), part * film.along**2 * (moved.along - 1)
             )
             more = (moved.cell - 1) * (self.cells.area / self.step.length)
             found.append(-(g.outflow(pressure, self.step.supply.edge) + more))
         return found[0], found[1]
 
-    def allowed(self, move: complex) -> float:
-        """Return the part of a move that keeps the film from closing."""
+    def allowed(self, move: complex, number: int) -> float:
+        """Return the part of a move that keeps the film from closing, of this step of Newton's method."""
         moved, end = self.cells.thickness(move, 0j), self.end
         most = max(
             float(((1 - there) / own).max())
             for own, there in ((end.around, moved.around), (end.along, moved.along))
         )
-        return min(1.0, _CLOSER / most) if most > 0 else 1.0
+        part = min(1.0, _CLOSER / most) if most > 0 else 1.0
+        if number < _FREE or not move:
+            return part
+        longest = max(_SHORT * _SHORTER ** (number - _FREE), _SHORTEST) * float(end.along.min())
+        return min(part, longest / abs(move))
 
 
-def _ended(cells: FilmCells, state: _Balance, slack: Array, pressure: Array, step: Step) -> FilmState:
+def _ended(before: FilmState, state: _Balance, slack: Array, pressure: Array) -> FilmState:
+    """The film of a balance, with what was fed and the oil that is not accounted for."""
+    cells, step, g = state.cells, state.step, state.g
     void = np.where(pressure > 0, 0.0, np.maximum(slack, 0.0)) * (step.length / cells.area)
-    return FilmState(state.end.cell - void, np.maximum(pressure, 0.0), state.place, step.tilt)
+    oil, pressure = state.end.cell - void, np.maximum(pressure, 0.0)
+    fed = float((step.supply.feed * (step.supply.pressure - pressure)).sum())
+    fed += float((g.along[:, 0] * (step.supply.edge - pressure[:, 0])).sum())
+    lost = float((g.along[:, -1] * pressure[:, -1]).sum())
+    grown = float((oil - before.oil).sum()) * cells.area
+    kept = (fed - lost) * step.length - grown
+    return FilmState(
+        oil, pressure, state.place, step.tilt, fed, abs(kept) / float(state.end.cell.sum() * cells.area)
+    )

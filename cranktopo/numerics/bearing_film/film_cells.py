@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 import scipy.linalg as sl
 
-from cranktopo.base.arrays import Array, Complex, Index
+from cranktopo.base.arrays import Array, Complex, Index, Mask
 from cranktopo.base.errors import solver_error
 
 Sides = Literal["symmetric", "open", "groove"]
@@ -59,27 +59,27 @@ class FilmCells:
     @cached_property
     def angle(self) -> Array:
         """Angles of the middles of the cells, rad."""
-        return self.step * (np.arange(self.around) + 0.5)
+        return np.asarray(self.step * (np.arange(self.around) + 0.5))
 
     @cached_property
     def toward(self) -> Complex:
         """Mean over each cell of the unit vector toward it, shape (around, 1)."""
-        return (np.exp(1j * self.angle) * np.sinc(self.step / 2 / np.pi))[:, None]
+        return np.asarray(np.exp(1j * self.angle) * np.sinc(self.step / 2 / np.pi))[:, None]
 
     @cached_property
     def edges(self) -> Array:
         """Places of the edges along the width, (along + 1)."""
         first = 0.0 if self.sides == "symmetric" else -1.0
-        return np.linspace(first, 1.0, self.along + 1)
+        return np.linspace(first, 1.0, self.along + 1, dtype=np.float64)
 
     @property
     def middles(self) -> Array:
         """Places of the middles of the cells along the width."""
-        return (self.edges[1:] + self.edges[:-1]) / 2
+        return np.asarray((self.edges[1:] + self.edges[:-1]) / 2)
 
     @cached_property
     def _folded(self) -> Index:
-        """Rows around in an order in which neighbours are two places apart at most: 0, n - 1, 1, n - 2, ..."""
+        """Rows around with neighbours two places apart at most: 0, n - 1, 1, n - 2, ..."""
         half = np.arange(self.around // 2)
         return np.stack([half, self.around - 1 - half], axis=1).ravel()
 
@@ -103,7 +103,7 @@ class FilmCells:
         across = across * np.r_[first, np.ones(self.along - 1), 2.0]
         return Conductance(around * (self.length / self.step), across)
 
-    def solve(self, g: Conductance, feed: Array, active: Array, right: Array) -> Array:
+    def solve(self, g: Conductance, feed: Array, active: Mask, right: Array) -> Array:
         """Solve the balance of the active cells, in the others 0; right of shape (values, around, along)."""
         m, order = self.along, self._folded
         diagonal = g.diagonal + feed

@@ -9,8 +9,26 @@ from cranktopo.design.assumed import Assumption
 from cranktopo.tasks.film.permitted import LeastFilm
 
 
+class ConservingFilm(Result):
+    """The film of one bearing that keeps its oil: fed at one place, cavitated where it is not full.
+
+    Attributes:
+        film_um: least thickness.
+        pressure_MPa: largest pressure.
+        least_filled: part of the room between journal and bearing that holds oil, where it is least.
+        oil_cm3_per_s: mean flow into the bearing.
+    """
+
+    film_um: float
+    film_deg: float
+    pressure_MPa: float
+    pressure_deg: float
+    least_filled: float
+    oil_cm3_per_s: float
+
+
 class BearingFilm(Result):
-    """The film of one bearing over the cycle.
+    """The film of one bearing over the cycle, by the mobility method.
 
     Attributes:
         bearing: "main 1" is at the free end; the big-end bearings are all alike but for their time.
@@ -20,6 +38,7 @@ class BearingFilm(Result):
         pressure_MPa: largest pressure of the film.
         eccentricity: largest, over the radial clearance.
         friction_W: mean power that the film of one of them takes.
+        conserving: the mass-conserving film, of a bearing near what is permitted.
     """
 
     bearing: str
@@ -36,6 +55,7 @@ class BearingFilm(Result):
     pressure_deg: float
     eccentricity: float
     friction_W: float
+    conserving: ConservingFilm | None = UNLESS_NONE
 
 
 class FilmsAtSpeed(Result):
@@ -50,11 +70,17 @@ class FilmsAtSpeed(Result):
         return min(self.bearings, key=lambda one: round(one.film_um, 6))
 
     @property
+    def conserving(self) -> list[BearingFilm]:
+        """The bearings with a mass-conserving film."""
+        return [one for one in self.bearings if one.conserving is not None]
+
+    @property
     def least_films(self) -> list[LeastFilm]:
-        """Film and pressure of every bearing, as what is permitted asks for them."""
+        """Film and pressure of every bearing, as what is permitted asks; mass-conserving where computed."""
+        values = [(one, one.conserving or one) for one in self.bearings]
         return [
-            LeastFilm(one.bearing, self.rpm, one.film_um, one.below_um, one.pressure_MPa)
-            for one in self.bearings
+            LeastFilm(one.bearing, self.rpm, best.film_um, one.below_um, best.pressure_MPa)
+            for one, best in values
         ]
 
     @property
@@ -73,6 +99,7 @@ class FilmResult(Result):
         pressure: sentence on the pressure at speeds other than the engine's own.
         misfire: cylinders that do not fire, where there are any; the big end is of one that fires.
         permitted_film_um, permitted_pressure_MPa: null where the scene gives none.
+        near: films within so many times of what is permitted have a mass-conserving one beside.
         holds: whether all films are within what is permitted; null where nothing is.
     """
 
@@ -87,5 +114,6 @@ class FilmResult(Result):
     speeds: tuple[FilmsAtSpeed, ...]
     permitted_film_um: float | None
     permitted_pressure_MPa: float | None
+    near: float | None = UNLESS_NONE
     holds: bool | None
     assumed: tuple[Assumption, ...]

@@ -58,7 +58,9 @@ class OpenedPlates:
 
         def front(time: float, place: Array) -> Array:
             empty = self.thickness(time) - kept(min(place[0], 2.0))
-            flow = self.thickness(time) ** 3 / WIDTH**2 * PRESSURE / place[0] - self.speed(time) * place[0] / 2
+            flow = (
+                self.thickness(time) ** 3 / WIDTH**2 * PRESSURE / place[0] - self.speed(time) * place[0] / 2
+            )
             return np.array([flow / empty])
 
         def whole(time: float, place: Array) -> float:
@@ -67,7 +69,13 @@ class OpenedPlates:
         whole.terminal = True  # type: ignore[attr-defined]
         begin = self.turn + 1e-4, [self.least * (1 + 1e-7)]
         self.refilled = solve_ivp(
-            front, (begin[0], 2 * math.pi), begin[1], method="Radau", rtol=1e-8, dense_output=True, events=whole
+            front,
+            (begin[0], 2 * math.pi),
+            begin[1],
+            method="Radau",
+            rtol=1e-8,
+            dense_output=True,
+            events=whole,
         )
 
     def thickness(self, time: Array | float) -> Array:
@@ -102,7 +110,9 @@ def plates_error(along: int, steps: int, plates: tuple[OpenedPlates, OpenedPlate
         middle, end = (number + 0.5) * length, (number + 1) * length
         load = math.pi * complex(*(one.force(middle) for one in plates))
         state = advanced(cells, state, Step(length, load, 0j, supply))
-        for own, place, row in zip(plates, (state.eccentricity.real, state.eccentricity.imag), (0, 2), strict=True):
+        for own, place, row in zip(
+            plates, (state.eccentricity.real, state.eccentricity.imag), (0, 2), strict=True
+        ):
             off = abs(1 - place - float(own.thickness(end)))
             part = 2 * (state.pressure[row] > 0).sum() / along
             worst = np.maximum(worst, [off, abs(part - own.full(middle))])
@@ -132,8 +142,12 @@ def long_journal(around: int, load: float) -> tuple[complex, Array, float]:
         turn = np.exp(0.5j * length * (number + 0.5))
         away = np.abs(np.angle(np.exp(1j * cells.angle) * turn))
         feed = 1e4 * np.clip((1.5 * cells.step - away) / cells.step, 0.0, 1.0)[:, None]
-        before, state = state, advanced(cells, state, Step(length, 1j * load / turn, 0j, Supply(0.02, feed, False)))
+        before, state = (
+            state,
+            advanced(cells, state, Step(length, 1j * load / turn, 0j, Supply(0.02, feed, False))),
+        )
         fed = (feed * (0.02 - state.pressure)).sum() * length
+        assert fed == pytest.approx(state.fed * length)
         lost = max(lost, abs(fed - (state.oil - before.oil).sum() * cells.area))
     angle = np.angle(np.exp(1j * cells.angle) * turn)
     order = np.argsort(angle)
