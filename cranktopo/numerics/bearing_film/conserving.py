@@ -13,12 +13,13 @@ The full cells and the place of the journal are found at once, by Newton's metho
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from cranktopo.base.arrays import Array, Mask
-from cranktopo.base.errors import solver_error
+from cranktopo.base.errors import CranktopoError, solver_error
 from cranktopo.numerics.bearing_film.film_cells import Conductance, FilmCells, Thickness
 
 _CHANGES = 60
@@ -30,11 +31,18 @@ _FREE, _SHORT, _SHORTER, _SHORTEST = 8, 0.5, 0.9, 0.02
 
 Cells that fill and empty in turn end in this way.
 """
+_TOUCHED = 1e-3
+"""Film over the clearance, of a tilted journal whose film does not carry, below which it touches."""
 _WEAK = 1e-5
-"""Least resistance against a move, over that across it: a single row of cells with pressure pushes one way."""
-_NEARER, _MIDDLE = 0.97, 1e-3
+"""Least resistance to a move, over that across it: a single row of cells with pressure pushes one way."""
+_ROOM, _NEARER, _MIDDLE = 0.3, 0.97, 1e-3
+"""Room that a tilted journal is given that would touch, over that in the middle; steps to it; the middle."""
 _CLOSER = 0.7
 """Part of the least film by which one step of Newton's method may thin it."""
+
+
+class TouchingError(CranktopoError):
+    """A tilted journal touches an end of its bearing: in a corner no film carries, however thin it is."""
 
 
 @dataclass(frozen=True)
@@ -100,19 +108,26 @@ def advanced(cells: FilmCells, before: FilmState, step: Step) -> FilmState:
     A film that closes by more than a midpoint rule can tell is moved by the implicit rule of Euler.
 
     Raises:
+        TouchingError: a tilted journal that its film does not keep off the end of the bearing.
         CranktopoError: a film that finds no balance, as where no oil is left to carry the load.
     """
+    least = math.inf
     for later in (0.5, 1.0):
-        if (found := _balanced(cells, before, step, later)) is not None:
+        found, least = _balanced(cells, before, step, later)
+        if found is not None:
             return found
+    if step.tilt and least < _TOUCHED:
+        raise TouchingError("oil film: the tilted journal touches an end of its bearing.")
     raise solver_error(
         "oil film: the mass-conserving film finds no balance with its load.",
         "Raise supply_pressure_MPa or the viscosity, or take a smaller clearance.",
     )
 
 
-def _balanced(cells: FilmCells, before: FilmState, step: Step, later: float) -> FilmState | None:
-    """Return the film after a step whose flow is that of so late a part of it; None: not found."""
+def _balanced(
+    cells: FilmCells, before: FilmState, step: Step, later: float
+) -> tuple[FilmState | None, float]:
+    """Return the film after a step, with the flow of so late a part of it, None: not found; and its least."""
     weight = cells.toward * (cells.area / cells.half_widths)
     place, pressure = inside(before.eccentricity, step.tilt), before.pressure
     for number in range(_CHANGES):
@@ -123,7 +138,7 @@ def _balanced(cells: FilmCells, before: FilmState, step: Step, later: float) -> 
         off = np.where(active, slack, pressure * state.diagonal)
         limit = _BALANCED * max(cells.area / step.length, float((pressure * state.diagonal).max()))
         if abs(left) <= _BALANCED * max(abs(step.load), 1e-12) and np.abs(off).max() <= limit:
-            return _ended(before, state, slack, pressure)
+            return _ended(before, state, slack, pressure), float(state.end.along.min())
         right = np.stack([-state.outflow(np.where(active, pressure, 0.0)), *state.changes(pressure)])
         own, by_x, by_y = cells.solve(state.g, step.supply.feed, active, right)
         pressure = np.where(active, pressure, 0.0) + own
@@ -132,14 +147,19 @@ def _balanced(cells: FilmCells, before: FilmState, step: Step, later: float) -> 
         move *= state.allowed(move, number)
         pressure = pressure + by_x * move.real + by_y * move.imag
         place = place + move
-    return None
+    return None, float(state.end.along.min())
 
 
 def inside(place: complex, tilt: complex) -> complex:
     """Return the place of a journal, or one nearer to the middle where its tilt would let it touch."""
-    while place and max(abs(place + tilt), abs(place - tilt)) >= 1.0:
-        place = place * _NEARER if abs(place) > _MIDDLE else 0j
-    return place
+    if max(abs(place + tilt), abs(place - tilt)) < 1.0:
+        return place
+    most = 1 - _ROOM * (1 - abs(tilt))
+    while abs(place) > _MIDDLE:
+        place *= _NEARER
+        if max(abs(place + tilt), abs(place - tilt)) < most:
+            return place
+    return 0j
 
 
 def _two(by_x: complex, by_y: complex, left: complex) -> complex:
@@ -223,8 +243,9 @@ def _ended(before: FilmState, state: _Balance, slack: Array, pressure: Array) ->
     void = np.where(pressure > 0, 0.0, np.maximum(slack, 0.0)) * (step.length / cells.area)
     oil, pressure = state.end.cell - void, np.maximum(pressure, 0.0)
     fed = float((step.supply.feed * (step.supply.pressure - pressure)).sum())
-    fed += float((g.along[:, 0] * (step.supply.edge - pressure[:, 0])).sum())
+    begin = float((g.along[:, 0] * (step.supply.edge - pressure[:, 0])).sum())
     lost = float((g.along[:, -1] * pressure[:, -1]).sum())
+    fed, lost = (fed + begin, lost) if step.supply.at_begin else (fed, lost - begin)
     grown = float((oil - before.oil).sum()) * cells.area
     kept = (fed - lost) * step.length - grown
     return FilmState(

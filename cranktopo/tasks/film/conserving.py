@@ -8,15 +8,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import Assumption
 from cranktopo.design.plain_bearings import PlainBearings
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.bearing_film.conserving import TouchingError
 from cranktopo.numerics.bearing_film.conserving_orbit import ConservedOrbit, OilFeed, conserved_orbit
-from cranktopo.numerics.bearing_film.orbit import LoadedJournal, Orbit
-from cranktopo.tasks.film.result import BearingFilm, ConservingFilm
+from cranktopo.numerics.bearing_film.orbit import LEAST_SHARE, LoadedJournal, Orbit
+from cranktopo.tasks.film.result import BearingFilm, ConservingFilm, EdgeFilm
 
 BIG_END = "big end"
 NEAR = 1.5
@@ -35,19 +36,28 @@ def near_limit(table: PlainBearings, film: BearingFilm) -> bool:
 
 
 def with_conserving(
-    scene: Scene, films: Sequence[BearingFilm], journals: Sequence[LoadedJournal], found: Sequence[Orbit]
+    scene: Scene,
+    films: Sequence[BearingFilm],
+    journals: Sequence[LoadedJournal],
+    found: Sequence[Orbit],
+    tilts: Sequence[Complex | None],
 ) -> tuple[BearingFilm, ...]:
     """Return the films of a scene at its speed, those near their limit with the film that keeps its oil.
+
+    Args:
+        tilts: eccentricity at the end of each bearing less that in its middle, over the angles of the orbits.
 
     Raises:
         CranktopoError: a film that does not become steady, with the name of its bearing.
     """
     assert scene.bearings is not None
     start, every, done = time.perf_counter(), list(films), 0
-    for place, (film, journal, orbit) in enumerate(zip(films, journals, found, strict=True)):
+    for place, (film, journal, orbit, tilt) in enumerate(zip(films, journals, found, tilts, strict=True)):
         if near_limit(scene.bearings, film):
             feed = oil_feed(scene, film.bearing, orbit.angle_deg, journal.bearing.diameter_mm)
-            every[place] = film.model_copy(update={"conserving": _conserving(film, journal, orbit, feed)})
+            every[place] = film.model_copy(
+                update={"conserving": _conserving(film, journal, orbit, feed, tilt)}
+            )
             done += 1
     if done:
         names = "bearing" if done == 1 else "bearings"
@@ -91,7 +101,9 @@ def _pin_holes(scene: Scene) -> Iterator[tuple[float, float]]:
                 yield drilling.diameter_mm, end.angle_deg
 
 
-def _conserving(film: BearingFilm, journal: LoadedJournal, orbit: Orbit, feed: OilFeed) -> ConservingFilm:
+def _conserving(
+    film: BearingFilm, journal: LoadedJournal, orbit: Orbit, feed: OilFeed, tilt: Complex | None
+) -> ConservingFilm:
     stride = max(1, round(_STEP_DEG / float(orbit.angle_deg[1] - orbit.angle_deg[0])))
     own, sleeve = journal.surfaces_rad_s
     coarse = LoadedJournal(
@@ -101,13 +113,34 @@ def _conserving(film: BearingFilm, journal: LoadedJournal, orbit: Orbit, feed: O
         feed = replace(feed, hole_rad=feed.hole_rad[::stride])
     angle = orbit.angle_deg[::stride]
     try:
-        found = conserved_orbit(coarse, angle, feed, orbit)
+        found = _read(conserved_orbit(coarse, angle, feed, orbit))
+        if tilt is None:
+            return found
+        return found.model_copy(update={"edge": _edge(coarse, angle, feed, orbit, tilt[::stride])})
     except CranktopoError as error:
         raise CranktopoError(f"{film.bearing}: {error.message}", hint=error.hint, code=error.code) from error
-    return _read(found, film)
 
 
-def _read(found: ConservedOrbit, film: BearingFilm) -> ConservingFilm:
+def _edge(journal: LoadedJournal, angle_deg: Array, feed: OilFeed, orbit: Orbit, tilt: Complex) -> EdgeFilm:
+    most = int(np.abs(tilt).argmax())
+    tilt_um = float(np.abs(tilt[most])) * journal.bearing.clearance_mm * _UM_PER_MM
+    touching = EdgeFilm(film_um=0.0, film_deg=float(angle_deg[most]), pressure_MPa=None, tilt_um=tilt_um)
+    if np.abs(tilt[most]) >= 1 - LEAST_SHARE:
+        return touching
+    try:
+        found = conserved_orbit(journal, angle_deg, feed, orbit, tilt)
+    except TouchingError:
+        return touching
+    thin = int(found.film_mm.argmin())
+    return EdgeFilm(
+        film_um=float(found.film_mm[thin]) * _UM_PER_MM,
+        film_deg=float(angle_deg[thin]),
+        pressure_MPa=float(found.pressure_MPa.max()),
+        tilt_um=tilt_um,
+    )
+
+
+def _read(found: ConservedOrbit) -> ConservingFilm:
     thin, hard = int(found.film_mm.argmin()), int(found.pressure_MPa.argmax())
     half = float(found.angle_deg[1]) / 2  # the pressure is that of the middle of a step
     cycle = len(found.angle_deg) * 2 * half

@@ -9,6 +9,22 @@ from cranktopo.design.assumed import Assumption
 from cranktopo.tasks.film.permitted import LeastFilm
 
 
+class EdgeFilm(Result):
+    """The film that keeps its oil under a journal that is tilted in its bearing.
+
+    Attributes:
+        film_um: least thickness, at an end of the bearing; 0 where the journal touches it, as stiff and sharp
+            ends without a film's moment let it; `film_deg` is then where the tilt is largest.
+        pressure_MPa: largest pressure; null where it touches.
+        tilt_um: half of what the tilt takes from end to end, where it is largest.
+    """
+
+    film_um: float
+    film_deg: float
+    pressure_MPa: float | None
+    tilt_um: float
+
+
 class ConservingFilm(Result):
     """The film of one bearing that keeps its oil: fed at one place, cavitated where it is not full.
 
@@ -17,6 +33,7 @@ class ConservingFilm(Result):
         pressure_MPa: largest pressure.
         least_filled: part of the room between journal and bearing that holds oil, where it is least.
         oil_cm3_per_s: mean flow into the bearing.
+        edge: with the journal tilted as the shaft is bent; of a whole shaft.
     """
 
     film_um: float
@@ -25,6 +42,7 @@ class ConservingFilm(Result):
     pressure_deg: float
     least_filled: float
     oil_cm3_per_s: float
+    edge: EdgeFilm | None = UNLESS_NONE
 
 
 class BearingFilm(Result):
@@ -57,6 +75,11 @@ class BearingFilm(Result):
     friction_W: float
     conserving: ConservingFilm | None = UNLESS_NONE
 
+    def least(self, rpm: float) -> LeastFilm:
+        """Return film and pressure at a speed, of the mass-conserving film where it is computed."""
+        best = self.conserving or self
+        return LeastFilm(self.bearing, rpm, best.film_um, self.below_um, best.pressure_MPa)
+
 
 class FilmsAtSpeed(Result):
     """The films of all bearings at a speed."""
@@ -77,11 +100,7 @@ class FilmsAtSpeed(Result):
     @property
     def least_films(self) -> list[LeastFilm]:
         """Film and pressure of every bearing, as what is permitted asks; mass-conserving where computed."""
-        values = [(one, one.conserving or one) for one in self.bearings]
-        return [
-            LeastFilm(one.bearing, self.rpm, best.film_um, one.below_um, best.pressure_MPa)
-            for one, best in values
-        ]
+        return [one.least(self.rpm) for one in self.bearings]
 
     @property
     def friction_W(self) -> float:

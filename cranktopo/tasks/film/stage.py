@@ -48,6 +48,7 @@ class LoadedBearing:
         sleeve: angular speed of what is around the journal, over that of the shaft.
         number: how many bearings are like it.
         largest: largest load, N, and its angle, deg, where `load_N` is of fewer angles than are known.
+        tilt: place of the journal at the end of the bearing less that in its middle, over the clearance.
     """
 
     name: str
@@ -56,6 +57,7 @@ class LoadedBearing:
     sleeve: Array
     number: int = 1
     largest: tuple[float, float] | None = None
+    tilt: Complex | None = None
 
 
 def oil_films(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> FilmResult:
@@ -138,7 +140,7 @@ def films_of(
         films = tuple(_film(one, steady) for one, steady in zip(loaded, own, strict=True))
         if conserving:
             journals = [_journal(one, scene, angle) for one in loaded]
-            films = with_conserving(scene, films, journals, own)
+            films = with_conserving(scene, films, journals, own, [one.tilt for one in loaded])
         every.append(films)
     return every
 

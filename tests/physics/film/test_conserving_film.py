@@ -13,8 +13,10 @@ from scipy.optimize import brentq
 from typing_extensions import override
 
 from cranktopo.base.arrays import Array, Complex
-from cranktopo.numerics.bearing_film.conserving import FilmState, Step, Supply, advanced
+from cranktopo.numerics.bearing_film.conserving import FilmState, Step, Supply, TouchingError, advanced
+from cranktopo.numerics.bearing_film.conserving_orbit import OilFeed, conserved_orbit
 from cranktopo.numerics.bearing_film.film_cells import Conductance, FilmCells, Thickness
+from cranktopo.numerics.bearing_film.orbit import JournalBearing, LoadedJournal, orbits
 
 PRESSURE, WIDTH = 0.05, 0.8
 
@@ -178,3 +180,60 @@ def test_a_long_journal_with_a_line_of_oil(load: float) -> None:
     force = np.trapezoid(exact * np.exp(1j * inside), inside)
     assert abs(force - 1j * load) < 0.02 * load
     assert lost < 1e-10
+
+
+@pytest.mark.parametrize("tilt", [0.2 + 0.1j, -0.15j])
+def test_a_narrow_tilted_film_has_one_integral_along_its_width(tilt: complex) -> None:
+    """(H^3 P')' = width^2 dH/dt along the width at every angle, H linear in it, P = 0 at both ends."""
+    width, length, before, turned = 0.01, 0.02, 0.5 + 0j, 0.02j
+    cells = FilmCells(90, 40, width, "open")
+    full = cells.thickness(before, tilt).cell
+    nothing = Supply(0.0, np.zeros((90, 40)), at_begin=False)
+    start = FilmState(full, np.zeros((90, 40)), before, tilt)
+    found = advanced(cells, start, Step(length, 4e-4 * np.exp(0.5j), tilt + turned, nothing))
+    row = int(found.pressure.max(axis=1).argmax())
+    place = np.linspace(-1.0, 1.0, 4001)
+    toward = np.exp(-1j * cells.angle[row])
+
+    def film(eccentricity: complex, tilted: complex) -> Array:
+        return np.asarray(1 - ((eccentricity + tilted * place) * toward).real)
+
+    closing = (film(found.eccentricity, tilt + turned) - film(before, tilt)) / length
+    middle = film((before + found.eccentricity) / 2, tilt + turned / 2)
+    step = place[1] - place[0]
+    filled = np.concatenate([[0.0], np.cumsum((closing[1:] + closing[:-1]) / 2) * step]) * width**2
+    constant = -np.trapezoid(filled / middle**3, place) / np.trapezoid(1 / middle**3, place)
+    slope = (filled + constant) / middle**3
+    exact = np.concatenate([[0.0], np.cumsum((slope[1:] + slope[:-1]) / 2) * step])
+    assert (found.pressure[row] > 0).all()
+    assert np.abs(found.pressure[row] - np.interp(cells.middles, place, exact)).max() < 0.01 * exact.max()
+
+
+@pytest.mark.slow
+def test_tilt_is_the_same_from_either_end_and_thins_the_edge() -> None:
+    """And cells of a whole width without tilt are those of a half."""
+    angle, bearing = np.arange(0.0, 360.0, 4.0), JournalBearing(60.0, 24.0, 1, 0.03, 0.01)
+    load = 6000.0 * np.exp(-(((angle - 90.0) / 40.0) ** 2)) + 2500.0 * np.exp(0.3j) + 0j
+    journal = LoadedJournal(bearing, load, 300.0, (np.full_like(angle, 300.0), np.zeros_like(angle)))
+    (start,) = orbits([journal], angle)
+    feed = OilFeed(0.3, hole_mm=6.0, hole_rad=np.full_like(angle, 2.0))
+    way = 0.1 * np.exp(1j * np.angle(load))
+    tilts = [None, np.zeros_like(load), way, -way]
+    parallel, flat, one, other = (
+        conserved_orbit(journal, angle, feed, start, tilt, (60, 5)) for tilt in tilts
+    )
+    assert flat.film_mm == pytest.approx(parallel.film_mm, rel=1e-9)
+    assert flat.fed_mm3_per_s == pytest.approx(parallel.fed_mm3_per_s, rel=1e-6)
+    assert other.film_mm == pytest.approx(one.film_mm, rel=1e-9)
+    assert one.film_mm.min() < 0.7 * parallel.film_mm.min()
+    assert one.pressure_MPa.max() > 1.1 * parallel.pressure_MPa.max()
+    assert max(found.left_out for found in (parallel, flat, one, other)) < 1e-10
+
+
+def test_a_tilt_that_no_film_holds_touches() -> None:
+    cells = FilmCells(60, 8, 0.4, "open")
+    full = cells.thickness(0j, 0.4 + 0j).cell
+    nothing = Supply(0.0, np.zeros((60, 8)), at_begin=False)
+    start = FilmState(full, np.zeros((60, 8)), 0j, 0.4 + 0j)
+    with pytest.raises(TouchingError, match="touches an end"):
+        advanced(cells, start, Step(0.05, 1e4 + 0j, 0.4 + 0j, nothing))
