@@ -58,7 +58,7 @@ class PlainBearings(SceneTable):
     feed_hole_mm: Length | None = Field(default=None, examples=[5.0])
     """Diameter of the hole that feeds a main bearing without groove, and a big end whose pin has no drilling;
     in the middle of the width, by default a tenth of the journal's diameter."""
-    feed_hole_deg: Angle = 0.0
+    feed_hole_deg: Angle = 90.0
     """Angle of the hole in a main bearing from the axis of the first cylinder, in the sense of rotation."""
     permitted_film_um: Film | None = Field(default=None, examples=[1.5])
     """Least permitted film thickness, as journals' roughness and deflection leave it."""

@@ -18,7 +18,7 @@ from cranktopo.base.arrays import Array, Complex, Index, Mask
 from cranktopo.base.errors import solver_error
 
 Sides = Literal["symmetric", "open", "groove"]
-"""Where the film begins along the width: in the middle of a symmetric one, at an open end, at a groove."""
+"""Begin of a film along the width: the middle of a symmetric one, an open end, or a groove."""
 
 
 @dataclass(frozen=True)
