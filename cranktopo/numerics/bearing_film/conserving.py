@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -22,23 +23,24 @@ from cranktopo.base.arrays import Array, Mask
 from cranktopo.base.errors import CranktopoError, solver_error
 from cranktopo.numerics.bearing_film.film_cells import Conductance, FilmCells, Thickness
 
-_CHANGES = 60
-"""Most steps of Newton's method; it takes about five."""
+_FAST = 60
+"""Most steps of Newton's method on cells and place at once; it takes about five, more where a front runs through cells."""
+_SAFE = 60
+"""Most steps of that on the place alone, each so short that the force along it falls and does not turn about."""
+_FILLINGS = 120
+"""Most changes of the full cells at a place."""
+_SHORTEST, _BETTER = 1e-4, 0.1
+"""Shortest part of such a step, and how much of what it promises it must keep."""
 _BALANCED = 1e-12
 """Of the load, what may be left of it, and of the oil that a cell can hold."""
-_FREE, _SHORT, _SHORTER, _SHORTEST = 8, 0.5, 0.9, 0.02
-"""Steps of Newton's method of any length; those after them are shorter and shorter, over the least film.
-
-Cells that fill and empty in turn end in this way.
-"""
 _TOUCHED = 1e-3
 """Film over the clearance, of a tilted journal whose film does not carry, below which it touches."""
 _WEAK = 1e-5
 """Least resistance to a move, over that across it: a single row of cells with pressure pushes one way."""
 _ROOM, _NEARER, _MIDDLE = 0.3, 0.97, 1e-3
 """Room that a tilted journal is given that would touch, over that in the middle; steps to it; the middle."""
-_CLOSER = 0.7
-"""Part of the least film by which one step of Newton's method may thin it."""
+_CLOSER, _CLOSED = 0.7, 1e-12
+"""Part of the least film by which one step of Newton's method may thin it, and a film that is closed."""
 
 
 class TouchingError(CranktopoError):
@@ -113,9 +115,11 @@ def advanced(cells: FilmCells, before: FilmState, step: Step) -> FilmState:
     """
     least = math.inf
     for later in (0.5, 1.0):
-        found, least = _balanced(cells, before, step, later)
-        if found is not None:
-            return found
+        for method in (_at_once, _in_turn):
+            found, state = method(cells, before, step, later)
+            if found:
+                return _ended(before, state)
+            least = min(least, float(state.end.along.min()))
     if step.tilt and least < _TOUCHED:
         raise TouchingError("oil film: the tilted journal touches an end of its bearing.")
     raise solver_error(
@@ -124,30 +128,48 @@ def advanced(cells: FilmCells, before: FilmState, step: Step) -> FilmState:
     )
 
 
-def _balanced(
-    cells: FilmCells, before: FilmState, step: Step, later: float
-) -> tuple[FilmState | None, float]:
-    """Return the film after a step, with the flow of so late a part of it, None: not found; and its least."""
-    weight = cells.toward * (cells.area / cells.half_widths)
-    place, pressure = inside(before.eccentricity, step.tilt), before.pressure
-    for number in range(_CHANGES):
-        state = _Balance.of(cells, before, step, place, later)
-        slack = state.outflow(pressure)
-        active: Mask = pressure * state.diagonal >= slack
-        left = step.load - (weight * pressure).sum()
-        off = np.where(active, slack, pressure * state.diagonal)
-        limit = _BALANCED * max(cells.area / step.length, float((pressure * state.diagonal).max()))
-        if abs(left) <= _BALANCED * max(abs(step.load), 1e-12) and np.abs(off).max() <= limit:
-            return _ended(before, state, slack, pressure), float(state.end.along.min())
-        right = np.stack([-state.outflow(np.where(active, pressure, 0.0)), *state.changes(pressure)])
-        own, by_x, by_y = cells.solve(state.g, step.supply.feed, active, right)
-        pressure = np.where(active, pressure, 0.0) + own
-        left = step.load - (weight * pressure).sum()
-        move = _two((weight * by_x).sum(), (weight * by_y).sum(), left)
-        move *= state.allowed(move, number)
+def _at_once(cells: FilmCells, before: FilmState, step: Step, later: float) -> tuple[bool, _Balance]:
+    """Newton's method on full cells and place; whether it ended in a balance, and the last one."""
+    state = _Balance.of(cells, before, step, inside(before.eccentricity, step.tilt), later, before.pressure)
+    for _ in range(_FAST):
+        if state.settled and state.balanced:
+            return True, state
+        own, by_x, by_y = state.solved(state.outflow(np.where(state.active, state.pressure, 0.0)))
+        pressure = np.where(state.active, state.pressure, 0.0) + own
+        move = state.move(by_x, by_y, step.load - state.force_of(pressure))
         pressure = pressure + by_x * move.real + by_y * move.imag
-        place = place + move
-    return None, float(state.end.along.min())
+        state = _Balance.of(cells, before, step, state.place + move, later, pressure)
+    return False, state
+
+
+def _in_turn(cells: FilmCells, before: FilmState, step: Step, later: float) -> tuple[bool, _Balance]:
+    """Newton's method on the place, where the full cells settle at every place; as `_at_once`."""
+
+    def settled(place: complex, pressure: Array) -> _Balance:
+        state = _Balance.of(cells, before, step, place, later, pressure)
+        for _ in range(_FILLINGS):
+            if state.settled:
+                break
+            (own,) = state.solved(state.outflow(np.zeros_like(pressure)), moving=False)
+            state = _Balance.of(cells, before, step, place, later, own)
+        return state
+
+    state = settled(inside(before.eccentricity, step.tilt), before.pressure)
+    for _ in range(_SAFE):
+        if state.settled and state.balanced:
+            return True, state
+        _, by_x, by_y = state.solved(state.outflow(state.pressure))
+        whole, part = state.move(by_x, by_y, state.left), 1.0
+        pull = (whole.conjugate() * state.left).real
+        while part > _SHORTEST:
+            tried = settled(state.place + part * whole, state.pressure)
+            if abs((whole.conjugate() * tried.left).real) <= (1 - _BETTER * part) * pull:
+                break
+            part /= 2
+        else:
+            return False, state
+        state = tried
+    return False, state
 
 
 def inside(place: complex, tilt: complex) -> complex:
@@ -174,7 +196,7 @@ def _two(by_x: complex, by_y: complex, left: complex) -> complex:
 
 @dataclass(frozen=True)
 class _Balance:
-    """Balance of oil of every cell at a place of the journal.
+    """Balance of oil of every cell, and of the journal, at a place and with a pressure.
 
     Attributes:
         later: when the film flows, as part of the step.
@@ -191,19 +213,52 @@ class _Balance:
     end: Thickness
     g: Conductance
     filling: Array
+    pressure: Array
 
     @classmethod
-    def of(cls, cells: FilmCells, before: FilmState, step: Step, place: complex, later: float) -> _Balance:
+    def of(
+        cls, cells: FilmCells, before: FilmState, step: Step, place: complex, later: float, pressure: Array
+    ) -> _Balance:
         end = cells.thickness(place, step.tilt)
         tilt = before.tilt + later * (step.tilt - before.tilt)
         film = cells.thickness(before.eccentricity + later * (place - before.eccentricity), tilt)
         filling = (end.cell - before.oil) * (cells.area / step.length)
         g = cells.conductance(film.around**3, film.along**3)
-        return cls(cells, step, place, later, film, end, g, filling)
+        return cls(cells, step, place, later, film, end, g, filling, pressure)
 
-    @property
+    @cached_property
     def diagonal(self) -> Array:
         return np.asarray(self.g.diagonal + self.step.supply.feed)
+
+    @cached_property
+    def slack(self) -> Array:
+        """Growth of the void of each cell, which full cells must not have."""
+        return self.outflow(self.pressure)
+
+    @cached_property
+    def active(self) -> Mask:
+        """The cells that are taken as full."""
+        return np.asarray(self.pressure * self.diagonal >= self.slack)
+
+    @cached_property
+    def settled(self) -> bool:
+        """True where every cell has a pressure or a void, and neither is negative."""
+        push = self.pressure * self.diagonal
+        limit = _BALANCED * max(self.cells.area / self.step.length, float(push.max()))
+        return bool(np.abs(np.where(self.active, self.slack, push)).max() <= limit)
+
+    @cached_property
+    def left(self) -> complex:
+        """Part of the load that the pressure does not carry."""
+        return self.step.load - self.force_of(self.pressure)
+
+    @property
+    def balanced(self) -> bool:
+        return abs(self.left) <= _BALANCED * max(abs(self.step.load), 1e-12)
+
+    def force_of(self, pressure: Array) -> complex:
+        """Return the integral of a pressure over angle and width, as part of the whole width."""
+        return complex((self.cells.toward * pressure).sum()) * self.cells.area / self.cells.half_widths
 
     def outflow(self, pressure: Array) -> Array:
         """Return what flows out of each cell more than its thinning gives: the growth of its void."""
@@ -211,9 +266,15 @@ class _Balance:
         fed = supply.feed * (pressure - supply.pressure)
         return np.asarray(self.g.outflow(pressure, supply.edge) + fed + self.filling)
 
-    def changes(self, pressure: Array) -> tuple[Array, Array]:
-        """Return what a move of the journal along both axes takes from this outflow."""
+    def solved(self, outflow: Array, *, moving: bool = True) -> Array:
+        """Return the change of pressure in the active cells against an outflow, and by moves along both axes."""
+        right = np.stack([-outflow, *(self._changes() if moving else ())])
+        return self.cells.solve(self.g, self.step.supply.feed, self.active, right)
+
+    def _changes(self) -> tuple[Array, Array]:
+        """Return what a move of the journal along both axes takes from the outflow."""
         found, film, part = [], self.film, 3 * self.later
+        pressure = np.where(self.active, self.pressure, 0.0)
         for way in (1 + 0j, 1j):
             moved = self.cells.thickness(way, 0j)
             g = self.cells.conductance(
@@ -223,25 +284,22 @@ class _Balance:
             found.append(-(g.outflow(pressure, self.step.supply.edge) + more))
         return found[0], found[1]
 
-    def allowed(self, move: complex, number: int) -> float:
-        """Return the part of a move that keeps the film from closing, of this step of Newton's method."""
-        moved, end = self.cells.thickness(move, 0j), self.end
+    def move(self, by_x: Array, by_y: Array, left: complex) -> complex:
+        """Return the move whose pressure carries what is left, as far as it keeps the film from closing."""
+        whole = _two(self.force_of(by_x), self.force_of(by_y), left)
+        moved, end = self.cells.thickness(whole, 0j), self.end
         most = max(
-            float(((1 - there) / own).max())
+            float(((1 - there) / np.maximum(own, _CLOSED)).max())
             for own, there in ((end.around, moved.around), (end.along, moved.along))
         )
-        part = min(1.0, _CLOSER / most) if most > 0 else 1.0
-        if number < _FREE or not move:
-            return part
-        longest = max(_SHORT * _SHORTER ** (number - _FREE), _SHORTEST) * float(end.along.min())
-        return min(part, longest / abs(move))
+        return whole * (min(1.0, _CLOSER / most) if most > 0 else 1.0)
 
 
-def _ended(before: FilmState, state: _Balance, slack: Array, pressure: Array) -> FilmState:
+def _ended(before: FilmState, state: _Balance) -> FilmState:
     """The film of a balance, with what was fed and the oil that is not accounted for."""
     cells, step, g = state.cells, state.step, state.g
-    void = np.where(pressure > 0, 0.0, np.maximum(slack, 0.0)) * (step.length / cells.area)
-    oil, pressure = state.end.cell - void, np.maximum(pressure, 0.0)
+    void = np.where(state.pressure > 0, 0.0, np.maximum(state.slack, 0.0)) * (step.length / cells.area)
+    oil, pressure = state.end.cell - void, np.maximum(state.pressure, 0.0)
     fed = float((step.supply.feed * (step.supply.pressure - pressure)).sum())
     begin = float((g.along[:, 0] * (step.supply.edge - pressure[:, 0])).sum())
     lost = float((g.along[:, -1] * pressure[:, -1]).sum())

@@ -213,7 +213,9 @@ def _conserving(at: ContinuousShaft) -> list[str]:
     if not rows:
         return []
     digits = {"bearing": 0, "film_um": 2, "pressure_MPa": 1, "tilt_um": 1}
-    told = "Mass-conserving films of those near what is permitted; then with the journal's tilt, at the edge:"
+    touching = any(own.edge and own.edge.pressure_MPa is None for _, own in films)
+    told = "Mass-conserving films of those near what is permitted; then with the journal's tilt, at the edge"
+    told += ", where 0 is a journal that touches a rigid bearing:" if touching else ":"
     return [
         fill(told, WIDTH),
         terminal(ResultTable({**digits, "edge_film_um": 2, "edge_pressure_MPa": 1}, rows)),
