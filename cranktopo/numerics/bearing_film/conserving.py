@@ -24,9 +24,9 @@ from cranktopo.base.errors import CranktopoError, solver_error
 from cranktopo.numerics.bearing_film.film_cells import Conductance, FilmCells, Thickness
 
 _FAST = 60
-"""Most steps of Newton's method on cells and place at once; it takes about five, more where a front runs through cells."""
+"""Most steps of Newton's method on cells and place at once; it takes about five, more where a front runs."""
 _SAFE = 60
-"""Most steps of that on the place alone, each so short that the force along it falls and does not turn about."""
+"""Most steps of that on the place alone, each so short that the force along it falls."""
 _FILLINGS = 120
 """Most changes of the full cells at a place."""
 _SHORTEST, _BETTER = 1e-4, 0.1
@@ -267,7 +267,7 @@ class _Balance:
         return np.asarray(self.g.outflow(pressure, supply.edge) + fed + self.filling)
 
     def solved(self, outflow: Array, *, moving: bool = True) -> Array:
-        """Return the change of pressure in the active cells against an outflow, and by moves along both axes."""
+        """Return the change of pressure in active cells against an outflow, and by moves along both axes."""
         right = np.stack([-outflow, *(self._changes() if moving else ())])
         return self.cells.solve(self.g, self.step.supply.feed, self.active, right)
 

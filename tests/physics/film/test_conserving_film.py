@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -13,10 +14,11 @@ from scipy.optimize import brentq
 from typing_extensions import override
 
 from cranktopo.base.arrays import Array, Complex
+from cranktopo.numerics.bearing_film import conserving_orbit
 from cranktopo.numerics.bearing_film.conserving import FilmState, Step, Supply, TouchingError, advanced
-from cranktopo.numerics.bearing_film.conserving_orbit import OilFeed, conserved_orbit
+from cranktopo.numerics.bearing_film.conserving_orbit import ConservedOrbit, OilFeed, conserved_orbit
 from cranktopo.numerics.bearing_film.film_cells import Conductance, FilmCells, Thickness
-from cranktopo.numerics.bearing_film.orbit import JournalBearing, LoadedJournal, orbits
+from cranktopo.numerics.bearing_film.orbit import JournalBearing, LoadedJournal, Orbit, orbits
 
 PRESSURE, WIDTH = 0.05, 0.8
 
@@ -237,3 +239,38 @@ def test_a_tilt_that_no_film_holds_touches() -> None:
     start = FilmState(full, np.zeros((60, 8)), 0j, 0.4 + 0j)
     with pytest.raises(TouchingError, match="touches an end"):
         advanced(cells, start, Step(0.05, 1e4 + 0j, 0.4 + 0j, nothing))
+
+
+def pulsed(supply_MPa: float, hole_mm: float = 6.0) -> tuple[Orbit, ConservedOrbit]:
+    """A pulse and a turning load by the mobility method and by the film that keeps its oil, fed by a hole."""
+    angle, bearing = np.arange(0.0, 360.0, 2.0), JournalBearing(60.0, 24.0, 1, 0.03, 0.01)
+    load = 12000.0 * np.exp(-(((angle - 90.0) / 30.0) ** 2)) + 2500.0 * np.exp(1j * np.radians(2 * angle))
+    journal = LoadedJournal(bearing, load, 300.0, (np.full_like(angle, 300.0), np.zeros_like(angle)))
+    (mobility,) = orbits([journal], angle)
+    feed = OilFeed(supply_MPa, hole_mm=hole_mm, hole_rad=np.full_like(angle, 2.0))
+    return mobility, conserved_orbit(journal, angle, feed, mobility, None, (120, 6))
+
+
+@pytest.mark.slow
+def test_a_film_that_is_always_full_is_that_of_the_mobility_method(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without memory of its void; another grid, another frame and another rule of steps."""
+
+    def flooded(cells: FilmCells, before: FilmState, step: Step) -> FilmState:
+        full = cells.thickness(before.eccentricity, before.tilt).cell
+        return advanced(cells, replace(before, oil=full), step)
+
+    monkeypatch.setattr(conserving_orbit, "advanced", flooded)
+    mobility, found = pulsed(0.1, hole_mm=1e-9)
+    assert found.film_mm.min() == pytest.approx(mobility.film_mm.min(), rel=0.01)
+    assert found.pressure_MPa.max() == pytest.approx(mobility.pressure_MPa.max(), rel=0.02)
+    assert np.abs(found.eccentricity - mobility.eccentricity).max() < 0.006
+
+
+@pytest.mark.slow
+def test_the_mobility_method_tells_more_film_than_oil_that_is_kept() -> None:
+    """B. Yu, J. T. Sawicki, Int. J. Rotating Machinery 8 (2002): and the more, the less is fed."""
+    mobility, fed = pulsed(0.4)
+    _, starved = pulsed(0.05)
+    assert starved.film_mm.min() < fed.film_mm.min() < mobility.film_mm.min()
+    assert starved.filled.min() < fed.filled.min()
+    assert starved.fed_mm3_per_s.mean() < fed.fed_mm3_per_s.mean()
