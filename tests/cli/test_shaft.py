@@ -335,6 +335,31 @@ def test_films_beyond_the_permitted_are_told(bored: dict[str, Any]) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("spring", "touches"), [(1e6, False), (None, True)])
+def test_a_film_near_the_permitted_one_has_its_edge_beside(spring: float | None, touches: bool) -> None:
+    """Bearings that resist tilt keep the journal off their ends; others are touched by it."""
+    bearings = "[bearings]\nclearance_mm = 0.05\nviscosity_mPas = 9.0\npermitted_film_um = 2.2\n"
+    supports = f"[supports]\nbearing_tilt_spring_Nm_per_rad = {spring}\n" if spring else "[supports]\n"
+    text = MIKRON.replace("[engine]\n", f"{bearings}\n[engine]\n").replace("[supports]\n", supports)
+    scene = parse_scene(text)
+    found = assess_shaft(scene, element_size_mm=24.0, speeds_rpm=(2100.0,))
+    (at,) = found.on_bearings
+    near = [one for one in at.main_bearings if one.film_um is not None and one.film_um < 1.5 * 2.2]
+    assert near == [one for one in at.main_bearings if one.conserving is not None]
+    for one in near:
+        own = one.conserving
+        assert own is not None
+        assert own.edge is not None
+        assert own.edge.tilt_um == pytest.approx(17.5 * one.tilt_mrad, rel=0.01), "half a width of 35 mm"
+        assert own.edge.film_um < 0.7 * own.film_um
+        assert (own.edge.film_um == 0.0) is (own.edge.pressure_MPa is None) is touches
+        assert touches or own.edge.pressure_MPa > 1.3 * own.pressure_MPa
+    text = " ".join(shaft_text(found).split())
+    assert "Mass-conserving films of those near what is permitted; then with the journal's tilt" in text
+    assert ("where 0 is a journal that touches" in text) is touches
+
+
+@pytest.mark.slow
 def test_the_worst_speed_of_a_vibrating_shaft_is_added_to_those_asked_for() -> None:
     """A six of 750 rpm was judged at four speeds between which its largest torque lay, and was 5 % safer."""
     line = "[shaft]\ncylinder_damping_Nms_per_rad = 0.2\n[shaft.propeller]\ninertia_kg_m2 = 0.6\n\n[engine]\n"

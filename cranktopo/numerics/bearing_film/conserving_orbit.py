@@ -108,7 +108,7 @@ def conserved_orbit(
         last = now
     raise solver_error(
         f"oil film: the mass-conserving film is not steady after {_CYCLES} cycles.",
-        "Feed more oil: supply_pressure_MPa, feed_hole_mm, feed_hole_deg; or check load, clearance, viscosity.",
+        "Feed more oil (supply_pressure_MPa, feed_hole_mm, feed_hole_deg), or check load and viscosity.",
     )
 
 
