@@ -89,7 +89,7 @@ class FilmState:
 
 
 @dataclass(frozen=True)
-class Step:
+class FilmStep:
     """A step over time that is to be done, with what acts in its middle.
 
     Attributes:
@@ -104,7 +104,7 @@ class Step:
     supply: Supply
 
 
-def advanced(cells: FilmCells, before: FilmState, step: Step) -> FilmState:
+def advanced(cells: FilmCells, before: FilmState, step: FilmStep) -> FilmState:
     """Return the film after a step.
 
     A film that closes by more than a midpoint rule can tell is moved by the implicit rule of Euler.
@@ -128,7 +128,7 @@ def advanced(cells: FilmCells, before: FilmState, step: Step) -> FilmState:
     )
 
 
-def _at_once(cells: FilmCells, before: FilmState, step: Step, later: float) -> tuple[bool, _Balance]:
+def _at_once(cells: FilmCells, before: FilmState, step: FilmStep, later: float) -> tuple[bool, _Balance]:
     """Newton's method on full cells and place; whether it ended in a balance, and the last one."""
     state = _Balance.of(cells, before, step, inside(before.eccentricity, step.tilt), later, before.pressure)
     for _ in range(_FAST):
@@ -142,7 +142,7 @@ def _at_once(cells: FilmCells, before: FilmState, step: Step, later: float) -> t
     return False, state
 
 
-def _in_turn(cells: FilmCells, before: FilmState, step: Step, later: float) -> tuple[bool, _Balance]:
+def _in_turn(cells: FilmCells, before: FilmState, step: FilmStep, later: float) -> tuple[bool, _Balance]:
     """Newton's method on the place, where the full cells settle at every place; as `_at_once`."""
 
     def settled(place: complex, pressure: Array) -> _Balance:
@@ -206,7 +206,7 @@ class _Balance:
     """
 
     cells: FilmCells
-    step: Step
+    step: FilmStep
     place: complex
     later: float
     film: Thickness
@@ -217,7 +217,13 @@ class _Balance:
 
     @classmethod
     def of(
-        cls, cells: FilmCells, before: FilmState, step: Step, place: complex, later: float, pressure: Array
+        cls,
+        cells: FilmCells,
+        before: FilmState,
+        step: FilmStep,
+        place: complex,
+        later: float,
+        pressure: Array,
     ) -> _Balance:
         end = cells.thickness(place, step.tilt)
         tilt = before.tilt + later * (step.tilt - before.tilt)

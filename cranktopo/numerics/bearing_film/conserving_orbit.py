@@ -9,7 +9,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.errors import solver_error
-from cranktopo.numerics.bearing_film.conserving import FilmState, Step, Supply, advanced, inside
+from cranktopo.numerics.bearing_film.conserving import FilmState, FilmStep, Supply, advanced, inside
 from cranktopo.numerics.bearing_film.film_cells import FilmCells
 from cranktopo.numerics.bearing_film.orbit import JournalBearing, LoadedJournal, Orbit
 
@@ -188,13 +188,13 @@ class _Case:
         """Return where the frame's axis points at a state of a cycle."""
         return complex(np.exp(1j * (self.frame[place] + (cycle - 1) * self.frame[-1])))
 
-    def step(self, place: int, cycle: int) -> Step:
+    def step(self, place: int, cycle: int) -> FilmStep:
         """Return the step that ends at a state of a cycle, 1 to their number."""
         tilt = complex(self.tilt[place % len(self.tilt)]) / self.turn(place, cycle)
         area_mm2 = self.cells.width_over_diameter * self.journal.bearing.diameter_mm**2 / 2
         per_unit_N = self.unit_Pa * area_mm2 / _MM_PER_M**2 * self.alike
         load = self._middle(self.journal.load_N, place, cycle) / per_unit_N
-        return Step(self.step_rad, load, tilt, self._supply(place, cycle))
+        return FilmStep(self.step_rad, load, tilt, self._supply(place, cycle))
 
     def _middle(self, values: Complex, place: int, cycle: int) -> complex:
         """Mean of a value that stands still at both ends of a step, as the frame sees it."""

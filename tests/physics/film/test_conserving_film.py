@@ -15,7 +15,7 @@ from typing_extensions import override
 
 from cranktopo.base.arrays import Array, Complex
 from cranktopo.numerics.bearing_film import conserving_orbit
-from cranktopo.numerics.bearing_film.conserving import FilmState, Step, Supply, TouchingError, advanced
+from cranktopo.numerics.bearing_film.conserving import FilmState, FilmStep, Supply, TouchingError, advanced
 from cranktopo.numerics.bearing_film.conserving_orbit import ConservedOrbit, OilFeed, conserved_orbit
 from cranktopo.numerics.bearing_film.film_cells import Conductance, FilmCells, Thickness
 from cranktopo.numerics.bearing_film.orbit import JournalBearing, LoadedJournal, Orbit, orbits
@@ -113,7 +113,7 @@ def plates_error(along: int, steps: int, plates: tuple[OpenedPlates, OpenedPlate
     for number in range(steps):
         middle, end = (number + 0.5) * length, (number + 1) * length
         load = math.pi * complex(*(one.force(middle) for one in plates))
-        state = advanced(cells, state, Step(length, load, 0j, supply))
+        state = advanced(cells, state, FilmStep(length, load, 0j, supply))
         for own, place, row in zip(
             plates, (state.eccentricity.real, state.eccentricity.imag), (0, 2), strict=True
         ):
@@ -148,7 +148,7 @@ def long_journal(around: int, load: float) -> tuple[complex, Array, float]:
         feed = 1e4 * np.clip((1.5 * cells.step - away) / cells.step, 0.0, 1.0)[:, None]
         before, state = (
             state,
-            advanced(cells, state, Step(length, 1j * load / turn, 0j, Supply(0.02, feed, False))),
+            advanced(cells, state, FilmStep(length, 1j * load / turn, 0j, Supply(0.02, feed, False))),
         )
         fed = (feed * (0.02 - state.pressure)).sum() * length
         assert fed == pytest.approx(state.fed * length)
@@ -192,7 +192,7 @@ def test_a_narrow_tilted_film_has_one_integral_along_its_width(tilt: complex) ->
     full = cells.thickness(before, tilt).cell
     nothing = Supply(0.0, np.zeros((90, 40)), at_begin=False)
     start = FilmState(full, np.zeros((90, 40)), before, tilt)
-    found = advanced(cells, start, Step(length, 4e-4 * np.exp(0.5j), tilt + turned, nothing))
+    found = advanced(cells, start, FilmStep(length, 4e-4 * np.exp(0.5j), tilt + turned, nothing))
     row = int(found.pressure.max(axis=1).argmax())
     place = np.linspace(-1.0, 1.0, 4001)
     toward = np.exp(-1j * cells.angle[row])
@@ -238,7 +238,7 @@ def test_a_tilt_that_no_film_holds_touches() -> None:
     nothing = Supply(0.0, np.zeros((60, 8)), at_begin=False)
     start = FilmState(full, np.zeros((60, 8)), 0j, 0.4 + 0j)
     with pytest.raises(TouchingError, match="touches an end"):
-        advanced(cells, start, Step(0.05, 1e4 + 0j, 0.4 + 0j, nothing))
+        advanced(cells, start, FilmStep(0.05, 1e4 + 0j, 0.4 + 0j, nothing))
 
 
 def pulsed(supply_MPa: float, hole_mm: float = 6.0) -> tuple[Orbit, ConservedOrbit]:
@@ -255,7 +255,7 @@ def pulsed(supply_MPa: float, hole_mm: float = 6.0) -> tuple[Orbit, ConservedOrb
 def test_a_film_that_is_always_full_is_that_of_the_mobility_method(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without memory of its void; another grid, another frame and another rule of steps."""
 
-    def flooded(cells: FilmCells, before: FilmState, step: Step) -> FilmState:
+    def flooded(cells: FilmCells, before: FilmState, step: FilmStep) -> FilmState:
         full = cells.thickness(before.eccentricity, before.tilt).cell
         return advanced(cells, replace(before, oil=full), step)
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from cranktopo.numerics.bearing_film.conserving import FilmState, Step, Supply, advanced
+from cranktopo.numerics.bearing_film.conserving import FilmState, FilmStep, Supply, advanced
 from cranktopo.numerics.bearing_film.film_cells import FilmCells
 from cranktopo.numerics.bearing_film.mobility import mobility
 from cranktopo.numerics.bearing_film.reynolds import film
@@ -117,7 +117,9 @@ def conserving_number(width: float, eccentricity: float) -> tuple[float, float, 
             away = np.abs(np.angle(np.exp(1j * cells.angle) / line))[:, None]
             feed = 1e4 * np.clip((1.5 * cells.step - away) / cells.step, 0.0, 1.0) * np.ones((1, 8))
             before = state
-            state = advanced(cells, state, Step(length, load / turn, 0j, Supply(1e-3, feed, at_begin=False)))
+            state = advanced(
+                cells, state, FilmStep(length, load / turn, 0j, Supply(1e-3, feed, at_begin=False))
+            )
         return (before.eccentricity + state.eccentricity) / 2 * turn, state
 
     printed = turning_number(width, eccentricity) / 6  # F = 12 mu w (R / c)^2 R L load
