@@ -11,6 +11,7 @@ from cranktopo.design.bolt import BoltedJoint
 from cranktopo.design.checks.bolts import bolts_of
 from cranktopo.design.halves import difference
 from cranktopo.design.material import Material, material_library
+from cranktopo.design.plain_bearings import PlainBearings
 from cranktopo.design.rod import Rod
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import Carried, ShaftTable
@@ -91,8 +92,8 @@ def _idle(scene: Scene) -> Iterator[_Idle]:
     yield from _of_engine(scene)
     if scene.shaft is not None:
         yield from _of_shaft(scene.shaft)
-    if scene.bearings is not None and not scene.bearings.takes_grade:
-        yield from _of_oil(scene)
+    if scene.bearings is not None:
+        yield from _of_oil(scene.bearings)
     yield from _of_bolts(scene)
     if scene.rod is not None:
         yield from _of_rod(scene.rod)
@@ -147,13 +148,18 @@ def _of_shaft(shaft: ShaftTable) -> Iterator[_Idle]:
                 yield f"shaft.{name}", key, "without mass_kg the part counts in torsion alone"
 
 
-def _of_oil(scene: Scene) -> Iterator[_Idle]:
-    assert scene.bearings is not None
-    one = scene.bearings.viscosity_mPas is not None
-    key = "viscosity_mPas" if one else "viscosity_curve_mPas"
-    yield "bearings", "oil", f"{key} gives the viscosity"
-    if one:
-        yield "bearings", "temperature_C", f"{key} gives the viscosity in the film"
+def _of_oil(bearings: PlainBearings) -> Iterator[_Idle]:
+    if not bearings.takes_grade:
+        one = bearings.viscosity_mPas is not None
+        key = "viscosity_mPas" if one else "viscosity_curve_mPas"
+        yield "bearings", "oil", f"{key} gives the viscosity"
+        if one:
+            yield "bearings", "temperature_C", f"{key} gives the viscosity in the film"
+    if bearings.permitted_film_um is None and bearings.permitted_pressure_MPa is None:
+        for key in ("supply_pressure_MPa", "feed_hole_mm", "feed_hole_deg"):
+            yield "bearings", key, "only a film near a permitted one asks for its supply"
+    elif bearings.groove_mm:
+        yield "bearings", "feed_hole_deg", "groove_mm feeds the main bearings"
 
 
 def _of_bolts(scene: Scene) -> Iterator[_Idle]:

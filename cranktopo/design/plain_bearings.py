@@ -21,6 +21,8 @@ _DENSITY_KG_M3, _DENSITY_AT_C, _DENSITY_FALL = 880.0, 15.0, 0.64
 """Of a mineral oil, kg/m3 at 15 degC, and its fall per degree."""
 Temperature = Annotated[float, Field(ge=-40, le=200, allow_inf_nan=False)]
 Viscosity = Annotated[float, Field(ge=0.1, le=1e5, allow_inf_nan=False)]
+SupplyPressure = Annotated[float, Field(ge=0.001, le=20, allow_inf_nan=False)]
+Angle = Annotated[float, Field(ge=-360, le=360, allow_inf_nan=False)]
 Film = Annotated[float, Field(ge=0.01, le=1000, allow_inf_nan=False)]
 
 
@@ -51,6 +53,13 @@ class PlainBearings(SceneTable):
     )
     """Temperatures in degC, rising, each with the dynamic viscosity of the oil there, in place of that of
     `oil`; at `temperature_C` by Walther's equation through the two nearest."""
+    supply_pressure_MPa: SupplyPressure = 0.3
+    """Pressure, above that around the bearings, of the oil that feeds a mass-conserving film."""
+    feed_hole_mm: Length | None = Field(default=None, examples=[5.0])
+    """Diameter of the hole that feeds a main bearing without groove, and a big end whose pin has no drilling;
+    in the middle of the width, by default a tenth of the journal's diameter."""
+    feed_hole_deg: Angle = 90.0
+    """Angle of the hole in a main bearing from the axis of the first cylinder, in the sense of rotation."""
     permitted_film_um: Film | None = Field(default=None, examples=[1.5])
     """Least permitted film thickness, as journals' roughness and deflection leave it."""
     permitted_pressure_MPa: Pressure | None = Field(default=None, examples=[45.0], le=1000)

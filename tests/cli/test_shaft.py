@@ -10,6 +10,7 @@ import re
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -303,7 +304,10 @@ def test_films_beyond_the_permitted_are_told(bored: dict[str, Any]) -> None:
     bearings = "[bearings]\nclearance_mm = 0.05\noil = 'ISO VG 46'\ntemperature_C = 90.0\n"
     permitted = "permitted_film_um = 3.0\npermitted_pressure_MPa = 1000.0\n"
     scene = parse_scene(MIKRON.replace("[engine]\n", f"{bearings}{permitted}\n[engine]\n"))
-    found = assess_shaft(scene, element_size_mm=24.0, speeds_rpm=(600.0, 2100.0))
+    with patch(
+        "cranktopo.tasks.film.stage.with_conserving", side_effect=lambda _, films, *rest: tuple(films)
+    ):
+        found = assess_shaft(scene, element_size_mm=24.0, speeds_rpm=(600.0, 2100.0))
     data = found.as_json()
     films = {
         (at["speed_rpm"], one["bearing"]): one["film_um"]
@@ -328,6 +332,31 @@ def test_films_beyond_the_permitted_are_told(bored: dict[str, Any]) -> None:
             status == "bad",
         )
     assert "films_hold" not in bored
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("spring", "touches"), [(1e6, False), (None, True)])
+def test_a_film_near_the_permitted_one_has_its_edge_beside(spring: float | None, touches: bool) -> None:
+    """Bearings that resist tilt keep the journal off their ends; others are touched by it."""
+    bearings = "[bearings]\nclearance_mm = 0.05\nviscosity_mPas = 9.0\npermitted_film_um = 2.2\n"
+    supports = f"[supports]\nbearing_tilt_spring_Nm_per_rad = {spring}\n" if spring else "[supports]\n"
+    text = MIKRON.replace("[engine]\n", f"{bearings}\n[engine]\n").replace("[supports]\n", supports)
+    scene = parse_scene(text)
+    found = assess_shaft(scene, element_size_mm=24.0, speeds_rpm=(2100.0,))
+    (at,) = found.on_bearings
+    near = [one for one in at.main_bearings if one.film_um is not None and one.film_um < 1.5 * 2.2]
+    assert near == [one for one in at.main_bearings if one.conserving is not None]
+    for one in near:
+        own = one.conserving
+        assert own is not None
+        assert own.edge is not None
+        assert own.edge.tilt_um == pytest.approx(17.5 * one.tilt_mrad, rel=0.01), "half a width of 35 mm"
+        assert own.edge.film_um < 0.7 * own.film_um
+        assert (own.edge.film_um == 0.0) is (own.edge.pressure_MPa is None) is touches
+        assert touches or own.edge.pressure_MPa > 1.3 * own.pressure_MPa
+    text = " ".join(shaft_text(found).split())
+    assert "Mass-conserving films of those near what is permitted; then with the journal's tilt" in text
+    assert ("where 0 is a journal that touches" in text) is touches
 
 
 @pytest.mark.slow

@@ -51,11 +51,16 @@ BROAD: Data = {
     "engine.arrangement": {"layout": "W", "bank_angles_deg": [0.0, 60.0, 120.0], "throw_angles_deg": [0.0]},
 }
 CURVE = [[40.0, 90.0], [100.0, 11.0]]
+NEAR_LIMIT: Data = {"bearings.permitted_film_um": 1.9}
+"""Near it are the big end and one main bearing of `mikron-iiic-plain`."""
 FILM: Data = {
     "big_end_clearance_mm": 0.06,
     "viscosity_curve_mPas": CURVE,
     "oil": "ISO VG 68",
-    "permitted_pressure_MPa": 45.0,
+    "permitted_pressure_MPa": 200.0,
+    "supply_pressure_MPa": Other(0.5, NEAR_LIMIT),
+    "feed_hole_mm": Other(6.0, NEAR_LIMIT),
+    "feed_hole_deg": Other(60.0, NEAR_LIMIT),
 }
 TRACE = {"engine.gas": {"indicator_csv": "a.csv"}}
 SECOND = {"outline": "obround", "thickness_mm": 20.0, "width_mm": 56.0}

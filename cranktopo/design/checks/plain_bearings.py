@@ -13,6 +13,8 @@ from cranktopo.design.schema import Scene
 
 _LARGEST_CLEARANCE = 0.01
 """Clearance over the diameter."""
+_WIDEST_HOLE = 0.5
+"""Diameter of a feed hole over the width of a bearing."""
 _NARROWEST = 0.02
 """Width of a film over its diameter."""
 
@@ -35,6 +37,13 @@ def check_plain_bearings(scene: Scene) -> None:
                 f"bearings.{key}", "the fillets leave no room for it", "Give a width above 0 mm."
             )
     width = bearings.width_mm or rooms["width_mm"]
+    narrowest = min(width, bearings.big_end_width_mm or rooms["big_end_width_mm"])
+    if bearings.feed_hole_mm is not None and bearings.feed_hole_mm > _WIDEST_HOLE * narrowest:
+        raise scene.invalid(
+            "bearings.feed_hole_mm",
+            f"must be at most {_WIDEST_HOLE * narrowest:.4g} mm, half the width of the narrowest bearing",
+            "Usual is a tenth of the journal's diameter.",
+        )
     most = width - 2 * _NARROWEST * throw.main_journal.outer_diameter_mm
     if bearings.groove_mm and bearings.groove_mm > most:
         raise scene.invalid(

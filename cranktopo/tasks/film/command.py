@@ -33,8 +33,9 @@ def command(
     """Oil film of main and big-end bearings over the cycle: minimum thickness, largest pressure, friction.
 
     DESIGN is a TOML file with `[bearings]` (clearance and oil), or the name of a built-in design. The
-    mobility method for bearings of finite width moves the journals; loads are those of throws that stand
-    alone between two bearings.
+    mobility method for bearings of finite width moves the journals; films near what is permitted are
+    computed once more with mass-conserving cavitation. Loads are those of throws that stand alone between
+    two bearings.
 
     Example: cranktopo film car-diesel --speed 1000:4000:500
     """

@@ -9,8 +9,44 @@ from cranktopo.design.assumed import Assumption
 from cranktopo.tasks.film.permitted import LeastFilm
 
 
+class EdgeFilm(Result):
+    """The film that keeps its oil under a journal that is tilted in its bearing.
+
+    Attributes:
+        film_um: least thickness, at an end of the bearing; 0 where the journal touches it, as stiff and sharp
+            ends without a film's moment let it; `film_deg` is then where the tilt is largest.
+        pressure_MPa: largest pressure; null where it touches.
+        tilt_um: half of what the tilt takes from end to end, where it is largest.
+    """
+
+    film_um: float
+    film_deg: float
+    pressure_MPa: float | None
+    tilt_um: float
+
+
+class ConservingFilm(Result):
+    """The film of one bearing that keeps its oil: fed at one place, cavitated where it is not full.
+
+    Attributes:
+        film_um: least thickness.
+        pressure_MPa: largest pressure.
+        least_filled: part of the room between journal and bearing that holds oil, where it is least.
+        oil_cm3_per_s: mean flow into the bearing.
+        edge: with the journal tilted as the shaft is bent; of a whole shaft.
+    """
+
+    film_um: float
+    film_deg: float
+    pressure_MPa: float
+    pressure_deg: float
+    least_filled: float
+    oil_cm3_per_s: float
+    edge: EdgeFilm | None = UNLESS_NONE
+
+
 class BearingFilm(Result):
-    """The film of one bearing over the cycle.
+    """The film of one bearing over the cycle, by the mobility method.
 
     Attributes:
         bearing: "main 1" is at the free end; the big-end bearings are all alike but for their time.
@@ -20,6 +56,7 @@ class BearingFilm(Result):
         pressure_MPa: largest pressure of the film.
         eccentricity: largest, over the radial clearance.
         friction_W: mean power that the film of one of them takes.
+        conserving: the mass-conserving film, of a bearing near what is permitted.
     """
 
     bearing: str
@@ -36,6 +73,12 @@ class BearingFilm(Result):
     pressure_deg: float
     eccentricity: float
     friction_W: float
+    conserving: ConservingFilm | None = UNLESS_NONE
+
+    def least(self, rpm: float) -> LeastFilm:
+        """Return film and pressure at a speed, of the mass-conserving film where it is computed."""
+        best = self.conserving or self
+        return LeastFilm(self.bearing, rpm, best.film_um, self.below_um, best.pressure_MPa)
 
 
 class FilmsAtSpeed(Result):
@@ -50,12 +93,14 @@ class FilmsAtSpeed(Result):
         return min(self.bearings, key=lambda one: round(one.film_um, 6))
 
     @property
+    def conserving(self) -> list[BearingFilm]:
+        """The bearings with a mass-conserving film."""
+        return [one for one in self.bearings if one.conserving is not None]
+
+    @property
     def least_films(self) -> list[LeastFilm]:
-        """Film and pressure of every bearing, as what is permitted asks for them."""
-        return [
-            LeastFilm(one.bearing, self.rpm, one.film_um, one.below_um, one.pressure_MPa)
-            for one in self.bearings
-        ]
+        """Film and pressure of every bearing, as what is permitted asks; mass-conserving where computed."""
+        return [one.least(self.rpm) for one in self.bearings]
 
     @property
     def friction_W(self) -> float:
@@ -73,6 +118,7 @@ class FilmResult(Result):
         pressure: sentence on the pressure at speeds other than the engine's own.
         misfire: cylinders that do not fire, where there are any; the big end is of one that fires.
         permitted_film_um, permitted_pressure_MPa: null where the scene gives none.
+        near: films within so many times of what is permitted have a mass-conserving one beside.
         holds: whether all films are within what is permitted; null where nothing is.
     """
 
@@ -87,5 +133,6 @@ class FilmResult(Result):
     speeds: tuple[FilmsAtSpeed, ...]
     permitted_film_um: float | None
     permitted_pressure_MPa: float | None
+    near: float | None = UNLESS_NONE
     holds: bool | None
     assumed: tuple[Assumption, ...]

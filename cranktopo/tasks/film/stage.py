@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +25,12 @@ from cranktopo.engine.forces import rods_on_pins
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.performance import note_pressure, pressure_words
 from cranktopo.numerics.bearing_film.orbit import LEAST_SHARE, JournalBearing, LoadedJournal, Orbit, orbits
+from cranktopo.tasks.film.conserving import (
+    BIG_END,
+    NEAR,
+    hole_assumptions,
+    with_conserving,
+)
 from cranktopo.tasks.film.permitted import films_hold
 from cranktopo.tasks.film.result import BearingFilm, FilmResult, FilmsAtSpeed
 
@@ -43,6 +49,7 @@ class LoadedBearing:
         sleeve: angular speed of what is around the journal, over that of the shaft.
         number: how many bearings are like it.
         largest: largest load, N, and its angle, deg, where `load_N` is of fewer angles than are known.
+        tilt: place of the journal at the end of the bearing less that in its middle, over the clearance.
     """
 
     name: str
@@ -51,6 +58,7 @@ class LoadedBearing:
     sleeve: Array
     number: int = 1
     largest: tuple[float, float] | None = None
+    tilt: Complex | None = None
 
 
 def oil_films(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> FilmResult:
@@ -67,8 +75,9 @@ def oil_films(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> F
             f"{scene.name}: a film carries only where the engine turns.", hint="Give a speed."
         )
     note_pressure(scene.name, scene, every_speed=speeds_rpm is not None)
-    every = films_at([at_speed(scene, rpm) for rpm in speeds])
+    every = films_at([at_speed(scene, rpm) for rpm in speeds], conserving=True)
     found = tuple(FilmsAtSpeed(rpm=rpm, bearings=films) for rpm, films in zip(speeds, every, strict=True))
+    conserving = {one.bearing for at in found for one in at.conserving}
     return FilmResult(
         design=scene.name,
         oil=table.oil if table.takes_grade else None,
@@ -82,7 +91,8 @@ def oil_films(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> F
         permitted_film_um=table.permitted_film_um,
         permitted_pressure_MPa=table.permitted_pressure_MPa,
         holds=films_hold(table, (one for at in found for one in at.least_films)),
-        assumed=_assumed(scene, table),
+        near=NEAR if conserving else None,
+        assumed=_assumed(scene, table, conserving),
     )
 
 
@@ -112,18 +122,28 @@ def _least_um(films: Sequence[BearingFilm]) -> tuple[float, float]:
     return min(one.film_um for one in films[:-1]), films[-1].film_um
 
 
-def films_at(scenes: Sequence[Scene]) -> list[tuple[BearingFilm, ...]]:
-    """Return the films of each scene at its speed: main bearings from the free end, then a big end."""
-    return films_of([(scene, *_loaded_bearings(scene)) for scene in scenes])
+def films_at(scenes: Sequence[Scene], *, conserving: bool = False) -> list[tuple[BearingFilm, ...]]:
+    """Return the films of each scene at its speed: main bearings from the free end, then a big end.
+
+    Args:
+        conserving: also the mass-conserving films of those near what is permitted.
+    """
+    cases = [(scene, *_loaded_bearings(scene)) for scene in scenes]
+    return films_of(cases, conserving=conserving)
 
 
-def films_of(cases: Sequence[tuple[Scene, Sequence[LoadedBearing], Array]]) -> list[tuple[BearingFilm, ...]]:
+def films_of(
+    cases: Sequence[tuple[Scene, Sequence[LoadedBearing], Array]], *, conserving: bool = False
+) -> list[tuple[BearingFilm, ...]]:
     """Return the films of the bearings of each scene, at its speed, with the angles of their loads."""
-    found = orbits_of(cases)
-    return [
-        tuple(_film(one, steady) for one, steady in zip(loaded, own, strict=True))
-        for (_, loaded, _), own in zip(cases, found, strict=True)
-    ]
+    every = []
+    for (scene, loaded, angle), own in zip(cases, orbits_of(cases), strict=True):
+        films = tuple(_film(one, steady) for one, steady in zip(loaded, own, strict=True))
+        if conserving:
+            journals = [_journal(one, scene, angle) for one in loaded]
+            films = with_conserving(scene, films, journals, own, [one.tilt for one in loaded])
+        every.append(films)
+    return every
 
 
 def orbits_of(cases: Sequence[tuple[Scene, Sequence[LoadedBearing], Array]]) -> list[list[Orbit]]:
@@ -251,10 +271,15 @@ def _loaded_big_end(scene: Scene, step: int) -> LoadedBearing:
     swing = -ratio * np.cos(angle) / np.sqrt(1 - (ratio * np.sin(angle)) ** 2)
     largest = _largest(on_pin, angle_deg)
     number = engine.throws * scene.big_ends
-    return LoadedBearing("big end", big_end(scene), -on_pin[::step], swing, number, largest)
+    return LoadedBearing(BIG_END, big_end(scene), -on_pin[::step], swing, number, largest)
 
 
-def _assumed(scene: Scene, table: PlainBearings) -> tuple[Assumption, ...]:
+def _assumed(scene: Scene, table: PlainBearings, conserving: Set[str]) -> tuple[Assumption, ...]:
+    """Values that the scene does not give; those of the supply only where a mass-conserving film takes them.
+
+    Args:
+        conserving: names of the bearings with such a film.
+    """
     widths = [
         Assumption(f"bearings.{key}", round(bearing.width_mm, 3), "the journal between its fillets")
         for key, bearing in (("width_mm", main_bearing(scene, 1)), ("big_end_width_mm", big_end(scene)))
@@ -263,5 +288,8 @@ def _assumed(scene: Scene, table: PlainBearings) -> tuple[Assumption, ...]:
     unused = {"bearings.groove_mm"}
     unused |= set() if table.takes_grade else {"bearings.oil"}
     unused |= {"bearings.temperature_C"} if table.viscosity_mPas else set()
+    holes = hole_assumptions(scene, conserving)
+    unused |= set() if conserving else {"bearings.supply_pressure_MPa"}
+    unused |= {"bearings.feed_hole_deg"} if table.groove_mm or not conserving - {BIG_END} else set()
     found = [one for one in assumptions(scene, (BEARINGS, "engine")) if one.key not in unused]
-    return (*found, *widths)
+    return (*found, *widths, *holes)

@@ -20,7 +20,31 @@ def film_text(result: FilmResult) -> str:
     silent = f"\n{silent_words(result.misfire)}; the big end is of one that does" if result.misfire else ""
     parts = [_verdict(result), heading + gas + silent]
     parts += [_one_speed(result.speeds[0]) if len(result.speeds) == 1 else _by_speed(result.speeds)]
+    parts += [_conserving(result)]
     return "\n\n".join(part for part in parts if part)
+
+
+def _conserving(result: FilmResult) -> str:
+    """The mass-conserving films, with their difference from those of the mobility method."""
+    header = ["bearing", "speed\nrpm", "film\num", "at\ndeg", "than\nabove", "pressure\nMPa", "at\ndeg"]
+    header += ["than\nabove", "least\nfilled", "oil\ncm3/s"]
+    rows = []
+    for at in result.speeds:
+        for one in at.conserving:
+            assert one.conserving is not None
+            own = one.conserving
+            cells = [one.bearing, f"{at.rpm:g}", film_words(own.film_um, one.below_um), f"{own.film_deg:g}"]
+            cells += [_more(own.film_um, one.film_um), f"{own.pressure_MPa:.1f}", f"{own.pressure_deg:g}"]
+            cells += [_more(own.pressure_MPa, one.pressure_MPa), f"{100 * own.least_filled:.0f} %"]
+            rows.append([*cells, f"{own.oil_cm3_per_s:.2g}"])
+    if not rows:
+        return ""
+    told = f"mass-conserving film of those within {result.near:g} times of what is permitted"
+    return f"{told}\n" + text_table("l" + "r" * (len(header) - 1), header, rows)
+
+
+def _more(value: float, than: float) -> str:
+    return f"{100 * (value / than - 1):+.0f} %"
 
 
 def _verdict(result: FilmResult) -> str:

@@ -14,13 +14,14 @@ from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.tasks.fea.condense import RX, RY, UX, UY
 from cranktopo.tasks.film.result import BearingFilm
-from cranktopo.tasks.film.stage import LoadedBearing, films_of, main_bearing
+from cranktopo.tasks.film.stage import LoadedBearing, films_of, main_bearing, plain_bearings
 from cranktopo.tasks.shaft.assembly import turned
 from cranktopo.tasks.shaft.cycle import (
     CycleForces,
     ShaftCycle,
     cycle_forces,
     journal_loads_N,
+    journal_tilts,
     shaft_cycle,
 )
 from cranktopo.tasks.shaft.loaded_throw import LoadedThrow
@@ -165,15 +166,20 @@ def _with_films(
     for place, (shaft, cycle, scene) in enumerate(found):
         if scene.bearings is not None and engine_of(scene).speed_rpm:
             cases[place] = scene, _loaded(shaft, cycle, scene), cycle.angle_deg
-    for place, films in zip(cases, films_of(list(cases.values())), strict=True):
+    for place, films in zip(cases, films_of(list(cases.values()), conserving=True), strict=True):
         shafts[place] = _filled(shafts[place], films)
     return tuple(shafts)
 
 
 def _loaded(shaft: ContinuousShaft, cycle: ShaftCycle, scene: Scene) -> list[LoadedBearing]:
-    loads, still = journal_loads_N(cycle), np.zeros_like(cycle.angle_deg)
-    numbers = [one.bearing for one in shaft.main_bearings]
-    return [LoadedBearing(f"main {n}", main_bearing(scene, n - 1), loads[n - 1], still) for n in numbers]
+    loads, tilts, still = journal_loads_N(cycle), journal_tilts(cycle), np.zeros_like(cycle.angle_deg)
+    found = []
+    for number in (one.bearing - 1 for one in shaft.main_bearings):
+        bearing = main_bearing(scene, number)
+        half_mm = (bearing.width_mm * bearing.films + plain_bearings(scene).groove_mm) / 2
+        tilt = tilts[number] * (half_mm / bearing.clearance_mm)
+        found.append(LoadedBearing(f"main {number + 1}", bearing, loads[number], still, tilt=tilt))
+    return found
 
 
 def _filled(shaft: ContinuousShaft, films: Sequence[BearingFilm]) -> ContinuousShaft:
@@ -183,6 +189,7 @@ def _filled(shaft: ContinuousShaft, films: Sequence[BearingFilm]) -> ContinuousS
                 "film_um": film.film_um,
                 "film_below_um": film.below_um,
                 "pressure_MPa": film.pressure_MPa,
+                "conserving": film.conserving,
             }
         )
         for one, film in zip(shaft.main_bearings, films, strict=True)

@@ -264,3 +264,10 @@ def journal_loads_N(cycle: ShaftCycle) -> Complex:
     """Return the same forces as y + i x: the way journals in films are turned, (sections, states)."""
     loads = loads_on_bearings_N(cycle)
     return np.asarray(loads[:, 1] + 1j * loads[:, 0])  # the shaft turns from y to x
+
+
+def journal_tilts(cycle: ShaftCycle) -> Complex:
+    """Return how far each journal leads off its axis per length, turned as its force, (sections, states)."""
+    motion = cycle.motion.reshape(len(cycle.bearing_N), 6, -1)
+    turn = np.exp(-1j * np.radians([about_z_deg(angle) for angle in cycle.angle_deg]))
+    return np.asarray((-motion[:, RX] + 1j * motion[:, RY]) * turn)

@@ -9,6 +9,7 @@ from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
 from cranktopo.tasks.fea.evaluation import SCHEMA_VERSION
 from cranktopo.tasks.film.permitted import LeastFilm, beyond_permitted
+from cranktopo.tasks.film.result import ConservingFilm
 from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings, ShaftStiffness
 from cranktopo.tasks.shaft.web_sections import WebSections
 
@@ -51,6 +52,7 @@ class ShaftBearing(Result):
         offset_um: largest distance of the journal from the bearing axis; 0 in rigid bearings.
         film_um, pressure_MPa: least thickness and largest pressure of the oil film, where the design has
             `[bearings]`; a thickness that is `film_below_um` is below what is resolved.
+        conserving: the mass-conserving film of one near what is permitted, also with the journal tilted.
     """
 
     bearing: int
@@ -62,6 +64,15 @@ class ShaftBearing(Result):
     film_um: float | None = UNLESS_NONE
     film_below_um: float | None = UNLESS_NONE
     pressure_MPa: float | None = UNLESS_NONE
+    conserving: ConservingFilm | None = UNLESS_NONE
+
+    def least(self, rpm: float) -> LeastFilm | None:
+        """Return film and pressure, of the mass-conserving one where it is computed; None without a film."""
+        if self.film_um is None or self.film_below_um is None or self.pressure_MPa is None:
+            return None
+        own = self.conserving
+        film, pressure = (own.film_um, own.pressure_MPa) if own else (self.film_um, self.pressure_MPa)
+        return LeastFilm(f"main {self.bearing}", rpm, film, self.film_below_um, pressure)
 
 
 class ContinuousShaft(Result):
@@ -83,11 +94,8 @@ class ContinuousShaft(Result):
     @property
     def least_films(self) -> list[LeastFilm]:
         """Film and pressure of every main bearing, as what is permitted asks for them; none without films."""
-        return [
-            LeastFilm(f"main {one.bearing}", self.speed_rpm, one.film_um, one.film_below_um, one.pressure_MPa)
-            for one in self.main_bearings
-            if one.film_um is not None and one.film_below_um is not None and one.pressure_MPa is not None
-        ]
+        films = [one.least(self.speed_rpm) for one in self.main_bearings]
+        return [film for film in films if film is not None]
 
     @property
     def worst_bearing(self) -> ShaftBearing:

@@ -146,6 +146,7 @@ def _on_bearings(shaft: ShaftEvaluation) -> list[str]:
         terminal(moment_table(worst)),
         "Main bearings, beside the sum of throws alone:",
         terminal(bearing_table(worst)),
+        *_conserving(worst),
     ]
     if len(speeds) > 1:
         paragraphs += ["Over the speeds, the web and the bearing with the most:", _over_speeds(speeds)]
@@ -193,6 +194,32 @@ def bearing_table(at: ContinuousShaft) -> ResultTable:
         for bearing in at.main_bearings
     )
     return ResultTable({key: _BEARING_DIGITS[key] for key in rows[0]}, rows)
+
+
+def _conserving(at: ContinuousShaft) -> list[str]:
+    """Return the mass-conserving films of those near what is permitted, parallel and with tilt."""
+    films = [(one, one.conserving) for one in at.main_bearings if one.conserving is not None]
+    rows: tuple[Row, ...] = tuple(
+        {
+            "bearing": str(one.bearing),
+            "film_um": own.film_um,
+            "pressure_MPa": own.pressure_MPa,
+            "tilt_um": own.edge.tilt_um if own.edge else None,
+            "edge_film_um": own.edge.film_um if own.edge else None,
+            "edge_pressure_MPa": own.edge.pressure_MPa if own.edge else None,
+        }
+        for one, own in films
+    )
+    if not rows:
+        return []
+    digits = {"bearing": 0, "film_um": 2, "pressure_MPa": 1, "tilt_um": 1}
+    touching = any(own.edge and own.edge.pressure_MPa is None for _, own in films)
+    told = "Mass-conserving films of those near what is permitted; then with the journal's tilt, at the edge"
+    told += ", where 0 is a journal that touches a rigid bearing:" if touching else ":"
+    return [
+        fill(told, WIDTH),
+        terminal(ResultTable({**digits, "edge_film_um": 2, "edge_pressure_MPa": 1}, rows)),
+    ]
 
 
 def _over_speeds(speeds: tuple[ContinuousShaft, ...]) -> str:

@@ -18,6 +18,8 @@ from cranktopo.tasks.shaft.cycle import (
     ShaftCycle,
     bent_into_bearings_N_per_mm,
     cycle_forces,
+    journal_loads_N,
+    journal_tilts,
     loads_on_bearings_N,
     shaft_cycle,
 )
@@ -47,6 +49,19 @@ def under_the_loads_of(cycle: ShaftCycle, scene: Scene) -> list[Orbit]:
     ]
     (found,) = orbits_of([(scene, bearings, cycle.angle_deg)])
     return found
+
+
+def test_a_tilted_journal_leads_off_as_its_axis_turns() -> None:
+    """A point of its axis one unit along z moves by the cross product; turned like a force that pushes it."""
+    draw = np.random.default_rng(3)
+    angle = np.arange(0.0, 720.0, 30.0)
+    motion = draw.uniform(-1e-3, 1e-3, (18, len(angle)))
+    moved = np.empty((3, 2, len(angle)))
+    for section, state in np.ndindex(3, len(angle)):
+        turned = motion[6 * section + 3 : 6 * section + 6, state] * [1.0, 1.0, 0.0]
+        moved[section, :, state] = np.cross(turned, [0.0, 0.0, 1.0])[:2]
+    pushed = ShaftCycle(angle, motion, -moved, np.zeros((2, 12, len(angle))))
+    assert journal_tilts(pushed) == pytest.approx(journal_loads_N(pushed), abs=1e-15)
 
 
 @pytest.mark.slow

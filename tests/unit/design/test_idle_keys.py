@@ -82,6 +82,15 @@ CASES: list[Case] = [
     ("rod", rod(), "engine.masses.rod_reciprocating_kg", (0.3, 0.4), "rod"),
     ("viscosity", oiled(viscosity_mPas=8.0), "bearings.oil", ("ISO VG 46", "ISO VG 100"), ""),
     ("viscosity", oiled(viscosity_mPas=8.0), "bearings.temperature_C", (90.0, 110.0), ""),
+    *(
+        ("supply", oiled(), f"bearings.{key}", values, "")
+        for key, values in (
+            ("supply_pressure_MPa", (0.2, 0.4)),
+            ("feed_hole_mm", (3.0, 5.0)),
+            ("feed_hole_deg", (0.0, 40.0)),
+        )
+    ),
+    ("groove", oiled(permitted_film_um=1.0, groove_mm=5.0), "bearings.feed_hole_deg", (0.0, 40.0), ""),
     ("curve", oiled(viscosity_curve_mPas=CURVE), "bearings.oil", ("ISO VG 46", "ISO VG 100"), ""),
     ("shank", joint(), "bolted_joint[0].shank_diameter_mm", (8.0, 9.0), "bolts"),
     ("preload", joint(preload_N=2e4), "bolted_joint[0].utilisation", (0.7, 0.8), "bolts"),

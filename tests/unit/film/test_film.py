@@ -17,6 +17,7 @@ from cranktopo.design.named import with_values
 from cranktopo.design.plain_bearings import PlainBearings
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, engine_of
+from cranktopo.tasks.film.conserving import oil_feed
 from cranktopo.tasks.film.stage import _loaded_big_end, film_change, main_bearing, oil_films
 from cranktopo.tasks.film.text import film_text
 
@@ -90,6 +91,8 @@ def test_a_curve_is_told_and_takes_the_place_of_the_grade() -> None:
         ),
         (OIL + "big_end_width_mm = 37", "must be at most 31 mm, the room between the fillets"),
         ('clearance_mm = 0.5\noil = "ISO VG 46"', "must be at most 0.42 mm, 1 % of the journal's diameter"),
+        (OIL + "feed_hole_mm = 16", "must be at most 15.5 mm, half the width of the narrowest bearing"),
+        (OIL + "supply_pressure_MPa = 0", "bearings.supply_pressure_MPa = 0"),
         (OIL + "width_mm = 20\ngroove_mm = 20", "Take at most 18.32 mm, 0 for none"),
         (
             OIL + "viscosity_curve_mPas = [[100, 11.0], [40, 90.0]]",
@@ -141,14 +144,59 @@ def test_a_groove_takes_film() -> None:
 
 
 @pytest.mark.slow
-def test_what_is_worse_than_permitted_is_said_first() -> None:
-    result = oil_films(scene(OIL + "permitted_film_um = 2\npermitted_pressure_MPa = 40"))
-    assert result.holds is False
+def test_a_film_near_the_permitted_one_keeps_its_oil() -> None:
+    """Of those within 1.5 times, the big end alone; what is worse than permitted by it is said first."""
+    result = oil_films(scene(OIL + "permitted_film_um = 1.7\npermitted_pressure_MPa = 95"))
+    (at,) = result.speeds
+    (one,) = at.conserving
+    assert (one.bearing, result.near, result.holds) == ("big end", 1.5, False)
+    own = one.conserving
+    assert own is not None
+    assert own.edge is None
+    assert own.film_um == pytest.approx(one.film_um, rel=0.3)
+    assert own.film_um != one.film_um
+    assert own.pressure_MPa == pytest.approx(one.pressure_MPa, rel=0.3)
+    assert 0.1 < own.least_filled < 0.9
+    assert 0.01 < own.oil_cm3_per_s < 10
     lines = film_text(result).splitlines()
-    assert lines[0] == "below the permitted 2 um: big end 1.59 um at 2100 rpm"
-    assert lines[1].startswith("above the permitted 40 MPa: main 2 4")
+    assert lines[0] == f"below the permitted 1.7 um: big end {own.film_um:.2f} um at 2100 rpm"
+    assert lines[1] == f"above the permitted 95 MPa: big end {own.pressure_MPa:.1f} MPa at 2100 rpm"
+    assert "mass-conserving film of those within 1.5 times of what is permitted" in lines
     assert all(len(line) <= 80 for line in lines)
-    assert oil_films(scene(OIL + "permitted_film_um = 0.5")).holds is True
+    told = {one.key for one in result.assumed}
+    assert {"bearings.supply_pressure_MPa", "bearings.feed_hole_mm"} <= told
+    assert "bearings.feed_hole_deg" not in told, "that is of main bearings"
+
+
+def test_a_film_far_from_the_permitted_one_is_left_to_the_mobility_method() -> None:
+    result = oil_films(scene(OIL + "permitted_film_um = 0.5"))
+    assert result.holds is True
+    assert not result.speeds[0].conserving
+    assert "mass-conserving" not in film_text(result)
+    assert "near" not in result.as_json()
+    assert "bearings.supply_pressure_MPa" not in {one.key for one in result.assumed}
+
+
+def test_where_the_oil_comes_from() -> None:
+    """A groove, a hole of the bearing at rest, a hole that turns with the pin, or the drilling of the pin."""
+    angle = np.array([0.0, 90.0])
+    base = scene(OIL + "supply_pressure_MPa = 0.4\nfeed_hole_mm = 5\nfeed_hole_deg = 30")
+    still = oil_feed(base, "main 2", angle, 42.0)
+    assert (still.pressure_MPa, still.groove_mm, still.hole_mm) == (0.4, 0.0, 5.0)
+    assert np.degrees(still.hole_rad) == pytest.approx([30.0, 30.0])
+    grooved = oil_feed(scene(OIL + "groove_mm = 5"), "main 2", angle, 42.0)
+    assert (grooved.groove_mm, grooved.hole_rad) == (5.0, None)
+    turning = oil_feed(scene(OIL + "groove_mm = 5"), "big end", angle, 42.0)
+    assert turning.hole_mm == pytest.approx(4.2)
+    assert np.degrees(turning.hole_rad) == pytest.approx([90.0, 180.0])
+    drilling = (
+        "[[throw.drilling]]\ndiameter_mm = 4.0\n[throw.drilling.to]\non = 'crankpin'\nangle_deg = -20.0\n"
+    )
+    drilling += "place_mm = 0.0\n"
+    solid = re.sub(r"bore_diameter_mm = [0-9.]+", "bore_diameter_mm = 0.0", MIKRON)
+    drilled = oil_feed(scene(OIL, solid + "\n" + drilling), "big end", angle, 42.0)
+    assert drilled.hole_mm == 4.0
+    assert np.degrees(drilled.hole_rad) == pytest.approx([-20.0, 70.0])
 
 
 @pytest.mark.slow

@@ -1,0 +1,154 @@
+"""Mass-conserving films of those bearings whose film by the mobility method is near what is permitted."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence, Set
+from dataclasses import replace
+
+import numpy as np
+
+from cranktopo.base.arrays import Array, Complex
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.notes import note
+from cranktopo.design.assumed import Assumption
+from cranktopo.design.plain_bearings import PlainBearings
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.bearing_film.conserving import TouchingError
+from cranktopo.numerics.bearing_film.conserving_orbit import ConservedOrbit, OilFeed, conserved_orbit
+from cranktopo.numerics.bearing_film.orbit import LEAST_SHARE, LoadedJournal, Orbit
+from cranktopo.tasks.film.result import BearingFilm, ConservingFilm, EdgeFilm
+
+BIG_END = "big end"
+NEAR = 1.5
+"""A film below so many times the permitted thickness, or above the permitted pressure over it, is near it."""
+HOLE_SHARE, PIN_HOLE_DEG = 0.1, 90.0
+"""Diameter of a feed hole over that of its journal, and a pin's angle ahead of its throw, if not given."""
+_STEP_DEG = 2.0
+_UM_PER_MM, _MM3_PER_CM3 = 1e3, 1e3
+
+
+def near_limit(table: PlainBearings, film: BearingFilm) -> bool:
+    """Tell whether a film of the mobility method is near what is permitted, or beyond it."""
+    least, most = table.permitted_film_um, table.permitted_pressure_MPa
+    thin = least is not None and film.film_um < NEAR * least
+    return thin or (most is not None and film.pressure_MPa > most / NEAR)
+
+
+def with_conserving(
+    scene: Scene,
+    films: Sequence[BearingFilm],
+    journals: Sequence[LoadedJournal],
+    found: Sequence[Orbit],
+    tilts: Sequence[Complex | None],
+) -> tuple[BearingFilm, ...]:
+    """Return the films of a scene at its speed, those near their limit with the film that keeps its oil.
+
+    Args:
+        tilts: eccentricity at the end of each bearing less that in its middle, over the angles of the orbits.
+
+    Raises:
+        CranktopoError: a film that does not become steady, with the name of its bearing.
+    """
+    assert scene.bearings is not None
+    start, every, done = time.perf_counter(), list(films), 0
+    for place, (film, journal, orbit, tilt) in enumerate(zip(films, journals, found, tilts, strict=True)):
+        if near_limit(scene.bearings, film):
+            feed = oil_feed(scene, film.bearing, orbit.angle_deg, journal.bearing.diameter_mm)
+            every[place] = film.model_copy(
+                update={"conserving": _conserving(film, journal, orbit, feed, tilt)}
+            )
+            done += 1
+    if done:
+        names = "bearing" if done == 1 else "bearings"
+        note(f"mass-conserving film of {done} {names}: {time.perf_counter() - start:.0f} s")
+    return tuple(every)
+
+
+def oil_feed(scene: Scene, bearing: str, angle_deg: Array, diameter_mm: float) -> OilFeed:
+    """Return how a bearing is fed: groove or hole of the main bearings, hole of the pin."""
+    assert scene.bearings is not None
+    table = scene.bearings
+    hole_mm = table.feed_hole_mm or HOLE_SHARE * diameter_mm
+    if bearing == BIG_END:
+        hole_mm, at_deg = pin_hole(scene) or (hole_mm, PIN_HOLE_DEG)
+        return OilFeed(table.supply_pressure_MPa, hole_mm=hole_mm, hole_rad=np.radians(angle_deg + at_deg))
+    if table.groove_mm:
+        return OilFeed(table.supply_pressure_MPa, groove_mm=table.groove_mm)
+    still = np.radians(np.full_like(angle_deg, table.feed_hole_deg))
+    return OilFeed(table.supply_pressure_MPa, hole_mm=hole_mm, hole_rad=still)
+
+
+def pin_hole(scene: Scene) -> tuple[float, float] | None:
+    """Return diameter and angle, deg, of the first drilling that ends on the crankpin; None for no such."""
+    return next(_pin_holes(scene), None)
+
+
+def hole_assumptions(scene: Scene, bearings: Set[str]) -> tuple[Assumption, ...]:
+    """Return the diameters of feed holes that these bearings take and the scene does not give."""
+    assert scene.bearings is not None
+    grooved = scene.bearings.groove_mm > 0
+    taken = [name for name in bearings if (pin_hole(scene) is None if name == BIG_END else not grooved)]
+    if not taken or scene.bearings.feed_hole_mm is not None:
+        return ()
+    return (Assumption("bearings.feed_hole_mm", HOLE_SHARE, "times the diameter of the journal"),)
+
+
+def _pin_holes(scene: Scene) -> Iterator[tuple[float, float]]:
+    for drilling in scene.throw.drilling:
+        for _, end in drilling.ends:
+            if end.on == "crankpin":
+                yield drilling.diameter_mm, end.angle_deg
+
+
+def _conserving(
+    film: BearingFilm, journal: LoadedJournal, orbit: Orbit, feed: OilFeed, tilt: Complex | None
+) -> ConservingFilm:
+    stride = max(1, round(_STEP_DEG / float(orbit.angle_deg[1] - orbit.angle_deg[0])))
+    own, sleeve = journal.surfaces_rad_s
+    coarse = LoadedJournal(
+        journal.bearing, journal.load_N[::stride], journal.speed_rad_s, (own[::stride], sleeve[::stride])
+    )
+    if feed.hole_rad is not None:
+        feed = replace(feed, hole_rad=feed.hole_rad[::stride])
+    angle = orbit.angle_deg[::stride]
+    try:
+        found = _read(conserved_orbit(coarse, angle, feed, orbit))
+        if tilt is None:
+            return found
+        return found.model_copy(update={"edge": _edge(coarse, angle, feed, orbit, tilt[::stride])})
+    except CranktopoError as error:
+        raise CranktopoError(f"{film.bearing}: {error.message}", hint=error.hint, code=error.code) from error
+
+
+def _edge(journal: LoadedJournal, angle_deg: Array, feed: OilFeed, orbit: Orbit, tilt: Complex) -> EdgeFilm:
+    most = int(np.abs(tilt).argmax())
+    tilt_um = float(np.abs(tilt[most])) * journal.bearing.clearance_mm * _UM_PER_MM
+    touching = EdgeFilm(film_um=0.0, film_deg=float(angle_deg[most]), pressure_MPa=None, tilt_um=tilt_um)
+    if np.abs(tilt[most]) >= 1 - LEAST_SHARE:
+        return touching
+    try:
+        found = conserved_orbit(journal, angle_deg, feed, orbit, tilt)
+    except TouchingError:
+        return touching
+    thin = int(found.film_mm.argmin())
+    return EdgeFilm(
+        film_um=float(found.film_mm[thin]) * _UM_PER_MM,
+        film_deg=float(angle_deg[thin]),
+        pressure_MPa=float(found.pressure_MPa.max()),
+        tilt_um=tilt_um,
+    )
+
+
+def _read(found: ConservedOrbit) -> ConservingFilm:
+    thin, hard = int(found.film_mm.argmin()), int(found.pressure_MPa.argmax())
+    half = float(found.angle_deg[1]) / 2  # the pressure is that of the middle of a step
+    cycle = len(found.angle_deg) * 2 * half
+    return ConservingFilm(
+        film_um=float(found.film_mm[thin]) * _UM_PER_MM,
+        film_deg=float(found.angle_deg[thin]),
+        pressure_MPa=float(found.pressure_MPa[hard]),
+        pressure_deg=(float(found.angle_deg[hard]) - half) % cycle,
+        least_filled=float(found.filled.min()),
+        oil_cm3_per_s=float(found.fed_mm3_per_s.mean()) / _MM3_PER_CM3,
+    )
