@@ -10,6 +10,7 @@ from pathlib import Path
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import as_path, write_json, write_text
 from cranktopo.base.notes import note
+from cranktopo.bodies.prisms import thread_holes
 from cranktopo.bodies.solid.files import export_solid, surface_of
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, toml_text
@@ -118,7 +119,7 @@ def write_refit(
     export_solid(scene, "half", folder / files.step, started=started)
     write_stl(folder / files.stl, half_throw)
     drawings = [folder / files.drawing, folder / files.drawing_svg]
-    solid = solid_of(half_throw, "half throw")
+    solid = solid_of(half_throw, "half throw") - thread_holes(scene)
     sheet = Sheet(scene, solid, solid_of(surface, "surface to be re-modelled"))
     write_drawing([sheet], throw_balance(scene), drawings, started)
     return files
