@@ -18,15 +18,13 @@ from cranktopo.throw.moments import Moments
 
 BOLT_KG_M3 = 7850.0
 """Density of bolts, which are of steel."""
-_HEAD_SHARE = 1.0
-"""Height of a head over the diameter of its thread, of ISO 4762."""
 _STRIPS = 60
 _NOTHING = Moments(0.0, 0.0, 0.0, 0.0)
 _Ends = Callable[[Array], Array]
 
 
 def holes_in_weight(scene: Scene, before_z_mm: float | None = None) -> Moments:
-    """Return the moments of what the bolts' holes take out of the counterweight, weighted as `body_moments`."""
+    """Return the moments of what bolts' holes take out of the counterweight, weighted as `body_moments`."""
 
     def of(bolt: BoltHole) -> Moments:
         through = _column(bolt, bolt.hole_radius_mm, _at(bolt.seat_mm), _joint(scene), before_z_mm)
@@ -57,8 +55,9 @@ def bolts_added_kg_mm(scene: Scene, before_z_mm: float | None = None) -> Moments
     added = _NOTHING - lost
     for bolt in bolt_holes(scene):
         wide = bolt.joint.nominal.diameter_mm
-        head = _at(bolt.seat_mm - _HEAD_SHARE * wide)
-        added += _column(bolt, bolt.joint.head_mm / 2, head, _at(bolt.seat_mm), before_z_mm).times(steel)
+        added += _column(
+            bolt, bolt.joint.head_mm / 2, _at(bolt.head_end_mm), _at(bolt.seat_mm), before_z_mm
+        ).times(steel)
         added += _column(bolt, wide / 2, _at(bolt.seat_mm), _at(bolt.joint_mm), before_z_mm).times(steel)
         empty = _column(bolt, bolt.core_radius_mm, _at(bolt.thread_mm), _at(bolt.floor_mm), before_z_mm)
         added += empty.times(-density_kg_per_mm3(scene.material.density_kg_m3))

@@ -216,8 +216,8 @@ class BoltedJoint(Bolt):
     """Number of bolts that share the force of what `holds` names, each along its axis."""
     places_mm: tuple[tuple[Place, Place], ...] = Field(default=(), max_length=64, examples=[[[12.0, 0.0]]])
     """Places of these bolts, x across the throw and z along the crank axis, from the middle of the
-    counterweight's thickness; each with its mirror image in x. Their axes run along the throw. They are drawn,
-    exported and weighed with their holes; left out: without holes."""
+    counterweight's thickness; each with its mirror image in x. Their axes run along the throw. Bolts and
+    their holes are drawn, exported and weighed; left out: there are no holes."""
     max_force_N: float | None = Field(
         default=None, ge=-1e9, le=1e9, allow_inf_nan=False, examples=[5000.0], json_schema_extra=SHOWN
     )

@@ -6,7 +6,7 @@ below the grip of its `[[bolted_joint]]`, in a hole from the rim.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -30,9 +30,6 @@ class BoltHole:
     Attributes:
         key: its table in the scene.
         joint_mm: where its axis leaves the web.
-        seat_mm: seat of its head, below the joint.
-        thread_mm: end of the thread in the web, above the joint.
-        floor_mm: floor of the core hole.
     """
 
     key: str
@@ -43,15 +40,27 @@ class BoltHole:
 
     @property
     def seat_mm(self) -> float:
+        """Place of the seat of its head, a grip below the joint."""
         return self.joint_mm - self.joint.grip_mm
 
     @property
     def thread_mm(self) -> float:
+        """Place of the end of the thread in the web."""
         return self.joint_mm + self.joint.engaged_mm
 
     @property
     def floor_mm(self) -> float:
+        """Place of the floor of the core hole."""
         return self.thread_mm + RUN_OUT_PITCHES * self.joint.nominal.pitch_mm
+
+    @property
+    def head_end_mm(self) -> float:
+        """Place of the outer end of its head, as high as its thread is wide (ISO 4762)."""
+        return self.seat_mm - self.joint.nominal.diameter_mm
+
+    def at(self, joint_mm: float) -> BoltHole:
+        """Return it at another joint."""
+        return replace(self, joint_mm=joint_mm)
 
     @property
     def core_radius_mm(self) -> float:
@@ -69,7 +78,7 @@ class BoltHole:
         return _WIDER * self.joint.head_mm / 2
 
     def thread_tool(self, far_mm: float) -> Cylinder:
-        """Return what is drilled out of the web, from beyond its outline on, `far_mm` below the crank axis."""
+        """Return what is drilled out of the web, from `far_mm` below the crank axis on."""
         return self._along(-far_mm, self.floor_mm, self.core_radius_mm)
 
     def weight_tools(self, far_mm: float) -> tuple[Cylinder, Cylinder]:
@@ -93,8 +102,12 @@ def bolt_holes(scene: Scene) -> tuple[BoltHole, ...]:
     if weight is None or not weight.bolted:
         return ()
     middle = sum(weight.sector(scene).z_mm) / 2
+
+    def joint_mm(x: float) -> float:
+        return float(lower_end_mm(scene, np.array([x]))[0])
+
     return tuple(
-        BoltHole(f"bolted_joint[{number}]", joint, x, middle + z, float(lower_end_mm(scene, np.array([x]))[0]))
+        BoltHole(f"bolted_joint[{number}]", joint, x, middle + z, joint_mm(x))
         for number, joint in enumerate(scene.bolted_joint)
         for x, z in joint.places_mm
         if joint.holds == "web.counterweight"

@@ -17,7 +17,13 @@ from cranktopo.base.files import as_path, replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.bodies.raw_crankshaft import raw_crank_end
-from cranktopo.bodies.solid.bolted import add_bolted, add_thread_tools, bolted_names, threads_mm3, with_threads
+from cranktopo.bodies.solid.bolted import (
+    add_bolted,
+    add_thread_tools,
+    bolted_names,
+    threads_mm3,
+    with_threads,
+)
 from cranktopo.bodies.solid.checked import VOLUME_TOLERANCE, ClosedForm
 from cranktopo.bodies.solid.crankshaft import add_crankshaft, add_end, placed_throws
 from cranktopo.bodies.solid.drilled import drilled
@@ -131,8 +137,9 @@ def export_solid(
 ) -> float:
     """Write a part of a scene, mm, as STEP or STL by the file's suffix; return the part's exact volume, mm3.
 
-    Its webs have the thread holes of placed bolts. STEP files of throw and crankshaft hold bolted counterweights
-    as bodies of their own, which the volume does not count; an STL file holds the part alone. The file appears only when complete. STL facets have 1 mm for a throw of usual size, others in proportion;
+    Its webs have the thread holes of placed bolts. STEP files of throw and crankshaft hold bolted
+    counterweights as bodies of their own, which the volume does not count; an STL file holds the part alone.
+    The file appears only when complete. STL facets have 1 mm for a throw of usual size, others in proportion;
     `started` dates a STEP file, now by default. Raises CranktopoError: impossible dimensions, unknown suffix,
     a STEP file that does not read back, or a file that cannot be written.
     """

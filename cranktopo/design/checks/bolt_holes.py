@@ -1,4 +1,4 @@
-"""Rules of the placed bolts of a counterweight: their holes lie in sound material, clear of what else is cut."""
+"""Rules of the placed bolts of a counterweight: their holes lie in sound material, clear of other cuts."""
 
 from __future__ import annotations
 
@@ -61,10 +61,10 @@ def _check_weight(scene: Scene, hole: BoltHole) -> None:
         raise _refused(scene, hole, f"leaves {_WEIGHT}, all around the hole of its head of ⌀{_head(hole)} mm")
     x = hole.x_mm + np.linspace(-out, out, _AROUND)
     rim = -float(np.sqrt(sector.radius_mm**2 - x**2).min())
-    low, high = hole.seat_mm - hole.joint.nominal.diameter_mm, float(np.min(lower_end_mm(scene, x)))
+    high = float(np.min(lower_end_mm(scene, x)))
     most = hole.joint_mm - rim - hole.joint.nominal.diameter_mm
     shortest = hole.joint_mm - high + least
-    if not (low >= rim and hole.seat_mm <= high - least):
+    if not (hole.head_end_mm >= rim and hole.seat_mm <= high - least):
         allowed = f"must be from {shortest:.4g} to {most:.4g} mm: its head lies in {_WEIGHT}, below the rim"
         raise scene.invalid(f"{hole.key}.grip_mm", allowed, "Change it, or places_mm.")
     at = _wall(hole, hole.hole_radius_mm + least, hole.seat_mm, hole.joint_mm)

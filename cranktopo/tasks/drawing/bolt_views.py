@@ -1,4 +1,4 @@
-"""Bolts of a counterweight in the views of its throw: outlines of their holes, axes, dimensions, thread note."""
+"""Bolts of a counterweight in the views of its throw: their holes, axes, dimensions and thread note."""
 
 from __future__ import annotations
 

@@ -94,7 +94,7 @@ class Sheet:
 
     @cached_property
     def features(self) -> list[FeatureDrawing]:
-        """Strokes, lines and dimensions of each feature of the web, and of bolts that hold its counterweight."""
+        """Strokes, lines and dimensions of each feature of the web, and of a counterweight's bolts."""
         found = [feature.drawing(self.scene) for _, feature in self.scene.web.features()]
         bolts = bolt_feature(self.scene)
         return found if bolts is None else [*found, bolts]
