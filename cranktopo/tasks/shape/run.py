@@ -20,6 +20,7 @@ from cranktopo.design.assumed import (
     ENVELOPE,
     FATIGUE,
     LOADS,
+    SEAT,
     SUPPORTS,
     THROW,
     VIBRATION,
