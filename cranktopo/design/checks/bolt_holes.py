@@ -61,7 +61,7 @@ def _check_weight(scene: Scene, hole: BoltHole) -> None:
         raise _refused(scene, hole, f"leaves {_WEIGHT}, all around the hole of its head of ⌀{_head(hole)} mm")
     x = hole.x_mm + np.linspace(-out, out, _AROUND)
     rim = -float(np.sqrt(sector.radius_mm**2 - x**2).min())
-    high = float(np.min(lower_end_mm(scene, x)))
+    high = float(np.nanmin(lower_end_mm(scene, x)))
     most = hole.joint_mm - rim - hole.joint.nominal.diameter_mm
     shortest = hole.joint_mm - high + least
     if not (hole.head_end_mm >= rim and hole.seat_mm <= high - least):
