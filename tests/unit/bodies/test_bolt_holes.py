@@ -217,7 +217,10 @@ REFUSED = {
     "one side": ({"places_mm": [[12.0, 1.0], [-11.0, 1.0]]}, r"mirror image"),
     "aside": ({"places_mm": [[-40.0, 1.0], [40.0, 1.0]]}, r"misses the outline"),
     "a face": ({"places_mm": [[-12.0, 5.0], [12.0, 5.0]]}, r"leaves web.counterweight"),
-    "a flank": ({"places_mm": [[-26.0, 1.0], [26.0, 1.0]], "grip_mm": 20.0}, r"leaves web.counterweight through a flank"),
+    "a flank": (
+        {"places_mm": [[-26.0, 1.0], [26.0, 1.0]], "grip_mm": 20.0},
+        r"leaves web.counterweight through a flank",
+    ),
     "long": ({"grip_mm": 30.0}, r"grip_mm = 30.0: must be from 1.86 to 26.03 mm"),
     "short": ({"grip_mm": 0.5}, r"grip_mm = 0.5: must be from 1.86"),
     "too deep": ({"engagement_mm": 18.0}, r"meets throw.main_journal.bore"),
