@@ -261,9 +261,9 @@ def _bolted(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
     return found
 
 
-def _bolted_names(scene: Scene, part: SolidPart) -> tuple[str, ...]:
-    """Return the names of these bodies in their order."""
-    if part == "throw":
+def bolted_bodies(scene: Scene, part: SolidPart) -> tuple[str, ...]:
+    """Return the names of the counterweights bolted to a part, in the order of their bodies."""
+    if part in ("throw", "half"):
         return bolted_names(scene)
     throws = throw_scenes(scene) if part == "crankshaft" else ()
     return tuple(
@@ -291,7 +291,7 @@ def _label(scene: Scene, part: SolidPart, written: datetime) -> StepLabel:
     names = {"half": "half throw", "raw": "raw part"}
     version = versions()["cranktopo"] or "unknown version"
     product = f"{scene.name} {names.get(part, part.replace('_', ' '))}"
-    bolted = _bolted_names(scene, part)
+    bolted = () if part == "half" else bolted_bodies(scene, part)
     return StepLabel(
         product,
         f"mm; z along the crank axis, {_FRAME_OF_ROD if part == 'rod' else _FRAME}",

@@ -12,13 +12,17 @@ from cranktopo.throw.primitives import DimensionLine, FeatureDrawing
 
 _OVER_MM, _BEYOND_MM = 2.0, 5.0
 """Length of an axis beyond its hole; distance of a dimension from the web, mm."""
+_UNPLACED = "", "BOLTS of the counterweight: not drawn,", "   no bolted_joint.places_mm are given"
 
 
 def bolt_feature(scene: Scene) -> FeatureDrawing | None:
-    """Return the dimensions of placed bolts to the axes and the faces, and their notes; None without any."""
-    bolts = bolt_holes(scene)
+    """Return the dimensions of placed bolts to the axes and the faces, and their notes.
+
+    Of bolts without places a note; None where nothing is bolted on.
+    """
+    bolts, weight = bolt_holes(scene), scene.web.counterweight
     if not bolts:
-        return None
+        return FeatureDrawing(lines=_UNPLACED) if weight is not None and weight.bolted else None
     (start, end), first = scene.web_z_mm, bolts[0]
     rows = {round(bolt.z_mm, 6): bolt for bolt in bolts}
     pairs = {round(bolt.x_mm, 6): bolt for bolt in bolts if bolt.x_mm > 0}
