@@ -1,4 +1,4 @@
-"""What is fastened to a web while its parameters change: masses, and the pull that loads its mesh.
+"""Parts fastened to a web while its parameters change: masses, and the pull that loads its mesh.
 
 A bolted counterweight begins at the outline of its web, which takes from it what it gains.
 """
@@ -21,8 +21,8 @@ _STEP = 1e-4
 
 
 @dataclass(frozen=True)
-class Carried:
-    """What is fastened to one web, and how it changes with the web's parameters (last axis).
+class Fastened:
+    """Parts fastened to one web, with derivatives by the parameters of the web (last axis).
 
     Attributes:
         scene: the throw with the web's own outline.
@@ -36,7 +36,7 @@ class Carried:
     total_slopes: Array
 
 
-def carried_at(scene: Scene, layout: Layout, values: Array) -> Carried:
+def carried_at(scene: Scene, layout: Layout, values: Array) -> Fastened:
     """Return what is fastened to a web of a layout.
 
     Args:
@@ -49,7 +49,7 @@ def carried_at(scene: Scene, layout: Layout, values: Array) -> Carried:
         count = len(values) - len(layout.dimensions)
         places = [*range(layout.stations), *range(count, len(values))]
         slopes = central_difference(lambda v: _own(_moved(scene, layout, v)), values, _STEP, places)
-    return Carried(moved, own[:3], slopes[:3], slopes[3:])
+    return Fastened(moved, own[:3], slopes[:3], slopes[3:])
 
 
 def _moved(scene: Scene, layout: Layout, values: Array) -> Scene:

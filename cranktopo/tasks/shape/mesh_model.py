@@ -40,7 +40,7 @@ from cranktopo.tasks.refit.family import Layout, exact_web_of, scene_at
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.bearing_films import film_slopes, limits_films
-from cranktopo.tasks.shape.carried import Carried, carried_at
+from cranktopo.tasks.shape.carried import Fastened, carried_at
 from cranktopo.tasks.shape.mesh_stress import MeshStress
 from cranktopo.tasks.shape.search_goal import Quantities
 from cranktopo.tasks.shape.shaft_frequency import NAME, frequency_of, needed_for, slope_of
@@ -193,7 +193,7 @@ class MeshModel:
         material = self.scene.material
         return assemble(mesh, material.E_GPa * MPA_PER_GPA, material.poisson)
 
-    def _masses(self, model: Elasticity, carried: Carried) -> tuple[_ByNodes, dict[str, Array]]:
+    def _masses(self, model: Elasticity, carried: Fastened) -> tuple[_ByNodes, dict[str, Array]]:
         """Return mass, inertia and unbalance of the throw and gradients, exact where the mesh was made.
 
         With the gradients by the parameters of what is fastened to the webs.
