@@ -25,7 +25,7 @@ _BETWEEN = "heads of the counterweight's bolts stay clear of the web"
 
 
 class _Places(NamedTuple):
-    """Places that must stay at an outline: points (3, n) of seat and threads, at x >= 0, and the bolts there."""
+    """Places that must stay at an outline: points (3, n) of seat and threads at x >= 0, and bolts."""
 
     seat: Array
     threads: Array
