@@ -15,8 +15,10 @@ from cranktopo.bodies.drill_tool import drill_tool, segments
 from cranktopo.bodies.envelope_file import envelope_from_file, envelope_z_mm, mirror_difference, through_holes
 from cranktopo.bodies.seat import seat_z_mm, sector_less_web
 from cranktopo.bodies.zones import zone_solids
+from cranktopo.design.bolt_holes import bolt_holes, far_mm
 from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.throw.drilling.outlet import across
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.envelope import BoxEnvelope, CylinderEnvelope, OutlineEnvelope, StlEnvelope
@@ -67,8 +69,25 @@ def bolted_counterweight(scene: Scene) -> Manifold:
     weight, ends = scene.web.counterweight, seat_z_mm(scene)
     if weight is None or ends is None:
         return Manifold()
-    tools = (_tool(solid) for cut in weight.cuts(scene) for solid in cut.solids())
+    solids = [solid for cut in weight.cuts(scene) for solid in cut.solids()]
+    solids += [tool for bolt in bolt_holes(scene) for tool in bolt.weight_tools(far_mm(scene))]
+    tools = (_tool(solid) for solid in solids)
     return _prism(sector_less_web(scene), *ends) - sum(tools, Manifold())
+
+
+def with_bolted(half_throw: SurfaceMesh, scene: Scene) -> SurfaceMesh:
+    """Return the surface of a half throw and of what is bolted to its web, to look at: bodies that touch."""
+    bolted = bolted_counterweight(scene)
+    if bolted.is_empty():
+        return half_throw
+    beside, own = mesh_of(bolted), len(half_throw.vertices_mm)
+    vertices = np.concatenate([half_throw.vertices_mm, beside.vertices_mm])
+    return SurfaceMesh(vertices, np.concatenate([half_throw.faces, beside.faces + own]))
+
+
+def thread_holes(scene: Scene) -> Manifold:
+    """Return the core holes of the bolts of a counterweight in one web; empty where none are placed."""
+    return sum((_tool(bolt.thread_tool(far_mm(scene))) for bolt in bolt_holes(scene)), Manifold())
 
 
 def _tool(solid: Solid) -> Manifold:

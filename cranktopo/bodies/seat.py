@@ -11,10 +11,15 @@ import numpy as np
 from manifold3d import CrossSection, FillRule, JoinType, Manifold
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.spans import Section, polygon_section
+from cranktopo.base.spans import Section, holds, polygon_section
+from cranktopo.design.bolt_holes import BoltHole, bolt_holes
 from cranktopo.design.schema import Scene
 from cranktopo.design.seat import seat_mm
+from cranktopo.throw.counterweight.checks import within
+from cranktopo.throw.fitted import CLEAR_MM
 
+_STEP_MM, _HEIGHTS, _AROUND = 0.5, 15, 24
+"""Distance of the points at which cuts of a seat are looked for; heights; points around a thread."""
 _OUTLINE, _SIDES = 1001, 1024
 """Points of each side of the outline, dense at its ends; sides of a full circle."""
 
@@ -39,6 +44,54 @@ def seat_solid(scene: Scene) -> Manifold:
     if ends is None:
         return Manifold()
     return _zone(scene).extrude(ends[1] - ends[0]).translate((0.0, 0.0, ends[0]))
+
+
+def seat_cuts(scene: Scene) -> tuple[str, ...]:
+    """Return the keys of features of the web that cut the seat of its counterweight, or threads of its bolts.
+
+    Found at points of the seat, half a millimetre apart; bores and recesses of journals are no features.
+    """
+    ends = seat_z_mm(scene)
+    if ends is None:
+        return ()
+    threads = [_thread_points(bolt) for bolt in bolt_holes(scene)]
+    at = np.concatenate([_seat_points(scene, ends), *threads], axis=1)
+    cuts = (
+        (path, body)
+        for path, feature in scene.web.features()
+        for body in feature.bodies(scene, path)
+        if not body.adds
+    )
+    return tuple(dict.fromkeys(path for path, body in cuts if within(body, at).any()))
+
+
+def cut_seat_text(scene: Scene) -> str:
+    """Return a warning about features that cut the seat, a design's own or a result's; empty without any."""
+    cuts = seat_cuts(scene)
+    if not cuts:
+        return ""
+    return f"{scene.name}: {', '.join(cuts)} cut the seat of web.counterweight, which is bolted to the web"
+
+
+def _seat_points(scene: Scene, ends: tuple[float, float]) -> Array:
+    """Return points (3, n) inside the seat, clear of its surfaces by what those of a web may move."""
+    seat = _zone(scene) ^ CrossSection([_outline_mm(scene)], FillRule.NonZero)
+    inner = seat.offset(-CLEAR_MM, JoinType.Round).to_polygons()
+    low_x, low_y, high_x, high_y = seat.bounds()
+    x, y = (np.arange(low, high, _STEP_MM) for low, high in ((low_x, high_x), (low_y, high_y)))
+    held = holds(polygon_section([np.asarray(one) for one in inner])(y, y), x[:, None])
+    flat = np.stack([np.broadcast_to(x[:, None], held.shape)[held], np.broadcast_to(y, held.shape)[held]])
+    z = np.linspace(ends[0] + CLEAR_MM, ends[1] - CLEAR_MM, _HEIGHTS)
+    return np.vstack([np.repeat(flat, z.size, axis=1), np.tile(z, flat.shape[1])])
+
+
+def _thread_points(bolt: BoltHole) -> Array:
+    """Return points (3, n) of the axis of a thread and of its wall."""
+    turn = np.linspace(0, 2 * np.pi, _AROUND, endpoint=False)
+    radii = np.array([0.0, bolt.joint.nominal.diameter_mm / 2])
+    places = np.meshgrid(turn, np.arange(bolt.joint_mm, bolt.floor_mm, _STEP_MM), radii)
+    turn, y, radius = (grid.ravel() for grid in places)
+    return np.stack([bolt.x_mm + radius * np.cos(turn), y, bolt.z_mm + radius * np.sin(turn)])
 
 
 def sector_less_web(scene: Scene) -> CrossSection:

@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from cranktopo.base.units import density_kg_per_mm3
+from cranktopo.bodies.bolt_masses import bolts_added_kg_mm, holes_in_weight
 from cranktopo.design.halves import of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.moments import drilled
@@ -53,17 +54,29 @@ def _plug_mass(scene: Scene, before_z_mm: float | None) -> Moments:
 def counterweight_mass(scene: Scene, before_z_mm: float | None = None) -> Moments:
     """Return mass moments of what a counterweight adds to one web, kg and mm; all 0 without one.
 
-    What of it lies within the web is the web's, and what a pocket cuts is neither's; its plugs are its own.
+    What of it lies within the web is the web's, and what a pocket cuts is neither's; its plugs and its placed
+    bolts are its own.
     """
     weight = scene.web.counterweight
     if weight is None:
         return _NOTHING
+    density = density_kg_per_mm3(weight.density_kg_m3 or scene.material.density_kg_m3)
+    added = _beside_web(scene, before_z_mm).times(density)
+    return added + _plug_mass(scene, before_z_mm) + bolts_added_kg_mm(scene, before_z_mm)
+
+
+def _beside_web(scene: Scene, before_z_mm: float | None = None) -> Moments:
+    """Return the moments of what a counterweight that is there adds to one web, holes of bolts filled."""
+    weight = scene.web.counterweight
+    assert weight is not None
     bare = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
     bodies = [*web_bodies(bare), *weight.parts(scene), *weight.cuts(scene)]
-    added = (body_moments(bodies, before_z_mm) - web_moments(bare, before_z_mm)).times(
-        density_kg_per_mm3(weight.density_kg_m3 or scene.material.density_kg_m3)
-    )
-    return added + _plug_mass(scene, before_z_mm)
+    return body_moments(bodies, before_z_mm) - web_moments(bare, before_z_mm)
+
+
+def bolted_volume_mm3(scene: Scene) -> float:
+    """Return the volume of the counterweight that is bolted to one web, its holes taken out."""
+    return _beside_web(scene).volume - holes_in_weight(scene).volume
 
 
 def half_throw_volume_mm3(scene: Scene) -> float:

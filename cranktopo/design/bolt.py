@@ -13,7 +13,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
-from cranktopo.base.table import SHOWN, Force, Length, LengthOrZero, SceneTable, Strength
+from cranktopo.base.table import SHOWN, Force, Length, LengthOrZero, Place, SceneTable, Strength
 
 COARSE_PITCH_MM = {
     3: 0.5, 4: 0.7, 5: 0.8, 6: 1.0, 7: 1.0, 8: 1.25, 9: 1.25, 10: 1.5, 11: 1.5, 12: 1.75, 14: 2.0, 16: 2.0,
@@ -214,6 +214,10 @@ class BoltedJoint(Bolt):
     outward with its centrifugal force at the highest speed of the engine."""
     bolts: int = Field(default=2, ge=1, le=64)
     """Number of bolts that share the force of what `holds` names, each along its axis."""
+    places_mm: tuple[tuple[Place, Place], ...] = Field(default=(), max_length=64, examples=[[[12.0, 0.0]]])
+    """Places of these bolts, x across the throw and z along the crank axis, from the middle of the
+    counterweight's thickness; each with its mirror image in x. Their axes run along the throw. Bolts and
+    their holes are drawn, exported and weighed; left out: there are no holes."""
     max_force_N: float | None = Field(
         default=None, ge=-1e9, le=1e9, allow_inf_nan=False, examples=[5000.0], json_schema_extra=SHOWN
     )

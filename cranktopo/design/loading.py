@@ -13,6 +13,7 @@ from pydantic import ValidationError
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted, suggest
 from cranktopo.base.files import read_text_file
 from cranktopo.base.notes import detail, note
+from cranktopo.design.checks.bolt_holes import check_bolt_places
 from cranktopo.design.checks.bolts import check_bolt_dimensions
 from cranktopo.design.checks.crank import check_crank
 from cranktopo.design.checks.rod import check_rod
@@ -255,6 +256,7 @@ def scene_from_dict(data: dict[str, Any], source: str = "scene", *, whole: bool 
     check_scene(scene)
     check_crank(scene)
     check_bolt_dimensions(scene)
+    check_bolt_places(scene)
     check_rod(scene)
     scene = _with_rod_masses(scene)
     if not whole:

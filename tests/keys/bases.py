@@ -27,6 +27,15 @@ HELD: Data = {
     **{key: builtin("car-diesel")[key] for key in ("throw", "web", "engine")},
     "web.counterweight.density_kg_m3": 8000.0,
 }
+ONE_BOLT: Data = {
+    "bolted_joint[0].holds": "web.counterweight",
+    "bolted_joint[0].max_force_N": None,
+    "bolted_joint[0].bolts": 1,
+    "bolted_joint[0].thread": "M5",
+    "bolted_joint[0].grip_mm": 10.0,
+    "bolted_joint[0].shank_mm": None,
+}
+"""One that holds the counterweight and is small enough to lie in it."""
 IDLE = Told(300.0)
 DISPLACEMENTS = Other(
     [0.001, 0.004, 0.02],

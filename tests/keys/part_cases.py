@@ -10,6 +10,7 @@ from tests.keys.bases import (
     HELD,
     IDLE,
     MATERIAL,
+    ONE_BOLT,
     OWN_ROLLERS,
     balancer_bolt,
     balancer_material,
@@ -202,6 +203,7 @@ PART_CASES: dict[tuple[str, str], Table] = {
             "hole_diameter_mm": 11.5,
             "holds": Other("web.counterweight", HELD, {"bolted_joint[0].max_force_N": None}),
             "bolts": Told(3),
+            "places_mm": Other([[0.0, 0.0]], HELD | ONE_BOLT),
         },
     ),
 }

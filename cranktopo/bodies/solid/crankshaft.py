@@ -41,7 +41,9 @@ def _crossing_tools(occ: Any, scene: Scene) -> DimTags:
 
 
 def _in_place(occ: Any, body: DimTags, angle_deg: float, z_mm: float) -> DimTags:
-    """Turn a body of a throw by the angle of that, and move it along the crank."""
+    """Turn a body of a throw, which may be nothing, by the angle of that, and move it along the crank."""
+    if not body:
+        return body
     occ.rotate(body, 0, 0, 0, 0, 0, 1, math.radians(about_z_deg(angle_deg)))
     occ.translate(body, 0, 0, z_mm)
     return body
@@ -56,8 +58,9 @@ def placed_throws(occ: Any, scene: Scene, add: Callable[[Any, Scene], DimTags]) 
     for throw, angle, z in places:
         if throw.name not in by_name:
             by_name[throw.name] = add(occ, throw)
-        bodies.append(_in_place(occ, occ.copy(by_name[throw.name]), angle, z))
-    for throw_body in by_name.values():
+        own = by_name[throw.name]
+        bodies.append(_in_place(occ, occ.copy(own) if own else [], angle, z))
+    for throw_body in filter(None, by_name.values()):
         occ.remove(throw_body, recursive=True)
     return bodies
 

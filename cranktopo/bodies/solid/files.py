@@ -17,8 +17,15 @@ from cranktopo.base.files import as_path, replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.bodies.raw_crankshaft import raw_crank_end
+from cranktopo.bodies.solid.bolted import (
+    add_bolted,
+    add_thread_tools,
+    bolted_names,
+    threads_mm3,
+    with_threads,
+)
 from cranktopo.bodies.solid.checked import VOLUME_TOLERANCE, ClosedForm
-from cranktopo.bodies.solid.crankshaft import add_crankshaft, add_end
+from cranktopo.bodies.solid.crankshaft import add_crankshaft, add_end, placed_throws
 from cranktopo.bodies.solid.drilled import drilled
 from cranktopo.bodies.solid.plugs import add_plugs, plug_names
 from cranktopo.bodies.solid.raw_crankshaft import add_raw_crankshaft, add_raw_end
@@ -29,6 +36,7 @@ from cranktopo.bodies.solid.throw import add_full_throw, add_half_throw, add_web
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.checks.scene import check_solid
 from cranktopo.design.crank import Side
+from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.halves import halves, mirror_image, usual_scale
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
@@ -127,8 +135,10 @@ def export_solid(
     facet_mm: float | None = None,
     started: datetime | None = None,
 ) -> float:
-    """Write a part of a scene, mm, as STEP or STL by the file's suffix; return its exact volume, mm3.
+    """Write a part of a scene, mm, as STEP or STL by the file's suffix; return the part's exact volume, mm3.
 
+    Its webs have the thread holes of placed bolts. STEP files of throw and crankshaft hold bolted
+    counterweights as bodies of their own, which the volume does not count; an STL file holds the part alone.
     The file appears only when complete. STL facets have 1 mm for a throw of usual size, others in proportion;
     `started` dates a STEP file, now by default. Raises CranktopoError: impossible dimensions, unknown suffix,
     a STEP file that does not read back, or a file that cannot be written.
@@ -139,8 +149,9 @@ def export_solid(
     check_file(path, "file", SOLIDS)
     with replacing(path) as temporary:
         with cad_session(f"{part} of {scene.name}") as gmsh:
-            body = _add(gmsh.model.occ, scene, part)
-            volumes = [float(gmsh.model.occ.getMass(*pair)) for pair in body]
+            body = _add(gmsh.model.occ, scene, part, threads=True)
+            beside = [] if suffix == ".stl" else _bolted(gmsh.model.occ, scene, part)
+            volumes = [float(gmsh.model.occ.getMass(*pair)) for pair in (*body, *beside)]
             gmsh.model.occ.synchronize()
             if suffix == ".stl":
                 _triangulate(gmsh, body, part, facet_mm or _usual_facet_mm(scene))
@@ -149,11 +160,11 @@ def export_solid(
         if suffix != ".stl":
             label_step(temporary, _label(scene, part, time_of_writing(started)))
             _read_back(temporary, volumes)
-    return sum(volumes)
+    return sum(volumes[: len(body)])
 
 
 def surface_of(scene: Scene, part: SolidPart, facet_mm: float | None = None) -> SurfaceMesh:
-    """Return the closed triangle mesh of a part of a scene, facets as `export_solid`."""
+    """Return the closed triangle mesh of a part of a scene, facets as `export_solid`, thread holes full."""
     from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
     with cad_session(f"{part} of {scene.name}") as gmsh:
@@ -191,8 +202,16 @@ def raw_end_surface_of(scene: Scene, side: Side) -> SurfaceMesh | None:
         return kernel_surface(gmsh)
 
 
-def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
+def _add(occ: Any, scene: Scene, part: SolidPart, *, threads: bool = False) -> DimTags:
     """The bodies of a part, one but for plugs, and nothing else in the session: no points of its arcs."""
+    body = _part(occ, scene, part)
+    if threads:
+        body = _bored(occ, scene, part, body)
+    _remove_loose(occ)
+    return body
+
+
+def _part(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
     if part in ("web", "second_web"):
         first, second = halves(scene)
         body = _web(occ, first if part == "web" else mirror_image(second))
@@ -209,8 +228,47 @@ def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
             "plugs": add_plugs,
         }[part]
         body = add(occ, scene)
-    _remove_loose(occ)
     return body
+
+
+def _bored(occ: Any, scene: Scene, part: SolidPart, body: DimTags) -> DimTags:
+    """Return a part with the thread holes of bolts in its webs."""
+    if part == "crankshaft":
+        throws = throw_scenes(scene)
+        tools = [pair for one in placed_throws(occ, scene, add_thread_tools) for pair in one]
+        return with_threads(occ, body, tools, sum(map(threads_mm3, throws)), part)
+    if part == "second_web":
+        own = mirror_image(halves(scene)[1])
+        tools = add_thread_tools(occ, own, half=True)
+        if tools:
+            occ.rotate(tools, 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
+        return with_threads(occ, body, tools, threads_mm3(own, half=True), "web")
+    if part in ("web", "half", "throw"):
+        half = part != "throw"
+        tools = add_thread_tools(occ, scene, half=half)
+        return with_threads(occ, body, tools, threads_mm3(scene, half=half), part)
+    return body
+
+
+def _bolted(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
+    """Return the counterweights bolted to a throw, or to those of a crank in their places."""
+    found: DimTags = []
+    if part == "throw":
+        found = add_bolted(occ, scene)
+    elif part == "crankshaft":
+        found = [pair for one in placed_throws(occ, scene, add_bolted) for pair in one]
+    _remove_loose(occ)
+    return found
+
+
+def bolted_bodies(scene: Scene, part: SolidPart) -> tuple[str, ...]:
+    """Return the names of the counterweights bolted to a part, in the order of their bodies."""
+    if part in ("throw", "half"):
+        return bolted_names(scene)
+    throws = throw_scenes(scene) if part == "crankshaft" else ()
+    return tuple(
+        f"throw {number}, {name}" for number, throw in enumerate(throws, 1) for name in bolted_names(throw)
+    )
 
 
 def _web(occ: Any, half: Scene) -> DimTags:
@@ -232,13 +290,15 @@ def _remove_loose(occ: Any) -> int:
 def _label(scene: Scene, part: SolidPart, written: datetime) -> StepLabel:
     names = {"half": "half throw", "raw": "raw part"}
     version = versions()["cranktopo"] or "unknown version"
+    product = f"{scene.name} {names.get(part, part.replace('_', ' '))}"
+    bolted = () if part == "half" else bolted_bodies(scene, part)
     return StepLabel(
-        f"{scene.name} {names.get(part, part.replace('_', ' '))}",
+        product,
         f"mm; z along the crank axis, {_FRAME_OF_ROD if part == 'rod' else _FRAME}",
         "cranktopo",
         version,
         written,
-        plug_names(scene) if part == "plugs" else (),
+        plug_names(scene) if part == "plugs" else (product, *bolted) if bolted else (),
     )
 
 

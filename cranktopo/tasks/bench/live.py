@@ -7,10 +7,13 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
+from manifold3d import Manifold
 
+from cranktopo.base.arrays import Array, Int64
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.units import NMM_PER_NM
+from cranktopo.bodies.prisms import bolted_counterweight
 from cranktopo.bodies.shown_solid import display_half
 from cranktopo.design.checks.engine import shaft_warnings
 from cranktopo.design.clearance import clearances_mm
@@ -166,11 +169,13 @@ def _picture(scene: Scene) -> str:
 
 
 def _arrays_of_half(arrays: Arrays, half: Scene, partner: int) -> dict[str, Any]:
-    mesh = display_half(half).calculate_normals(0, SHARP_DEGREES).to_mesh64(0)
-    table, faces = np.asarray(mesh.vert_properties), np.asarray(mesh.tri_verts)
+    bodies = [_shown(body) for body in (display_half(half), bolted_counterweight(half)) if body.num_tri()]
+    starts = np.cumsum([0, *(len(table) for table, _, _ in bodies)])
+    table = np.concatenate([table for table, _, _ in bodies])
+    faces, corner_of = (
+        np.concatenate([body[k] + start for body, start in zip(bodies, starts, strict=False)]) for k in (1, 2)
+    )
     low, high = table[:, :3].min(axis=0), table[:, :3].max(axis=0)
-    corner_of = np.arange(len(table))  # of those at one place with normals of their own: the first
-    corner_of[np.asarray(mesh.merge_from_vert, np.intp)] = np.asarray(mesh.merge_to_vert, np.intp)
     return {
         "name": half.name,
         "half_pitch_mm": half.pitch_mm / 2,
@@ -184,6 +189,15 @@ def _arrays_of_half(arrays: Arrays, half: Scene, partner: int) -> dict[str, Any]
         "edges": arrays.add(sharp_edges(table[:, :3], corner_of[faces])),
         "stress": [],
     }
+
+
+def _shown(body: Manifold) -> tuple[Array, Int64, Int64]:
+    """Return vertices with normals, faces, and of vertices at one place the first."""
+    mesh = body.calculate_normals(0, SHARP_DEGREES).to_mesh64(0)
+    table, faces = np.asarray(mesh.vert_properties), np.asarray(mesh.tri_verts, np.int64)
+    corner_of = np.arange(len(table))
+    corner_of[np.asarray(mesh.merge_from_vert, np.intp)] = np.asarray(mesh.merge_to_vert, np.intp)
+    return table, faces, corner_of
 
 
 def _turns_deg(scene: Scene) -> list[float]:

@@ -11,6 +11,7 @@ from cranktopo.base.files import as_path
 from cranktopo.base.notes import note
 from cranktopo.base.units import plain_number
 from cranktopo.bodies.cells.outside import outside_envelope, outside_words
+from cranktopo.bodies.prisms import with_bolted
 from cranktopo.bodies.solid.files import coarse_facet_mm
 from cranktopo.bodies.undercuts import half_throw_undercuts
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
@@ -351,6 +352,7 @@ def design_undercuts(name: str, half_throw: SurfaceMesh, scene: Scene) -> Design
 
 def _body(target: Target, mesh: SurfaceMesh, partner: int, cases: Sequence[LoadCase]) -> ShownBody:
     stress = case_stress(target, cases) if cases else None
+    mesh = mesh if stress else with_bolted(mesh, target.scene)  # what is bolted on has no stress
     return ShownBody(target.name, mesh, target.scene.web_z_mm, target.scene.pitch_mm / 2, stress, partner)
 
 

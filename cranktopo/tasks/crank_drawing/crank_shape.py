@@ -13,6 +13,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.frames import about_z_deg
 from cranktopo.bodies.crank_drillings import Crossing, crank_crossings
 from cranktopo.bodies.crank_ends import SIDES, EndPiece, crank_end, main_journal_places_mm
+from cranktopo.bodies.prisms import bolted_counterweight, thread_holes
 from cranktopo.bodies.solid.files import end_surface_of, kernel_surface_of
 from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.halves import difference, halves
@@ -61,6 +62,8 @@ class CrankShape:
     pieces: tuple[Piece, ...]
     ends: tuple[Piece, ...] = ()
     end_parts: tuple[EndPiece, ...] = ()
+    bolted: tuple[Piece, ...] = ()
+    """Counterweights that are bolted to the webs."""
 
     @cached_property
     def z_mm(self) -> tuple[float, float]:
@@ -72,14 +75,16 @@ class CrankShape:
     def reach_mm(self) -> tuple[float, float, float, float]:
         """Least and greatest x, least and greatest y."""
         low, high = (
-            np.array([piece.solid.bounding_box() for piece in self.pieces]).reshape(-1, 2, 3).swapaxes(0, 1)
+            np.array([piece.solid.bounding_box() for piece in (*self.pieces, *self.bolted)])
+            .reshape(-1, 2, 3)
+            .swapaxes(0, 1)
         )
         (x0, y0, _), (x1, y1, _) = low.min(axis=0), high.max(axis=0)
         return float(x0), float(x1), float(y0), float(y1)
 
     def seen(self, view: Array, removed: Manifold | None = None) -> SurfaceMesh:
         """Return the surface in the axes of a view, rows right, up, toward the viewer, less a body."""
-        meshes = [_open(piece, removed) for piece in self.pieces]
+        meshes = [_open(piece, removed) for piece in (*self.pieces, *self.bolted)]
         offsets = np.cumsum([0, *(len(mesh.vertices_mm) for mesh in meshes)])
         vertices = np.concatenate([mesh.vertices_mm for mesh in meshes])
         faces = [mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=False)]
@@ -87,8 +92,16 @@ class CrankShape:
 
     def section_x(self) -> list[Array]:
         """Return polygons (z, y) of the section just beside x = 0, where flanks of counterweights can lie."""
-        cuts = [piece.solid.rotate((0.0, -90.0, 0.0)).slice(_BESIDE_MM) for piece in self.pieces]
-        return [np.asarray(polygon) * (-1.0, 1.0) for polygon in _union(cuts).to_polygons()]
+        return _section_x(self.pieces)
+
+    def bolted_section_x(self) -> list[Array]:
+        """Return those of the counterweights that are bolted on."""
+        return _section_x(self.bolted) if self.bolted else []
+
+
+def _section_x(pieces: Sequence[Piece]) -> list[Array]:
+    cuts = [piece.solid.rotate((0.0, -90.0, 0.0)).slice(_BESIDE_MM) for piece in pieces]
+    return [np.asarray(polygon) * (-1.0, 1.0) for polygon in _union(cuts).to_polygons()]
 
 
 def _union(sections: Sequence[CrossSection]) -> CrossSection:
@@ -108,10 +121,32 @@ def _open(piece: Piece, removed: Manifold | None) -> SurfaceMesh:
 
 @lru_cache(maxsize=8)
 def throw_solid(scene: Scene) -> Manifold:
-    """Return the exact throw, triangulated by the CAD kernel, from its first mid-main plane on."""
+    """Return the exact throw, triangulated by the CAD kernel, from its first mid-main plane on.
+
+    Of halves that are alike it is the first one. Thread holes of bolts are cut.
+    """
+    first, second = halves(scene)
     if difference(scene):
-        return solid_of(kernel_surface_of(scene, "throw"), "throw")
-    return solid_of(kernel_surface_of(scene, "half"), "half throw")
+        whole = solid_of(kernel_surface_of(scene, "throw"), "throw")
+        return whole - thread_holes(first) - _beyond(scene, thread_holes(second))
+    return solid_of(kernel_surface_of(scene, "half"), "half throw") - thread_holes(first)
+
+
+def _beyond(scene: Scene, solid: Manifold) -> Manifold:
+    """Return a body of the second half, in its own frame, in that of the throw."""
+    return solid.mirror((0.0, 0.0, 1.0)).translate((0.0, 0.0, scene.pitch_mm))
+
+
+def _bolted(throw: PlacedThrow) -> list[Piece]:
+    """Return the counterweights that are bolted to a throw, in their places."""
+    first, second = halves(throw.scene)
+    far = _beyond(throw.scene, bolted_counterweight(second))
+    turn, solids = about_z_deg(throw.angle_deg), (bolted_counterweight(first), far)
+    return [
+        Piece(solid.rotate((0.0, 0.0, turn)).translate((0.0, 0.0, throw.z_mm)))
+        for solid in solids
+        if not solid.is_empty()
+    ]
 
 
 def crank_shape(scene: Scene) -> CrankShape:
@@ -150,8 +185,10 @@ def assembled(name: str, throws: Sequence[PlacedThrow], ends: Sequence[Piece] = 
     """Return the crank that throws in their places and bodies of its ends make."""
     first, last = throws[0].z_mm, throws[-1].z_mm + throws[-1].scene.pitch_mm
     joined = {plane for piece in ends for plane in piece.seams_mm}
-    pieces = [piece for throw in throws for piece in _placed(throw, {first, last} - joined)]
-    return CrankShape(name, tuple(throws), _journals(throws, joined), (*pieces, *ends), tuple(ends))
+    pieces = tuple(piece for throw in throws for piece in _placed(throw, {first, last} - joined))
+    bolted = tuple(piece for throw in throws for piece in _bolted(throw))
+    pieces = (*pieces, *ends)
+    return CrankShape(name, tuple(throws), _journals(throws, joined), pieces, tuple(ends), bolted=bolted)
 
 
 def _placed(throw: PlacedThrow, ends_mm: set[float]) -> list[Piece]:
@@ -161,7 +198,7 @@ def _placed(throw: PlacedThrow, ends_mm: set[float]) -> list[Piece]:
     parts = [throw_solid(scene)]
     solid = parts[0]
     if not difference(scene):
-        parts.append(solid.mirror((0.0, 0.0, 1.0)).translate((0.0, 0.0, 2 * middle)))
+        parts.append(_beyond(scene, solid))
     seams = tuple({start, stop, start + middle} - ends_mm)
     return [Piece(part.rotate((0.0, 0.0, turn)).translate((0.0, 0.0, start)), seams) for part in parts]
 

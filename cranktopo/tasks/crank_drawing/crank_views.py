@@ -38,7 +38,7 @@ from cranktopo.report.drafting import (
 )
 from cranktopo.tasks.crank_drawing.crank_shape import CrankShape, MainJournal, PlacedThrow
 from cranktopo.tasks.crank_drawing.outlet_lines import outlet_rims, outside_of
-from cranktopo.tasks.drawing.views import Room
+from cranktopo.tasks.drawing.views import Room, bolted_cut
 from cranktopo.throw.journal import Journal
 
 _PIXEL_SHARE = 1 / 1600
@@ -52,10 +52,11 @@ _FROM_FREE_END = np.array([[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]])
 
 @dataclass(frozen=True)
 class Lengthwise:
-    """Lines of the lengthwise view: visible edges and the cut upper half, (z, y)."""
+    """Lines of the lengthwise view: visible edges, the cut upper half of crank and bolted parts, (z, y)."""
 
     chains: list[Array]
     cut: list[Array]
+    bolted_cut: list[Array]
 
 
 def lengthwise(shape: CrankShape) -> Lengthwise:
@@ -70,8 +71,11 @@ def lengthwise(shape: CrankShape) -> Lengthwise:
     rims = [rim @ _FROM_SIDE.T for rim in outside_of(outlet_rims(shape.throws, shape.z_mm), *corners)]
     chains = visible_edges(shape.seen(_FROM_SIDE, quarter), (end - start) * _PIXEL_SHARE, rims)
     upper = CrossSection.square((end - start + 2.0, top + 1.0)).translate((start - 1.0, 0.0))
-    cut = CrossSection(shape.section_x(), FillRule.EvenOdd) ^ upper
-    return Lengthwise([chain for chain in chains if np.abs(chain[:, 1]).max() > 1e-3], cut.to_polygons())
+    cut, bolted = (
+        (CrossSection(section, FillRule.EvenOdd) ^ upper).to_polygons()
+        for section in (shape.section_x(), shape.bolted_section_x())
+    )
+    return Lengthwise([chain for chain in chains if np.abs(chain[:, 1]).max() > 1e-3], cut, bolted)
 
 
 def lengthwise_room(shape: CrankShape, scale: float) -> Room:
@@ -87,6 +91,7 @@ def draw_lengthwise(axes: Any, shape: CrankShape, view: Lengthwise, scale: float
     """Draw the lengthwise view with axes, dimensions, datums, and callouts of distinct journals."""
     mm = 1 / scale
     hatched(axes, view.cut)
+    bolted_cut(axes, view.bolted_cut)
     edges(axes, view.chains)
     (start, end), (_, _, low, high) = shape.z_mm, shape.reach_mm
     centre_line(axes, (start - 4 * mm, 0.0), (end + 4 * mm, 0.0))

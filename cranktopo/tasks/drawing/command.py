@@ -79,7 +79,19 @@ def command(
     from cranktopo.bodies.solid.files import export_solid
 
     volume = export_solid(scene, part, file, facet_mm)
-    click.echo(f"{file}: {part}, {volume:.1f} mm3{_of_raw(scene, part)}")
+    beside = _bolted_words(scene, part, file.suffix.lower())
+    click.echo(f"{file}: {part}, {volume:.1f} mm3{_of_raw(scene, part)}{beside}")
+
+
+def _bolted_words(scene: Scene, part: SolidPart, suffix: str) -> str:
+    """Return where the counterweights that are bolted to a part are; empty without any."""
+    from cranktopo.bodies.solid.files import bolted_bodies
+
+    if part not in ("throw", "half", "crankshaft") or not (names := bolted_bodies(scene, part)):
+        return ""
+    if suffix == ".stl" or part == "half":
+        return "; without what is bolted on"
+    return f"; {len(names)} bolted counterweights as bodies of their own"
 
 
 def _drawn(scene: Scene, file: Path, part: SolidPart) -> str:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from cranktopo.base.files import replacing
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.base.units import MM_PER_INCH
+from cranktopo.bodies.prisms import thread_holes
 from cranktopo.bodies.solid.files import cut_in_halves, kernel_surface_of
 from cranktopo.design.drawing import surface_notes
 from cranktopo.design.halves import difference, halves, mirror_image, web_asymmetry
@@ -303,9 +304,11 @@ def throw_sheets(scene: Scene, half: SurfaceMesh | None = None, throw: Manifold 
     journal on the left and is seen from the crankpin.
     """
     if not difference(scene):
-        return [Sheet(scene, solid_of(half or kernel_surface_of(scene, "half"), "half throw"))]
+        solid = solid_of(half or kernel_surface_of(scene, "half"), "half throw")
+        return [Sheet(scene, solid - thread_holes(scene))]
     near, far = halves(scene)
     whole = throw or solid_of(kernel_surface_of(scene, "throw"), "throw")
     first, second = cut_in_halves(scene, whole)
+    first, second = first - thread_holes(near), second - thread_holes(far)
     turned = second.mirror((1.0, 0.0, 0.0))
     return [Sheet(near, first, half="first"), Sheet(mirror_image(far), turned, half="second")]

@@ -29,6 +29,7 @@ from cranktopo.report.drafting import (
     hatched,
     leader,
 )
+from cranktopo.tasks.drawing.bolt_views import bolt_feature, draw_bolts, draw_threads
 from cranktopo.tasks.drawing.point_texts import (
     PLACE_MM,
     NamedPoint,
@@ -93,8 +94,10 @@ class Sheet:
 
     @cached_property
     def features(self) -> list[FeatureDrawing]:
-        """Strokes, lines and dimensions of each feature of the web."""
-        return [feature.drawing(self.scene) for _, feature in self.scene.web.features()]
+        """Strokes, lines and dimensions of each feature of the web, and of a counterweight's bolts."""
+        found = [feature.drawing(self.scene) for _, feature in self.scene.web.features()]
+        bolts = bolt_feature(self.scene)
+        return found if bolts is None else [*found, bolts]
 
     @cached_property
     def drilled(self) -> list[FeatureDrawing]:
@@ -181,6 +184,7 @@ def front_body(axes: Any, sheet: Sheet) -> None:
     _journals(axes, sheet.scene)
     for stroke in (stroke for feature in (*sheet.features, *sheet.drilled) for stroke in feature.front):
         _edges(axes, stroke)
+    draw_bolts(axes, sheet.scene, along=False)
 
 
 def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
@@ -213,7 +217,7 @@ def _stations(axes: Any, web: ProfileWeb) -> Iterator[NamedPoint]:
         yield (x, y), f"{number}:  y {y:.2f}, x {x:.2f}"
 
 
-def _bolted_cut(axes: Any, polygons: list[Array]) -> None:
+def bolted_cut(axes: Any, polygons: list[Array]) -> None:
     """Draw the cut of a bolted counterweight, hatched the other way than the part beside it."""
     if polygons:
         hatched(axes, polygons, _OTHER_PART)
@@ -222,7 +226,8 @@ def _bolted_cut(axes: Any, polygons: list[Array]) -> None:
 def lengthwise_body(axes: Any, sheet: Sheet, over_mm: float) -> None:
     """Draw the body cut through both axes, and these, which end so far beyond it; without dimensions."""
     hatched(axes, section_x(sheet.solid))
-    _bolted_cut(axes, section_x(sheet.bolted))
+    bolted_cut(axes, section_x(sheet.bolted))
+    draw_bolts(axes, sheet.scene, along=True)
     if sheet.body is not None:
         ghost(axes, section_x(sheet.body))
     for centre in (0.0, sheet.scene.throw.radius_mm):
@@ -271,7 +276,8 @@ def _dimensioned(sheet: Sheet, y_mm: float) -> bool:
 def cross_body(axes: Any, sheet: Sheet, y_mm: float) -> None:
     """Draw the web cut across the throw, without dimensions."""
     hatched(axes, section_y(web_region(sheet.solid, sheet.scene), y_mm))
-    _bolted_cut(axes, section_y(sheet.bolted, y_mm))
+    bolted_cut(axes, section_y(sheet.bolted, y_mm))
+    draw_threads(axes, sheet.scene, y_mm)
     if sheet.body is not None:
         ghost(axes, section_y(web_region(sheet.body, sheet.scene), y_mm))
 

@@ -16,6 +16,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import central_difference, complex_step
 from cranktopo.tasks.refit.family import Layout, all_bounds, flank_of, named_parts, scene_at, size_rules
 from cranktopo.tasks.refit.model_fill import ADDED, CHORDS, FILLET, Fill, MovedFillet, added_mm, moved_fillet
+from cranktopo.tasks.refit.seat_rules import seat_rules
 from cranktopo.tasks.refit.zone_rules import zone_points, zone_rules
 from cranktopo.throw.drilling.table import drilling_rules
 from cranktopo.throw.feature import least_shoulder_mm
@@ -285,7 +286,8 @@ class ParametricWeb:
         parts = part_rules(self.layout.parts, points, self._parts(values), scene, self._limits)
         sizes = size_rules(self.layout, values, self._scene, self._limits)
         own = [*parts, *_edge_rules(scene, points, self.fillet(values)), *sizes]
+        named = list(named_parts(self.layout.parts, self._parts(values)))
+        own += seat_rules(scene, points, named)
         if self._zones is None:
             return own
-        named = list(named_parts(self.layout.parts, self._parts(values)))
         return [*own, *zone_rules(self._zones, scene, points, named, self.fillet(values))]

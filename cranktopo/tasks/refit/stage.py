@@ -9,7 +9,9 @@ from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import as_path, write_json, write_text
-from cranktopo.base.notes import note
+from cranktopo.base.notes import note, warn
+from cranktopo.bodies.prisms import thread_holes, with_bolted
+from cranktopo.bodies.seat import cut_seat_text
 from cranktopo.bodies.solid.files import export_solid, surface_of
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, toml_text
@@ -113,12 +115,14 @@ def write_refit(
     scene = fitted.scene
     files = RefitFiles(design=f"{scene.name}.toml")
     note(f"{scene.name}: writing the solid and the drawing")
+    for text in filter(None, [cut_seat_text(scene)]):
+        warn(text)
     heading = f"Web fitted to the optimised body of {scene.name}; overlap {100 * near.web_iou:.1f} %."
     write_text(folder / files.design, toml_text(scene, heading))
     export_solid(scene, "half", folder / files.step, started=started)
     write_stl(folder / files.stl, half_throw)
     drawings = [folder / files.drawing, folder / files.drawing_svg]
-    solid = solid_of(half_throw, "half throw")
+    solid = solid_of(half_throw, "half throw") - thread_holes(scene)
     sheet = Sheet(scene, solid, solid_of(surface, "surface to be re-modelled"))
     write_drawing([sheet], throw_balance(scene), drawings, started)
     return files
@@ -129,7 +133,7 @@ def _write_page(
 ) -> None:
     bodies = tuple(
         ShownBody(name, mesh, scene.web_z_mm, scene.pitch_mm / 2)
-        for name, mesh in (("re-modelled", half_throw), ("body of the run", surface))
+        for name, mesh in (("re-modelled", with_bolted(half_throw, scene)), ("body of the run", surface))
     )
     page = refit_page(result, bodies, versions(), timestamp()[:10])
     write_report(page, folder / result.files.report)

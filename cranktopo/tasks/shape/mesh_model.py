@@ -16,7 +16,6 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
-from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.balance_factor import balance_factor_percent, rods_kg_mm
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.halves import require_equal_halves
@@ -41,6 +40,7 @@ from cranktopo.tasks.refit.family import Layout, exact_web_of, scene_at
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.bearing_films import film_slopes, limits_films
+from cranktopo.tasks.shape.carried import Fastened, carried_at
 from cranktopo.tasks.shape.mesh_stress import MeshStress
 from cranktopo.tasks.shape.search_goal import Quantities
 from cranktopo.tasks.shape.shaft_frequency import NAME, frequency_of, needed_for, slope_of
@@ -120,11 +120,16 @@ class MeshModel:
         """
         mesh = self.moved.at(values)
         model = self._unmoved if mesh is self.moved.mesh else self._model(mesh)
+        carried = carried_at(self.scene, self._layout, values)
         scene = scene_at(self.scene, self._layout, values)
-        found = {**self._masses(model), **self._solved(model, scene, mesh.mirrored, quantities)}
+        solved, by_totals = self._solved(model, scene, carried.scene, mesh.mirrored, quantities)
+        masses, beside = self._masses(model, carried)
+        found = masses | solved
+        beside |= {name: slopes @ carried.total_slopes for name, slopes in by_totals.items()}
         motion = self.moved.velocities(mesh, values)
         numbers = {name: value for name, (value, _) in found.items()}
         gradients = {name: np.einsum("in,inp->p", slope, motion) for name, (_, slope) in found.items()}
+        gradients |= {name: gradients[name] + slope for name, slope in beside.items()}
         for name in [name for name in ("torsion", "bending") if name in found]:
             ratio = numbers[name] / numbers["mass"]
             numbers[f"{name}_per_mass"] = ratio
@@ -137,16 +142,24 @@ class MeshModel:
         return MeshResponses(numbers, gradients)
 
     def _solved(
-        self, model: Elasticity, scene: Scene, mirrored: bool, quantities: Collection[str] | None
-    ) -> _ByNodes:
+        self,
+        model: Elasticity,
+        scene: Scene,
+        carried: Scene,
+        mirrored: bool,
+        quantities: Collection[str] | None,
+    ) -> tuple[_ByNodes, dict[str, Array]]:
+        """Return what solves give, and the derivatives of stresses by `pull_totals`."""
         found: _ByNodes = {}
+        by_totals: dict[str, Array] = {}
         stress = self._stress
         if stress is not None and quantities is not None and not {*stress.names} & {*quantities}:
             stress = None
 
         def block(kind: str) -> Superelement | None:
             counts = quantities is None or {kind, f"{kind}_per_mass"} & needed_for(quantities)
-            return self._condensed(model, scene, kind, mirrored) if stress or counts else None
+            wanted = stress or counts
+            return self._condensed(model, scene, carried, kind, mirrored) if wanted else None
 
         sideways = mirrored and stress is not None and bool(stress.extra_loads("odd"))
         twist, (bend, side) = side_by_side(
@@ -158,18 +171,21 @@ class MeshModel:
         if bend:
             found["bending"] = _bending_gradient(model, scene, bend)
         if stress and twist and bend:
-            stresses = stress.responses(model, scene, bend, twist, side)
-            for name, (extreme, smooth, gradients) in stresses.items():
+            stresses = stress.responses(model, scene, bend, twist, side, carried=carried)
+            for name, (extreme, smooth, gradients, slopes) in stresses.items():
                 factor = self._smoothing.setdefault(name, extreme / smooth)
-                found[name] = factor * smooth, factor * gradients
-        return found
+                found[name], by_totals[name] = (factor * smooth, factor * gradients), factor * slopes
+        return found, by_totals
 
-    def _condensed(self, model: Elasticity, scene: Scene, kind: str, mirrored: bool) -> Superelement:
+    def _condensed(
+        self, model: Elasticity, scene: Scene, carried: Scene, kind: str, mirrored: bool
+    ) -> Superelement:
         if kind == "torsion":
             return condense(model, scene, "antisymmetric", "odd" if mirrored else "none", None, _RESIDUAL)
         lateral: Lateral = ("odd" if kind == "tangential" else "even") if mirrored else "none"
         extra_loads = self._stress.extra_loads(lateral) if self._stress else ()
-        forces = [unit_force(model, self.scene, load, "symmetric", lateral) for load in extra_loads]
+        scenes = {load: carried if load == "centrifugal" else self.scene for load in extra_loads}
+        forces = [unit_force(model, of, load, "symmetric", lateral) for load, of in scenes.items()]
         more = np.column_stack(forces) if forces else None
         return condense(model, scene, "symmetric", lateral, more, _RESIDUAL)
 
@@ -177,19 +193,26 @@ class MeshModel:
         material = self.scene.material
         return assemble(mesh, material.E_GPa * MPA_PER_GPA, material.poisson)
 
-    def _masses(self, model: Elasticity) -> _ByNodes:
-        """Return mass, inertia and unbalance of the throw and gradients, exact where the mesh was made."""
-        kg, bolted = 2 * density_kg_per_mm3(self.scene.material.density_kg_m3), bolted_mass(self.scene)
+    def _masses(self, model: Elasticity, carried: Fastened) -> tuple[_ByNodes, dict[str, Array]]:
+        """Return mass, inertia and unbalance of the throw and gradients, exact where the mesh was made.
+
+        With the gradients by the parameters of what is fastened to the webs.
+        """
+        kg, names = (
+            2 * density_kg_per_mm3(self.scene.material.density_kg_m3),
+            ("mass", "unbalance", "inertia"),
+        )
         integrals, gradients = moments(model)
-        parts = np.array([bolted.volume, bolted.first_y, bolted.polar])
-        found = kg * (self._parts * integrals + self._missing) + 2 * parts
+        found = kg * (self._parts * integrals + self._missing) + 2 * carried.masses
         pairs = zip(found.tolist(), kg * self._parts * gradients, strict=True)
-        masses = dict(zip(("mass", "unbalance", "inertia"), pairs, strict=True))
+        masses = dict(zip(names, pairs, strict=True))
+        beside = dict(zip(names, 2 * carried.mass_slopes, strict=True))
         unbalance, slope = masses["unbalance"]
         factor, (_, oscillating) = balance_factor_percent(self.scene, unbalance), rods_kg_mm(self.scene)
         if factor is not None:
             masses["balance_factor"] = factor, -100 / oscillating * slope
-        return masses
+            beside["balance_factor"] = -100 / oscillating * beside["unbalance"]
+        return masses, beside
 
 
 def _exact(meshed: MeshedThrow) -> Array:

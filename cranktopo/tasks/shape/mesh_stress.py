@@ -28,7 +28,7 @@ from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.safety_field import unit_loads
 from cranktopo.tasks.fatigue.stress_model import images_of
 from cranktopo.tasks.fea.condense import Lateral, Superelement, bending_motion, section_slopes, torsion_motion
-from cranktopo.tasks.fea.turning_load import turning_load
+from cranktopo.tasks.fea.turning_load import pull_slopes, turning_load
 from cranktopo.tasks.fea.unit_fields import (
     AGAINST_TORQUE,
     FieldKind,
@@ -72,16 +72,19 @@ class MeshStress:
         bend: Superelement,
         twist: Superelement,
         side: Superelement | None = None,
-    ) -> dict[str, tuple[float, float, Array]]:
+        *,
+        carried: Scene,
+    ) -> dict[str, tuple[float, float, Array, Array]]:
         """Return each quantity on a mesh, by symmetric and antisymmetric condensation.
 
         Args:
+            carried: the throw with what is fastened to its webs.
             side: the symmetric condensation that is odd in x, where the tangential force acts on a model of
                 one side of x = 0.
 
         Returns:
-            Its extreme value; a smooth one, beside it by a factor that hardly changes; the derivative of the
-            latter by the nodes, (3, nodes).
+            Its extreme value; a smooth one, beside it by a factor that hardly changes; the derivatives of the
+            latter by the nodes, (3, nodes), and by `pull_totals`.
         """
         blocks: dict[FieldKind, Superelement] = dict.fromkeys(self.kinds, bend)
         blocks |= {"torsion": twist, **dict.fromkeys(_SIDEWAYS, side or bend)}
@@ -110,8 +113,8 @@ class MeshStress:
             value, deciding = _SMOOTH[name]
             smooth = deciding((value(self.scene, one) for one in judged), key=lambda one: one.extreme)
             forces, gradients = found.adjoint(smooth.adjoint)
-            gradients += self._through_fields(model, blocks, fields, forces)
-            responses_by_name[name] = smooth.extreme, smooth.value, gradients
+            through, by_totals = self._through_fields(model, blocks, fields, forces, carried)
+            responses_by_name[name] = smooth.extreme, smooth.value, gradients + through, by_totals
         return responses_by_name
 
     @property
@@ -124,20 +127,29 @@ class MeshStress:
         blocks: Mapping[FieldKind, Superelement],
         fields: list[UnitField],
         forces: Array,
-    ) -> Array:
-        """Return the derivative by the nodes through all fields, (3, nodes), whose adjoints are `forces`."""
+        carried: Scene,
+    ) -> tuple[Array, Array]:
+        """Return the derivatives through all fields, whose adjoints are `forces`.
+
+        By the nodes, (3, nodes), and by `pull_totals`.
+        """
         pairs = list(zip(fields, forces, strict=True))
 
-        def through(torsion: bool) -> Array:
-            chosen = [pair for pair in pairs if (pair[0].kind == "torsion") == torsion]
-            found = (self._through_field(model, blocks[field.kind], field, force) for field, force in chosen)
-            return sum(found, np.zeros(model.nodes_mm.shape))
+        def through(torsion: bool) -> tuple[Array, Array]:
+            slopes, by_totals = np.zeros(model.nodes_mm.shape), np.zeros(4)
+            for field, force in pairs:
+                if (field.kind == "torsion") == torsion:
+                    found = self._through_field(model, blocks[field.kind], field, force, carried)
+                    slopes, by_totals = slopes + found[0], by_totals + found[1]
+            return slopes, by_totals
 
-        one, other = side_by_side(lambda: through(True), lambda: through(False))
-        return one + other
+        (one, _), (other, by_totals) = side_by_side(lambda: through(True), lambda: through(False))
+        return one + other, by_totals
 
-    def _through_field(self, model: Elasticity, block: Superelement, field: UnitField, force: Array) -> Array:
-        """Return the derivative by the nodes through a field, (3, nodes), whose adjoint is `force`."""
+    def _through_field(
+        self, model: Elasticity, block: Superelement, field: UnitField, force: Array, carried: Scene
+    ) -> tuple[Array, Array]:
+        """Return the derivatives through a field whose adjoint is `force`, by nodes and `pull_totals`."""
         scene, kind = self.scene, field.kind
         count = len(block.motions)
         units = block.displacement[:, :count]
@@ -150,20 +162,21 @@ class MeshStress:
             turning = kind not in AGAINST_TORQUE
             motion = bending_motion(block, section, scene.supports.bending, spring, turning=turning)
         adjoint = block.solve(force[:, None])[:, 0] + units @ motion
-        moved, load = field.displacement_mm, np.zeros(len(adjoint))
+        moved, load, by_totals = field.displacement_mm, np.zeros(len(adjoint)), np.zeros(4)
         gradients = -work_slopes(model, *self._elastic, moved, adjoint)
         if kind in _PUSH:
             axis, sign = _PUSH[kind]
             gradients += sign * mean_slopes(model, axis, scene.web_z_mm[1], adjoint) / (2 * block.parts)
         if kind == "centrifugal":
             density = density_tonne_per_mm3(scene.material.density_kg_m3)
-            load = turning_load(model, scene, "symmetric", "even" if block.parts == 2 else "none")
-            # What is fastened to a web has a force of its own; how it spreads over the web counts as fixed.
-            gradients += centrifugal_slopes(model, density, adjoint)
+            lateral: Lateral = "even" if block.parts == 2 else "none"
+            load = turning_load(model, carried, "symmetric", lateral)
+            of_pull, by_totals = pull_slopes(model, carried, lateral, adjoint)
+            gradients += centrifugal_slopes(model, density, adjoint) + of_pull
         if kind == "swing":
             models = 2 * block.parts
             load = swing_force(model) / models
             gradients += swing_slopes(model, adjoint) / models
         gradients += section_slopes(model, load - model.stiffness @ moved, adjoint)
         gradients += section_slopes(model, force - model.stiffness @ adjoint, moved)
-        return gradients
+        return gradients, by_totals

@@ -11,13 +11,16 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.files import as_path, write_json, write_text
-from cranktopo.base.notes import note
+from cranktopo.base.notes import note, warn
 from cranktopo.base.progress import StageCache, StageMemory
+from cranktopo.bodies.prisms import with_bolted
+from cranktopo.bodies.seat import cut_seat_text
 from cranktopo.bodies.solid.files import coarse_facet_mm, export_solid, surface_of
 from cranktopo.design.assumed import (
     ENVELOPE,
     FATIGUE,
     LOADS,
+    SEAT,
     SUPPORTS,
     THROW,
     VIBRATION,
@@ -73,7 +76,7 @@ from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_sh
 from cranktopo.tasks.shape.start import scene_start
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLimits
 
-TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, FATIGUE)
+TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, SEAT, FATIGUE)
 """Tables of a scene that a shape optimisation uses."""
 _METHODS = ("lsa",)
 """Methods of the fatigue safety that it uses."""
@@ -274,6 +277,8 @@ def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> SurfaceMesh:
     """Write scene, exact solids and drawing of the best web; return the triangles of its half throw."""
     shaped, goal = optimum.result.web.scene, optimum.goal
     heading = f"Web of {scene.name} with the best dimensions for: {goal.sense} {goal.quantity}."
+    for text in filter(None, [cut_seat_text(shaped)]):
+        warn(text)
     write_text(run.path / _FILES.design, toml_text(shaped, heading))
     export_solid(shaped, "half", run.path / _FILES.step, started=run.started())
     export_solid(shaped, "half", run.path / _FILES.stl)
@@ -295,4 +300,6 @@ def _bodies(scene: Scene, shaped: Scene, found: SurfaceMesh) -> tuple[ShownBody,
     file, facet_mm = original_file(scene), coarse_facet_mm(scene)
     before = surface_of(scene, "half", facet_mm) if file is None else half_throw_surface(file, scene)
     named = (("result", found, shaped), ("original web", before, scene))
-    return tuple(ShownBody(name, mesh, of.web_z_mm, of.pitch_mm / 2) for name, mesh, of in named)
+    return tuple(
+        ShownBody(name, with_bolted(mesh, of), of.web_z_mm, of.pitch_mm / 2) for name, mesh, of in named
+    )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import write_text
 from cranktopo.base.progress import Json
+from cranktopo.bodies.prisms import with_bolted
 from cranktopo.bodies.solid.files import coarse_facet_mm
 from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.design.halves import halves
@@ -43,7 +44,7 @@ def web_view(target: Target) -> str:
     half_meshes = zip(meshes, halves(scene), PARTNERS[len(meshes)], strict=False)
     return packed_web(
         *(
-            ShownBody(target.name, mesh, half.web_z_mm, half.pitch_mm / 2, partner=partner)
+            ShownBody(target.name, with_bolted(mesh, half), half.web_z_mm, half.pitch_mm / 2, partner=partner)
             for mesh, half, partner in half_meshes
         )
     )

@@ -24,18 +24,18 @@ def check_holes(
     bolted: bool,
 ) -> None:
     """Refuse holes that leave the counterweight, meet each other or another cut, or lie under a fillet."""
-    cuts, least = _other_cuts(scene, key), least_shoulder_mm(scene.throw)
+    cuts, least = other_cuts(scene, key), least_shoulder_mm(scene.throw)
     for hole in holes:
         at = hole.wall_mm(least)
-        in_web = _in_outline(scene, at)
+        in_web = in_outline(scene, at)
         if bolted and in_web.any():
             raise _refused(hole, "reaches into the web, to which the counterweight is bolted", least)
-        if not np.any([in_web, *(_within(part, at) for part in parts)], axis=0).all():
+        if not np.any([in_web, *(within(part, at) for part in parts)], axis=0).all():
             raise _refused(hole, f"does not lie in {key} all around", least)
-        if isinstance(hole, RadialHole) and _in_outline(scene, hole.beyond_rim_mm()).any():
+        if isinstance(hole, RadialHole) and in_outline(scene, hole.beyond_rim_mm()).any():
             raise _refused(hole, "leaves through the web's outline, which reaches beyond the rim", least)
         for cut in (*cuts, *bevels, *(other for other in holes if other is not hole)):
-            if _within(cut, at).any():
+            if within(cut, at).any():
                 raise _refused(hole, f"meets {cut.key}", least)
         if isinstance(hole, AxialHole):
             _check_clear_of_fillets(scene, hole, least)
@@ -45,15 +45,15 @@ def check_edge(
     scene: ThrowView, key: str, bevels: Sequence[EdgeCut], holes: Sequence[AxialHole | RadialHole]
 ) -> None:
     """Refuse a bevelled edge that meets a hole, a bore or a pocket."""
-    cuts, least = (*_other_cuts(scene, key), *holes), least_shoulder_mm(scene.throw)
+    cuts, least = (*other_cuts(scene, key), *holes), least_shoulder_mm(scene.throw)
     for bevel in bevels:
         at = bevel.points_mm(least)
         for cut in cuts:
-            if _within(cut, at).any():
+            if within(cut, at).any():
                 raise _refused(bevel, f"meets {cut.key}", least)
 
 
-def _other_cuts(scene: ThrowView, key: str) -> list[Body]:
+def other_cuts(scene: ThrowView, key: str) -> list[Body]:
     """Return bores, recesses, and what features beside the one with a key cut."""
     others = [
         body for path, feature in scene.web.features() if path != key for body in feature.bodies(scene, path)
@@ -61,14 +61,16 @@ def _other_cuts(scene: ThrowView, key: str) -> list[Body]:
     return [body for body in (*bore_holes(scene), *recesses(scene), *others) if not body.adds]
 
 
-def _in_outline(scene: ThrowView, at: Array) -> Mask:
+def in_outline(scene: ThrowView, at: Array) -> Mask:
+    """Tell which points (3, n) lie in the outline of the web, between its faces."""
     x, y, z = at
     (low, high), (bottom, top) = scene.web_z_mm, scene.web.y_range_mm(scene.throw.radius_mm)
     half = scene.web.half_width_mm(scene.throw.radius_mm, y)
     return np.asarray((np.abs(x) <= half) & (y >= bottom) & (y <= top) & (z >= low) & (z <= high))
 
 
-def _within(body: Body, at: Array) -> Mask:
+def within(body: Body, at: Array) -> Mask:
+    """Tell which points (3, n) lie in a body."""
     x, y, z = at
     (low, high), (bottom, top) = body.z_mm, body.y_range_mm
     inside = (z >= low) & (z <= high) & (y >= bottom) & (y <= top)

@@ -47,8 +47,8 @@ class Counterweight(Feature):
     """Counterweight opposite the crankpin: a sector about the crank axis, bounded inside by the web itself.
 
     It is one piece with the web and counts wherever the web does, unless it has a density of its own. Then it
-    is a part that is bolted on or let in: its mass, unbalance and inertia count, its stiffness does not, nor
-    does its pull as a load, and solids, cells and meshes leave it out.
+    is a part that is bolted on or let in: its mass, unbalance, inertia and its pull on meshes count, its
+    stiffness does not. Cells and meshes leave it out; STEP files of throw and crank have it as a body.
     """
 
     outer_radius_mm: Length = Field(examples=[60.0])
