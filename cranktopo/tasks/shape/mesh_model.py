@@ -49,7 +49,11 @@ from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.recess import require_no_recess
 
 _RESIDUAL = 1e-4
-"""Accepted in a search: errors far below those of its mesh; solves aim at a hundredth of it."""
+"""Accepted in a search: errors far below those of its mesh; solves aim at a hundredth of it.
+
+On 41,562 to 61,716 unknowns it changes stiffnesses by 2e-10, stress and safety by 7e-7, all slopes of one of
+these together by 1.3e-5, and a small one alone by 1e-3 at most.
+"""
 _ByNodes = dict[str, tuple[float, Array]]
 """Quantities by name with their derivatives by the nodes, (3, nodes)."""
 

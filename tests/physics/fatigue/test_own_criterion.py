@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from cranktopo.tasks.compare import judged
 from cranktopo.tasks.compare.printed import comparison_text
 from cranktopo.tasks.compare.stage import compare_targets
 from cranktopo.tasks.fatigue import criteria
-from cranktopo.tasks.fatigue.stage import assess_by_methods, assess_fatigue
+from cranktopo.tasks.fatigue.stage import assess_fatigue
 from cranktopo.tasks.fea.stage import MeshRequest
 
 DESIGN = "mikron-iiic-plain"
@@ -61,7 +59,7 @@ def registered(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("registered")
-def test_a_file_and_a_line_add_a_criterion(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_file_and_a_line_add_a_criterion(tmp_path: Path) -> None:
     found = assess_fatigue([DESIGN], "gerber", fillet_fraction=1.0, out=tmp_path)
     (field,) = found.fields
     steel, fillet = field.model.scene.material, field.model.on_fillet
@@ -75,8 +73,8 @@ def test_a_file_and_a_line_add_a_criterion(monkeypatch: pytest.MonkeyPatch, tmp_
     assert told["factors"] == {"support": 1.0}
     assert (tmp_path / f"fatigue-gerber-{DESIGN}.png").exists()
 
-    monkeypatch.setattr(judged, "assess_by_methods", partial(assess_by_methods, fillet_fraction=1.0))
-    compared = compare_targets([DESIGN], DESIGN, MeshRequest(element_size_mm=9.0), ["lsa", "gerber"])
+    request = MeshRequest(element_size_mm=9.0)
+    compared = compare_targets([DESIGN], DESIGN, request, ["lsa", "gerber"], fillet_fraction=1.0)
     assert compared.comparison.entries[0].further_safety["gerber"] == pytest.approx(critical)
     text = comparison_text(compared.comparison, "table")
     assert "lsa: size and survival by factors" in text

@@ -11,9 +11,9 @@ from skfem import MeshTet
 from cranktopo import load_scene
 from cranktopo.base.arrays import Array
 from cranktopo.engine.histories import load_history
+from cranktopo.numerics.tetrahedra import unit_stress
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
 from cranktopo.numerics.tetrahedra.stress import NodalStress, nodal_stress, von_mises
-from cranktopo.tasks.fatigue import stress_model
 from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.safety_field import unit_loads
 from cranktopo.tasks.fatigue.stress_below import notch_shape, stress_share
@@ -61,7 +61,7 @@ def test_the_fall_is_that_of_the_elements(monkeypatch: pytest.MonkeyPatch) -> No
         kept.append((model, nodal_stress(model, *args)))
         return kept[-1][1]
 
-    monkeypatch.setattr(stress_model, "nodal_stress", spied)
+    monkeypatch.setattr(unit_stress, "nodal_stress", spied)
     scene = load_scene("mikron-iiic")
     field = fatigue_field(Target("mikron", scene), "lsa", fillet_fraction=0.3)
     model, inside = field.model, Inside(*kept[0])

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import WebHistory, WebLoads, load_history
 from cranktopo.engine.judged_histories import histories_of
+from cranktopo.numerics.tetrahedra import solver
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, centrifugal_force, swing_force
 from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes, swing_slopes
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface, surface_stress
@@ -48,12 +50,26 @@ WEBS = {
     "drafted-bevels": die_web,
     "round-floors": milled_web,
     "round-groove": round_groove_web,
+    "round-sides": round_side_web,
     "solid-journals": solid_web,
 }
-SLOW = ("drafted-pockets", "drafted-bevels", "round-floors", "round-groove", "solid-journals")
-
+SLOW = ("drafted-pockets", "drafted-bevels", "round-floors", "round-groove", "round-sides", "solid-journals")
+THIN = ("drafted-pockets", "round-floors", "round-sides")
+"""With thin walls beside pockets: on coarse meshes these scatter more."""
 ELASTIC = 2e5, 0.3
 STRESSED = "fatigue_safety", "stress"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def solved_directly() -> Iterator[None]:
+    """Derivatives are those of exact solves, on meshes of every size.
+
+    What iterations leave of the loads moves with the mesh as well: with a round groove, 13,425 unknowns, a
+    safety is 1.2e-7 off, its slope by the depth of a bevel 5e-5, and what differences say of that slope
+    1.1e-3. Solved directly, slope and differences agree to 1e-6.
+    """
+    with patch.object(solver, "DIRECT_LIMIT", 10**9):
+        yield
 
 
 @dataclass(frozen=True)
@@ -75,8 +91,7 @@ def case(request: pytest.FixtureRequest) -> Case:
     swings = ["natural_frequency >= 90 %"] if scene.engine and scene.engine.throws > 1 else []
     scene = with_goal(scene, minimise="mass", limits=(*swings, "stress <= 110 %"))
     model = MeshModel(scene, layout, values, COARSE_MM, COARSE_FILLET, STRESSED)
-    # Thin walls beside pockets scatter more.
-    size_mm = COARSE_MM / 2 if request.param in ("drafted-pockets", "round-floors") else COARSE_MM
+    size_mm = COARSE_MM / 2 if request.param in THIN else COARSE_MM
     return Case(scene, layout, model, values, model.responses(values), size_mm)
 
 
@@ -86,14 +101,17 @@ def directions(case: Case, count: int) -> Array:
 
 
 def test_nodes_follow_the_faces_of_the_web_to_second_order(case: Case) -> None:
+    """From where the first move puts them: edge nodes of straightened elements begin a little off a face."""
     moved, step = case.model.moved, 0.02
-    motion = moved.velocities(moved.mesh, case.values)
-    before = moved.distances_mm(moved.mesh.points_mm, case.values).max()
+    mesh = moved.at(case.values + 1e-9)
+    assert np.abs(mesh.points_mm - moved.mesh.points_mm).max() < 1e-3
+    motion = moved.velocities(mesh, case.values)
+    before = moved.distances_mm(mesh.points_mm, case.values).max()
     assert before < 1e-6
     for i, name in enumerate(case.layout.names):
         changed = case.values + step * np.eye(len(case.values))[i]
-        off = moved.distances_mm(moved.mesh.points_mm + step * motion[:, :, i], changed).max()
-        unmoved = moved.distances_mm(moved.mesh.points_mm, changed).max()
+        off = moved.distances_mm(mesh.points_mm + step * motion[:, :, i], changed).max()
+        unmoved = moved.distances_mm(mesh.points_mm, changed).max()
         assert off < 2 * before + step**2, name
         assert unmoved > 20 * off, name
 
@@ -124,10 +142,20 @@ def test_gradients_are_those_of_the_moved_mesh(case: Case) -> None:
             )
 
 
+def test_solves_that_iterate_tell_what_direct_ones_tell(case: Case) -> None:
+    """As a search does with its meshes: far nearer than the 0.1 % by which these scatter."""
+    with patch.object(solver, "DIRECT_LIMIT", 0):
+        iterated = case.model.responses(case.values)
+    assert iterated.values["fatigue_safety"] != case.found.values["fatigue_safety"]
+    for name, value in case.found.values.items():
+        assert iterated.values[name] == pytest.approx(value, rel=1e-6), name
+        off = iterated.gradients[name] - case.found.gradients[name]
+        assert np.linalg.norm(off) < 1e-4 * np.linalg.norm(case.found.gradients[name]), name
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("web", [rounded_web, round_side_web])
-def test_gradients_beside_round_corners_in_the_sides(web: Callable[[], tuple[Scene, Layout, Array]]) -> None:
-    scene, layout, values = web()
+def test_gradients_beside_round_corners_in_the_sides() -> None:
+    scene, layout, values = rounded_web()
     model, step = MeshModel(scene, layout, values, COARSE_MM), 1e-3
     found, direction = model.responses(values), np.random.default_rng(7).standard_normal(len(values))
     above, below = (model.responses(values + s * step * direction) for s in (1, -1))
@@ -204,8 +232,8 @@ def test_safety_and_stress_over_the_cycle_are_those_of_the_assessment(cycle: Cyc
     )
     parts = [safety_field(throw, "lsa", one) for one in histories_of(scene, "cycle", enabled)]
     by_model = cycle.model.responses(cycle.values).values
-    assert by_model["fatigue_safety"] == pytest.approx(least_field(parts).critical.safety, rel=1e-5)
-    assert by_model["stress"] == pytest.approx(max(map(largest_of_field_MPa, parts)), rel=1e-5)
+    assert by_model["fatigue_safety"] == pytest.approx(least_field(parts).critical.safety, rel=1e-9)
+    assert by_model["stress"] == pytest.approx(max(map(largest_of_field_MPa, parts)), rel=1e-9)
 
 
 @pytest.mark.slow
