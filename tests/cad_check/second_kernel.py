@@ -1,0 +1,212 @@
+"""What a second OCC binding, which shares no library with gmsh, finds in a STEP file of one solid.
+
+Needs the optional extra `cad-check` (cadquery-ocp); `ocp` skips a test without it.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+VOLUME_ACCURACY = 1e-8
+"""Relative error to which the volume of each face is integrated."""
+PRECISION_MM = 1e-7
+ELEMENTARY = ("Plane", "Cylinder", "Cone", "Sphere", "Torus")
+CHORD, TURN_RAD = 2e-3, 0.3
+"""Chord error of triangles over the largest dimension of the body, and their largest turn."""
+WELD_MM = 1e-6
+"""Points of two faces on their common edge are one where they are nearer."""
+SAME_MM = 1e-5
+"""Largest distance of a spline from a plane, cylinder, cone, sphere or torus that it is taken for."""
+
+
+def ocp(module: str) -> Any:
+    """A module of the binding; the test is skipped without it."""
+    return pytest.importorskip(f"OCP.{module}", reason="optional extra cad-check (cadquery-ocp) missing")
+
+
+@dataclass(frozen=True)
+class Examined:
+    """What was found of a body.
+
+    Attributes:
+        faults: each in words; none of a sound body.
+        kinds: number of faces by the type of their surface.
+        tori_mm: (major, minor) radii of its tori.
+        disguised: number of splines and swept faces that are elementary surfaces, by what they are.
+        tolerance_mm: largest of all sub-shapes.
+        mesh_error: relative difference of the volume inside its triangles.
+    """
+
+    faults: tuple[str, ...]
+    volume_mm3: float
+    kinds: dict[str, int]
+    tori_mm: tuple[tuple[float, float], ...]
+    disguised: dict[str, int]
+    tolerance_mm: float
+    mesh_error: float
+
+
+def examined(path: Path) -> Examined:
+    """Read a STEP file again and check all of it."""
+    shape = read_shape(path)
+    faces, volume = list(sub_shapes(shape, "FACE")), volume_mm3(shape)
+    closed, meshed = _meshed(shape)
+    return Examined(
+        faults=(*_topology(shape), *_invalid(shape), *_crossing_wires(faces), *closed),
+        volume_mm3=volume,
+        kinds=dict(Counter(surface_kind(face) for face in faces)),
+        tori_mm=tuple(sorted({_torus(face) for face in faces if surface_kind(face) == "Torus"})),
+        disguised=dict(Counter(kind for face in faces if (kind := disguise(face)))),
+        tolerance_mm=float(ocp("ShapeAnalysis").ShapeAnalysis_ShapeTolerance().Tolerance(shape, 1)),
+        mesh_error=meshed / volume - 1,
+    )
+
+
+def read_shape(path: Path) -> Any:
+    """The shape in a STEP file."""
+    reader = ocp("STEPControl").STEPControl_Reader()
+    assert reader.ReadFile(str(path)) == ocp("IFSelect").IFSelect_ReturnStatus.IFSelect_RetDone
+    reader.TransferRoots()
+    return reader.OneShape()
+
+
+def volume_mm3(shape: Any, accuracy: float = VOLUME_ACCURACY) -> float:
+    """Volume, each face integrated to a relative accuracy."""
+    found = ocp("GProp").GProp_GProps()
+    ocp("BRepGProp").BRepGProp.VolumeProperties_s(shape, found, accuracy, False, False)
+    return float(found.Mass())
+
+
+def sub_shapes(shape: Any, kind: str, outside: str | None = None) -> Iterator[Any]:
+    """Each sub-shape of a kind, those within another kind left out."""
+    kinds = ocp("TopAbs").TopAbs_ShapeEnum
+    skipped = [getattr(kinds, f"TopAbs_{outside}")] if outside else []
+    explorer = ocp("TopExp").TopExp_Explorer(shape, getattr(kinds, f"TopAbs_{kind}"), *skipped)
+    cast = ocp("TopoDS").TopoDS
+    typed = getattr(cast, f"{kind.capitalize()}_s", None) or getattr(cast, kind.capitalize())  # as of 8.0
+    while explorer.More():
+        yield typed(explorer.Current())
+        explorer.Next()
+
+
+def surface_kind(face: Any) -> str:
+    """Type of a face's surface as the kernel names it."""
+    found = ocp("BRepAdaptor").BRepAdaptor_Surface(face).GetType()
+    return str(found.name).removeprefix("GeomAbs_")
+
+
+def disguise(face: Any) -> str:
+    """How a face is given and what elementary surface it is within `SAME_MM`; empty where it is none."""
+    given = surface_kind(face)
+    if given in ELEMENTARY:
+        return ""
+    surface = ocp("BRep").BRep_Tool.Surface_s(face)
+    bounds = ocp("BRepTools").BRepTools.UVBounds_s(face)
+    found = ocp("GeomConvert").GeomConvert_SurfToAnaSurf(surface).ConvertToAnalytical(SAME_MM, *bounds)
+    name = "" if found is None else ocp("GeomAdaptor").GeomAdaptor_Surface(found).GetType().name
+    real = str(name).removeprefix("GeomAbs_")
+    return f"{given} is a {real}" if real in ELEMENTARY else ""
+
+
+def _torus(face: Any) -> tuple[float, float]:
+    torus = ocp("BRepAdaptor").BRepAdaptor_Surface(face).Torus()
+    return round(torus.MajorRadius(), 6), round(torus.MinorRadius(), 6)
+
+
+def _topology(shape: Any) -> Iterator[str]:
+    """One solid of one shell without free edges, nothing beside it."""
+    counts = [
+        sum(1 for _ in sub_shapes(shape, kind, holder))
+        for kind, holder in (
+            ("SOLID", None),
+            ("SHELL", None),
+            ("SHELL", "SOLID"),
+            ("FACE", "SHELL"),
+            ("EDGE", "FACE"),
+            ("VERTEX", "EDGE"),
+        )
+    ]
+    if counts != [1, 1, 0, 0, 0, 0]:
+        yield f"solids, shells, loose shells, faces, edges, vertices: {counts}"
+    shells = ocp("ShapeAnalysis").ShapeAnalysis_Shell()
+    shells.LoadShells(shape)
+    shells.CheckOrientedShells(shape, True, True)
+    if shells.HasFreeEdges() or shells.HasBadEdges():
+        yield "free or wrongly turned edges"
+
+
+def _invalid(shape: Any) -> Iterator[str]:
+    """Sub-shapes that the kernel's own check finds invalid, geometry included."""
+    analyzer = ocp("BRepCheck").BRepCheck_Analyzer(shape, True)
+    if not analyzer.IsValid():
+        bad = {
+            kind: sum(not analyzer.IsValid(sub) for sub in _distinct(sub_shapes(shape, kind)))
+            for kind in ("VERTEX", "EDGE", "WIRE", "FACE", "SHELL", "SOLID")
+        }
+        yield f"BRepCheck: {', '.join(f'{n} {kind.lower()}' for kind, n in bad.items() if n)} invalid"
+
+
+def _distinct(shapes: Iterator[Any]) -> Iterator[Any]:
+    seen: list[Any] = []
+    for one in shapes:
+        if not any(one.IsSame(other) for other in seen):
+            seen.append(one)
+            yield one
+
+
+def _crossing_wires(faces: list[Any]) -> Iterator[str]:
+    analysis = ocp("ShapeAnalysis")
+    for face in faces:
+        for wire in sub_shapes(face, "WIRE"):
+            if analysis.ShapeAnalysis_Wire(wire, face, PRECISION_MM).CheckSelfIntersection():
+                yield f"wire of a {surface_kind(face)} crosses itself"
+
+
+def _meshed(shape: Any) -> tuple[list[str], float]:
+    """What is wrong with the triangles of a body, and the volume inside them."""
+    box = ocp("Bnd").Bnd_Box()
+    ocp("BRepBndLib").BRepBndLib.Add_s(shape, box)
+    low, high = box.CornerMin(), box.CornerMax()
+    chord = CHORD * max(high.X() - low.X(), high.Y() - low.Y(), high.Z() - low.Z())
+    mesh = ocp("BRepMesh").BRepMesh_IncrementalMesh(shape, chord, False, TURN_RAD, False)
+    faults = [] if mesh.GetStatusFlags() == 0 else [f"BRepMesh: status {mesh.GetStatusFlags()}"]
+    parts = [_triangles(face) for face in sub_shapes(shape, "FACE")]
+    if any(part is None for part in parts):
+        return [*faults, "BRepMesh: a face has no triangles"], float("nan")
+    corners = np.concatenate([part for part in parts if part is not None])
+    volume = float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6)
+    open_edges = _open_edges(corners)
+    return [*faults, *([f"BRepMesh: {open_edges} open edges"] if open_edges else [])], volume
+
+
+def _triangles(face: Any) -> NDArray[np.float64] | None:
+    """Corners (n, 3, 3) of a face's triangles, outward."""
+    place = ocp("TopLoc").TopLoc_Location()
+    found = ocp("BRep").BRep_Tool.Triangulation_s(face, place)
+    if found is None or not found.NbTriangles():
+        return None
+    points = [found.Node(k + 1).Transformed(place.Transformation()) for k in range(found.NbNodes())]
+    xyz = np.array([(point.X(), point.Y(), point.Z()) for point in points])
+    corners = np.array([found.Triangle(k + 1).Get() for k in range(found.NbTriangles())]) - 1
+    reversed_ = face.Orientation() == ocp("TopAbs").TopAbs_Orientation.TopAbs_REVERSED
+    return xyz[corners[:, ::-1] if reversed_ else corners]
+
+
+def _open_edges(corners: NDArray[np.float64]) -> int:
+    """Number of directed edges of triangles without their counterpart, points welded."""
+    from scipy.spatial import cKDTree
+
+    points = corners.reshape(-1, 3)
+    ties = cKDTree(points).query_ball_point(points, WELD_MM)
+    name = np.array([min(tie) for tie in ties]).reshape(-1, 3)
+    name = name[(name != np.roll(name, 1, axis=1)).all(axis=1)]
+    edges = Counter(map(tuple, np.concatenate([name[:, [0, 1]], name[:, [1, 2]], name[:, [2, 0]]]).tolist()))
+    return sum(abs(count - edges[end, start]) for (start, end), count in edges.items())
