@@ -73,7 +73,8 @@ def features_of(scene: Scene) -> set[str]:
     for pocket in web.pocket:
         groove = pocket.shape == "side" and pocket.runs_out(*web.y_range_mm(throw.radius_mm))
         name = "groove" if groove else f"{pocket.shape} pocket"
-        found.add(f"{name}{', drafted' * bool(pocket.draft_deg)}{', round floor' * bool(pocket.floor_radius_mm)}")
+        name += ", drafted" * bool(pocket.draft_deg)
+        found.add(name + ", round floor" * bool(pocket.floor_radius_mm))
     if web.counterweight is not None:
         parts = web.counterweight.model_dump(exclude_none=True)
         found.add("counterweight" + ", bolted" * web.counterweight.bolted)
@@ -234,7 +235,8 @@ def _holes(draw: Draw, data: Data) -> None:
         return
     axis = str(draw.choice(["axial", "radial"]))
     plug = {"axis": axis, "x_mm": outer * draw.uniform(-0.3, 0.3), "y_mm": -outer * draw.uniform(0.7, 0.85)}
-    weight["plug"] = [plug | {"diameter_mm": diameter, "length_mm": thickness * 0.5, "density_kg_m3": 17500.0}]
+    size = {"diameter_mm": diameter, "length_mm": thickness * 0.5}
+    weight["plug"] = [plug | size | {"density_kg_m3": 17500.0}]
 
 
 def _drilling(draw: Draw, data: Data) -> None:
