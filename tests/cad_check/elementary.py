@@ -6,6 +6,8 @@ normals at one angle to its axis, and tangent planes through one point.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -32,12 +34,22 @@ def elementary(points: Array, normals: Array, curvatures: Array, same: float) ->
     return "Cone" if _is_cone(points, normals, same) else ""
 
 
-def torus_radii(points: Array, normals: Array, curvatures: Array) -> tuple[float, float]:
-    """Radii of ring and tube of samples that lie on a torus."""
+@dataclass(frozen=True)
+class Torus:
+    """A torus by its axis, a unit vector, and the radii of ring and tube."""
+
+    axis: Array
+    ring_mm: float
+    tube_mm: float
+
+
+def torus_of(points: Array, normals: Array, curvatures: Array) -> Torus:
+    """Return the torus of samples that lie on one."""
     spread = [float(np.ptp(one) / abs(np.median(one))) for one in curvatures.T]
     middle = float(np.median(curvatures[:, int(np.argmin(spread))]))
-    _, ring = _circle(points + normals / middle)
-    return ring, 1 / abs(middle)
+    centres = points + normals / middle
+    _, ring = _circle(centres)
+    return Torus(np.linalg.svd(centres - centres.mean(axis=0))[2][2], ring, 1 / abs(middle))
 
 
 def _tube(centres: Array, off: float) -> str:

@@ -14,16 +14,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.cad_check.elementary import Array, elementary, torus_radii
+from tests.cad_check.elementary import Array, elementary, torus_of
 
 VOLUME_ACCURACY = 1e-8
 """Relative error to which the volume of each face is integrated."""
 PRECISION_MM = 1e-7
+_ALIGNED = 1 - 1e-3
+"""Cosine between a plane's normal and an axis from which on they are parallel."""
 ELEMENTARY = ("Plane", "Cylinder", "Cone", "Sphere", "Torus")
 CHORD, TURN_RAD = 2e-3, 0.3
 """Chord error of triangles over the largest dimension of the body, and their largest turn."""
 WELD_MM = 1e-6
 """Points of two faces on their common edge are one where they are nearer."""
+BESIDE_MM = 0.01
+"""Distance from a vertex from which on edges that touch there are apart."""
 INNER = np.linspace(0.05, 0.95, 7)
 """Places in a face's range of parameters at which its shape is looked at."""
 SAME_SPLINE, SAME_SWEPT = 1e-3, 1e-9
@@ -63,7 +67,7 @@ def examined(path: Path) -> Examined:
     faces, volume = list(sub_shapes(shape, "FACE")), volume_mm3(shape)
     closed, meshed = _meshed(shape)
     return Examined(
-        faults=(*_topology(shape), *_invalid(shape), *_crossing_wires(faces), *closed),
+        faults=(*_topology(shape), *_invalid(shape), *crossing_wires(faces), *closed),
         volume_mm3=volume,
         kinds=dict(Counter(surface_kind(face) for face in faces)),
         tori_mm=tuple(sorted({_torus(face) for face in faces if surface_kind(face) == "Torus"})),
@@ -109,20 +113,24 @@ def surface_kind(face: Any) -> str:
 def disguises(shape: Any) -> dict[str, int]:
     """Number of faces given as splines or sweeps that are elementary surfaces, by what they are.
 
-    A torus counts where it touches a plane: a short piece of a tube along any curve is one but for the
-    kernel's own error. STEP has no toroidal surface whose tube is wider than its ring.
+    A torus counts where it touches a plane across its axis: a short piece of a tube along any curve is one
+    but for the kernel's own error. STEP has no toroidal surface whose tube is wider than its ring.
     """
     faces = list(sub_shapes(shape, "FACE"))
-    kinds = [real_kind(face) for face in faces]
     found: Counter[str] = Counter()
-    for face, real in zip(faces, kinds, strict=True):
-        given = surface_kind(face)
-        fillet = real != "Torus" or any(
-            kind == "Plane" and _touch(face, other) for kind, other in zip(kinds, faces, strict=True)
-        )
-        if given not in ELEMENTARY and real and fillet:
+    for face in faces:
+        given, real = surface_kind(face), real_kind(face)
+        if given not in ELEMENTARY and real and (real != "Torus" or _is_fillet(face, faces)):
             found[f"{given} is a {real}"] += 1
     return dict(found)
+
+
+def _is_fillet(face: Any, faces: list[Any]) -> bool:
+    """Tell whether a torus with a ring wider than its tube touches a plane at right angles to its axis."""
+    torus = torus_of(*_samples(face))
+    beside = [_samples(other)[1][0] for other in faces if real_kind(other) == "Plane" and _touch(face, other)]
+    across = any(abs(float(normal @ torus.axis)) > _ALIGNED for normal in beside)
+    return across and torus.ring_mm > torus.tube_mm
 
 
 def real_kind(face: Any) -> str:
@@ -130,12 +138,7 @@ def real_kind(face: Any) -> str:
     given = surface_kind(face)
     if given in ELEMENTARY:
         return given
-    samples = _samples(face)
-    real = elementary(*samples, SAME_SPLINE if "Spline" in given else SAME_SWEPT)
-    if real != "Torus":
-        return real
-    ring, tube = torus_radii(*samples)
-    return real if ring > tube else ""
+    return elementary(*_samples(face), SAME_SPLINE if "Spline" in given else SAME_SWEPT)
 
 
 def _touch(face: Any, other: Any) -> bool:
@@ -207,12 +210,40 @@ def _distinct(shapes: Iterator[Any]) -> Iterator[Any]:
             yield one
 
 
-def _crossing_wires(faces: list[Any]) -> Iterator[str]:
-    analysis = ocp("ShapeAnalysis")
+def crossing_wires(faces: list[Any]) -> Iterator[str]:
+    """Wires with an edge that crosses itself or the next one.
+
+    Edges that touch at their common vertex are found, too: they are within the precision beside it, and
+    apart from each other farther away.
+    """
     for face in faces:
         for wire in sub_shapes(face, "WIRE"):
-            if analysis.ShapeAnalysis_Wire(wire, face, PRECISION_MM).CheckSelfIntersection():
-                yield f"wire of a {surface_kind(face)} crosses itself"
+            analysis = ocp("ShapeAnalysis").ShapeAnalysis_Wire(wire, face, PRECISION_MM)
+            for number in range(1, analysis.NbEdges() + 1):
+                if analysis.CheckSelfIntersectingEdge(number):
+                    yield f"edge of a {surface_kind(face)} crosses itself"
+                if analysis.CheckIntersectingEdges(number):
+                    edges = [
+                        analysis.WireData().Edge(one) for one in (number - 1 or analysis.NbEdges(), number)
+                    ]
+                    if _apart_mm(*edges) <= PRECISION_MM:
+                        yield f"edges of a {surface_kind(face)} cross"
+
+
+def _apart_mm(one: Any, other: Any) -> float:
+    """Least distance of two edges, beyond `BESIDE_MM` from their ends."""
+    inner = [_inner_edge(edge) for edge in (one, other)]
+    return float(ocp("BRepExtrema").BRepExtrema_DistShapeShape(*inner).Value())
+
+
+def _inner_edge(edge: Any) -> Any:
+    curve = ocp("BRepAdaptor").BRepAdaptor_Curve(edge)
+    first, last = curve.FirstParameter(), curve.LastParameter()
+    ends = [(first, 1), (last, -1)]
+    low, high = (
+        at + side * min(BESIDE_MM / curve.DN(at, 1).Magnitude(), (last - first) / 10) for at, side in ends
+    )
+    return ocp("BRepBuilderAPI").BRepBuilderAPI_MakeEdge(curve.Curve().Curve(), low, high).Edge()
 
 
 def _meshed(shape: Any) -> tuple[list[str], float]:

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ import pytest
 
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.design.schema import Scene
-from tests.cad_check.second_kernel import disguises, examined, ocp, read_shape, sub_shapes
+from tests.cad_check.second_kernel import crossing_wires, disguises, examined, ocp, read_shape, sub_shapes
 from tests.cad_check.test_step_second_binding import written
 from tests.studies.second_kernel import faults, rows
 
@@ -46,3 +47,17 @@ def test_a_body_that_lacks_a_face_is_found(half: Any, tmp_path: Path) -> None:
     shell.Free(True)
     ocp("BRep").BRep_Builder().Remove(shell, face)
     assert examined(written(half, tmp_path / "open.step")).faults
+
+
+@pytest.mark.parametrize(("middle", "crossed"), [((13.0, 5.0), 2), ((5.0, -5.0), 0)])
+def test_a_wire_that_crosses_itself_is_found(middle: tuple[float, float], crossed: int) -> None:
+    """An arc from (0, 0) to (10, 0) in place of the lower side, across the sides beside it or outside them."""
+    point, make = ocp("gp").gp_Pnt, ocp("BRepBuilderAPI")
+    corners = [point(*at, 0.0) for at in ((0.0, 0.0), (10.0, 0.0), (10.0, 20.0), (0.0, 20.0))]
+    arc = ocp("GC").GC_MakeArcOfCircle(corners[0], point(*middle, 0.0), corners[1]).Value()
+    sides = [make.BRepBuilderAPI_MakeEdge(*ends).Edge() for ends in pairwise([*corners[1:], corners[0]])]
+    wire = make.BRepBuilderAPI_MakeWire()
+    for edge in (make.BRepBuilderAPI_MakeEdge(arc).Edge(), *sides):
+        wire.Add(edge)
+    face = make.BRepBuilderAPI_MakeFace(ocp("gp").gp_Pln(), wire.Wire()).Face()
+    assert len(list(crossing_wires([face]))) == crossed
