@@ -51,7 +51,7 @@ def test_a_body_that_lacks_a_face_is_found(half: Any, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("middle", "crossed"), [((13.0, 5.0), 2), ((5.0, -5.0), 0)])
 def test_a_wire_that_crosses_itself_is_found(middle: tuple[float, float], crossed: int) -> None:
-    """An arc from (0, 0) to (10, 0) in place of the lower side, across the sides beside it or outside them."""
+    """An arc from (0, 0) to (10, 0) in place of the lower side, across the sides beside it or outside."""
     point, make = ocp("gp").gp_Pnt, ocp("BRepBuilderAPI")
     corners = [point(*at, 0.0) for at in ((0.0, 0.0), (10.0, 0.0), (10.0, 20.0), (0.0, 20.0))]
     arc = ocp("GC").GC_MakeArcOfCircle(corners[0], point(*middle, 0.0), corners[1]).Value()
