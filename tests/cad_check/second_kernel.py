@@ -5,6 +5,7 @@ Needs the optional extra `cad-check` (cadquery-ocp); `ocp` skips a test without 
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -231,7 +232,9 @@ def crossing_wires(faces: list[Any]) -> Iterator[str]:
 
 
 def _apart_mm(one: Any, other: Any) -> float:
-    """Least distance of two edges, beyond `BESIDE_MM` from their ends."""
+    """Least distance of two edges, beyond `BESIDE_MM` from their ends; infinite from one that is a point."""
+    if not all(ocp("BRepAdaptor").BRepAdaptor_Curve(edge).Is3DCurve() for edge in (one, other)):
+        return math.inf
     inner = [_inner_edge(edge) for edge in (one, other)]
     return float(ocp("BRepExtrema").BRepExtrema_DistShapeShape(*inner).Value())
 
