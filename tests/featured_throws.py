@@ -52,11 +52,19 @@ def featured_crank(seed: int) -> Scene:
     data["crank"] = {"end": [{"side": "free", "step": _free_end(draw, main)}]}
     data["crank"]["end"].append({"side": "output", "step": _output(draw, main)})
     if draw.random() < 0.4:
-        flying = [{"number": number, "length_mm": 0.0} for number in (1, 3)]
-        with_flying = copy.deepcopy(data)
-        with_flying["crank"] |= {"bearings": [0, 2, 4], "main_journal": flying}
+        with_flying = _with_flying_webs(data)
         data = with_flying if _holds(with_flying) else data
     return scene_from_dict(data, whole=True)
+
+
+def _with_flying_webs(data: Data) -> Data:
+    """The crank without main journals 1 and 3, nor pockets that the web on their other side would close."""
+    flying = copy.deepcopy(data)
+    journals = [{"number": number, "length_mm": 0.0} for number in (1, 3)]
+    flying["crank"] |= {"bearings": [0, 2, 4], "main_journal": journals}
+    for web in (flying[key] for key in ("web", "second_web") if key in flying):
+        web["pocket"] = [pocket for pocket in web.get("pocket", []) if pocket.get("face") != "journal"]
+    return flying
 
 
 def features_of(scene: Scene) -> set[str]:
