@@ -33,9 +33,11 @@ class CrankJournal(SceneTable):
 
     def applied_to(self, journal: Journal) -> Journal:
         """Return the journal with the keys that are given here; a flying web has neither bore nor fillet."""
-        none = {"bore_diameter_mm": 0.0, "fillet_mm": 0.0, "fillet_axial_mm": None}
-        own_keys = self.model_dump(exclude={"number"}, exclude_none=True)
-        return journal.model_copy(update=own_keys | (none if self.length_mm == 0 else {}))
+        flying = self.length_mm == 0
+        keys = self.model_dump(exclude={"number"}, exclude_none=True)
+        keys |= {"bore_diameter_mm": 0.0} if flying else {}
+        sharp = {"fillet_mm": 0.0, "fillet_axial_mm": None, "recess_mm": None}
+        return journal.model_copy(update=keys | (sharp if flying or self.fillet_mm == 0 else {}))
 
 
 def _numbers(value: Any) -> Any:

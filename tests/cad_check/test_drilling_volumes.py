@@ -14,23 +14,10 @@ import pytest
 
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.volume import half_throw_volume_mm3
+from tests.cad_check.second_kernel import read_shape, volume_mm3
 from tests.physics.throw.test_drillings import LEANING, STRAIGHT, mikron
 
 pytestmark = pytest.mark.slow
-
-
-def ocp(module: str) -> Any:
-    return pytest.importorskip(f"OCP.{module}", reason="optional extra cad-check (cadquery-ocp) missing")
-
-
-def integrated_mm3(path: Path, tolerance: float) -> float:
-    """Volume of a STEP file."""
-    reader = ocp("STEPControl").STEPControl_Reader()
-    assert reader.ReadFile(str(path)) == ocp("IFSelect").IFSelect_ReturnStatus.IFSelect_RetDone
-    reader.TransferRoots()
-    found = ocp("GProp").GProp_GProps()
-    ocp("BRepGProp").BRepGProp.VolumeProperties_s(reader.OneShape(), found, tolerance, False, False)
-    return float(found.Mass())
 
 
 @pytest.mark.parametrize("drilling", [LEANING, STRAIGHT], ids=["leaning", "straight"])
@@ -41,7 +28,7 @@ def test_volume(drilling: dict[str, Any], bore: float, rounding: float, error: f
     scene = mikron({**drilling, "outlet_radius_mm": rounding}, bore_diameter_mm=bore)
     path = tmp_path / "half.step"
     by_default, closed = export_solid(scene, "half", path), half_throw_volume_mm3(scene)
-    exact = integrated_mm3(path, 1e-8)
+    exact = volume_mm3(read_shape(path))
     assert exact == pytest.approx(closed, rel=error)
     if rounding:
         assert 0.10 < exact - closed < 0.14

@@ -18,15 +18,12 @@ from cranktopo.design.loading import builtin_designs, load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.importing.imported_body import half_throw_surface
 from cranktopo.throw.raw_part.table import Forging
+from tests.cad_check.second_kernel import ocp, sub_shapes
 from tests.unit.refit.remodel_cases import WHOLE, known_scene
 
 pytestmark = pytest.mark.slow
 ONE_SOLID = tuple(part for part in PARTS if part != "plugs")
 BOX_MM = 1e-4
-
-
-def ocp(module: str) -> Any:
-    return pytest.importorskip(f"OCP.{module}", reason="optional extra cad-check (cadquery-ocp) missing")
 
 
 def read(path: Path) -> Any:
@@ -55,14 +52,7 @@ def free_shapes(document: Any) -> list[tuple[str, Any]]:
 
 
 def count(shape: Any, kind: str, outside: str | None = None) -> int:
-    kinds = ocp("TopAbs").TopAbs_ShapeEnum
-    skipped = [getattr(kinds, f"TopAbs_{outside}")] if outside else []
-    explorer = ocp("TopExp").TopExp_Explorer(shape, getattr(kinds, f"TopAbs_{kind}"), *skipped)
-    number = 0
-    while explorer.More():
-        number += 1
-        explorer.Next()
-    return number
+    return sum(1 for _ in sub_shapes(shape, kind, outside))
 
 
 def box(shape: Any) -> list[float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -99,6 +99,29 @@ def check_body(
         if found
         else "Features touch or overlap in a way it cannot resolve: move them apart by 0.1 mm.",
     )
+
+
+def check_no_hollow(occ: Any, body: DimTags, name: str) -> None:
+    """Check that one body has no closed hollow, which no tool reaches, else raise CranktopoError."""
+    ((_, tag),) = _solids(body)
+    _, shells = occ.getSurfaceLoops(tag)
+    if len(shells) == 1:
+        return
+    boxes = [_box(occ, shell) for shell in shells]
+    boxes.remove(max(boxes, key=lambda box: math.dist(box[:3], box[3:])))
+    x, y, z = ((low + high) / 2 for low, high in zip(boxes[0][:3], boxes[0][3:], strict=True))
+    raise CranktopoError(
+        f"{name}: has {len(boxes)} closed hollows that no tool reaches, one of them at "
+        f"x = {x:.4g}, y = {y:.4g}, z = {z:.4g} mm.",
+        hint="Where two webs are one flying web, take no pocket from the faces that they have in common.",
+    )
+
+
+def _box(occ: Any, faces: Sequence[int]) -> tuple[float, ...]:
+    """Least and largest coordinates of faces, mm."""
+    boxes = [occ.getBoundingBox(2, int(face)) for face in faces]
+    columns = list(zip(*boxes, strict=True))
+    return (*map(min, columns[:3]), *map(max, columns[3:]))
 
 
 def misfit(occ: Any, body: DimTags, expected: ClosedForm) -> float:

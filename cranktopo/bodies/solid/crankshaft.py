@@ -9,7 +9,7 @@ from typing import Any
 from cranktopo.base.frames import about_z_deg
 from cranktopo.bodies.crank_drillings import crank_crossings, taken_beyond
 from cranktopo.bodies.crank_ends import SIDES, EndPiece, crank_end, main_journal_places_mm
-from cranktopo.bodies.solid.checked import ClosedForm, check_body
+from cranktopo.bodies.solid.checked import ClosedForm, check_body, check_no_hollow
 from cranktopo.bodies.solid.shapes import add_all, cut, fused
 from cranktopo.bodies.solid.step import import_solid
 from cranktopo.bodies.solid.throw import add_full_throw, throw_form
@@ -29,6 +29,7 @@ def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
     volume = sum(form.volume_mm3 for form in forms) + sum(piece.moments.volume for piece in pieces)
     volume -= taken_beyond(scene).volume
     check_body(occ, body, ClosedForm(volume, sum(form.roundings_mm3 for form in forms)), "crankshaft")
+    check_no_hollow(occ, body, "crankshaft")
     return body
 
 

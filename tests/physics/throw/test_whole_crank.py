@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from cranktopo.app.main import main
+from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.crank_drillings import crossing_words, taken_beyond
 from cranktopo.bodies.crank_ends import main_journal_places_mm
@@ -193,6 +194,29 @@ def test_a_body_from_cad_is_in_the_step_file(tmp_path: Path) -> None:
         gmsh.write(str(tmp_path / "pin.step"))
     body = {"kind": "body", "file": str(tmp_path / "pin.step"), "length_mm": 12.0}
     check_step_file(with_crank(end=[end(body)]), tmp_path / "crank.step")
+
+
+@pytest.mark.parametrize("face", ["journal", "pin"])
+def test_a_hollow_between_the_webs_of_a_flying_web_is_refused(face: str, tmp_path: Path) -> None:
+    """A pocket of its journal face lies under the other web, which has it on the other side of the crank."""
+    flying = {"bearings": [0, 2, 3, 4], "main_journal": [{"number": 1, "length_mm": 0.0}]}
+    data = with_crank(**flying).model_dump(mode="json", exclude_none=True)
+    pocket = {
+        "shape": "cylinder",
+        "face": face,
+        "x_mm": 24.0,
+        "y_mm": 4.0,
+        "diameter_mm": 6.0,
+        "depth_mm": 5.0,
+    }
+    data["web"] |= {"width_mm": 60.0, "pocket": [pocket]}
+    scene, path = scene_from_dict(data, "crank"), tmp_path / "crank.step"
+    if face == "pin":
+        assert export_solid(scene, "crankshaft", path) > 0
+        return
+    words = r"crankshaft: has 2 closed hollows that no tool reaches, one of them at x = -?24, y = -?4, z = "
+    with pytest.raises(CranktopoError, match=words):
+        export_solid(scene, "crankshaft", path)
 
 
 def test_a_throw_alone_tells_that_its_drilling_goes_on(

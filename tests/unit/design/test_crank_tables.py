@@ -9,7 +9,7 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.crank_throws import throw_scenes
-from cranktopo.design.loading import load_scene, parse_scene
+from cranktopo.design.loading import load_scene, parse_scene, scene_from_dict
 from cranktopo.design.scene_files import input_files
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import copy_of, toml_text
@@ -96,6 +96,25 @@ def test_a_main_journal_of_its_own_is_on_both_sides() -> None:
     assert second is not None
     assert second.length_mm == throws[2].throw.main_journal.length_mm == 44.0
     assert second.outer_diameter_mm == 42.0
+
+
+@pytest.mark.parametrize("shaped", ["recess_mm", "fillet_axial_mm"])
+@pytest.mark.parametrize(
+    ("own", "bearings"), [({"length_mm": 0.0}, [0, 2, 3, 4]), ({"fillet_mm": 0.0}, "every")]
+)
+def test_a_sharp_main_journal_has_no_recess_or_ellipse(
+    shaped: str, own: dict[str, float], bearings: Any
+) -> None:
+    """A flying web, and a journal whose fillet is left out, beside journals whose fillets have a shape."""
+    given = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True, exclude={"published"})
+    given["throw"]["main_journal"] |= {"fillet_mm": 1.0, shaped: 0.6}
+    given["crank"] = {"bearings": bearings, "main_journal": [{"number": 1, **own}]}
+    first, second, *_ = throw_scenes(scene_from_dict(given, whole=True))
+    beside = first.throw.second_main_journal
+    assert beside is not None
+    for sharp in (beside, second.throw.main_journal):
+        assert (sharp.fillet_mm, sharp.fillet_axial_mm, sharp.recess_mm) == (0.0, None, None)
+    assert getattr(first.throw.main_journal, shaped) == 0.6
 
 
 def test_a_throw_of_another_file_has_its_web_on_the_journals_of_the_crank(tmp_path: Path) -> None:
