@@ -38,7 +38,7 @@ class RuleAnswer(Result):
     verdict: str
     """The worst of its webs': "not covered", "not accepted", "not judged" or "accepted"."""
     reason: str
-    """Place and reason of what is not judged or governs; empty where the least factor says it all."""
+    """Place and reason of what is not judged; else the place of the least factor with its set of factors."""
 
 
 class ComparisonResult(Result):

@@ -210,12 +210,15 @@ def _acceptability(check: RuleCheck) -> Section:
 
 
 def _governs(check: RuleCheck) -> str:
-    """Return which of the two sets of factors decides, and what they differ in."""
+    """Return the place that decides, which set of factors does at each place, and what the sets differ in."""
     chosen = ", ".join(
-        f"{by or 'neither set'} at the {fillet} fillet" for fillet, by in check.governing.items()
+        f"{by or 'neither set'} at the {place}{' fillet' * (place in check.fem_checks)}"
+        for place, by in check.governed.items()
     )
     differ = "".join(f" The sets differ at the {line}." for line in check.departures)
-    return f"Factors that govern (fatigue.m53_factors = '{check.m53_factors}'): {chosen}.{differ}"
+    place = check.governing_place
+    least = f" The least is {check.judged_safety:.3f}, {check.place_words(place)}." if place else ""
+    return f"Factors that govern (fatigue.m53_factors = '{check.m53_factors}'): {chosen}.{least}{differ}"
 
 
 def _input(record: RuleRecord) -> Section:

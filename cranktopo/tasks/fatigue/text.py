@@ -363,7 +363,9 @@ def factor_table(checks: Sequence[RuleCheck]) -> ResultTable:
 
 
 def _governed_by(check: RuleCheck) -> str:
-    return ", ".join(f"{name} {by or 'not judged'}" for name, by in check.governing.items())
+    """Return the place of the governing factor with its set of concentration factors."""
+    place = check.governing_place
+    return "not judged" if place is None else check.place_words(place)
 
 
 def _by_rule(check: RuleCheck, fillet: str) -> float | None:

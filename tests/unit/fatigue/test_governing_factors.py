@@ -16,6 +16,7 @@ from cranktopo.design.halves import halves
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.bench import live
+from cranktopo.tasks.fatigue import rule_page
 from cranktopo.tasks.fatigue.m53 import (
     FilletCheck,
     concentration_factors,
@@ -167,7 +168,7 @@ def test_a_mesh_that_misses_the_rules_checks_is_said() -> None:
     assert coarse.governing == {"pin": None, "journal": None}
     assert coarse.verdict == "not judged", "elements that prove nothing have no more than the polynomials"
     assert (coarse.places, coarse.safety, coarse.judged_safety) == ({}, pytest.approx(1.2), None)
-    assert rule_table([coarse], None).rows[0]["governed_by"] == "pin not judged, journal not judged"
+    assert rule_table([coarse], None).rows[0]["governed_by"] == "not judged"
     low = {"pin": FilletCheck(200.0, 236.0), "journal": FilletCheck(200.0, 236.0)}
     assert replace(coarse, rule_checks=low).verdict == "accepted", "the polynomials govern, and suffice"
     refused = replace(check(WEAK, FilletCheck(200.0, 220.0)), quality=coarse.quality)
@@ -198,8 +199,12 @@ def test_a_comparison_says_first_what_the_rule_answers() -> None:
     told = compare_fatigue(
         [sound, weak], 0, nothing, [throw_verdict(n, [c]) for n, c in (("a", sound), ("b", weak))]
     ).verdicts
-    assert told[0].endswith(f": accepted by UR M53, least Q {sound.safety:.3f}, 1.15 asked.")
-    assert told[1].endswith(": not accepted by UR M53, least Q 1.130, 1.15 asked.")
+    assert told[0].endswith(
+        f": accepted by UR M53, least Q {sound.safety:.3f}, 1.15 asked (pin fillet by elements)."
+    )
+    assert told[1].endswith(
+        ": not accepted by UR M53, least Q 1.130, 1.15 asked (pin fillet by polynomials)."
+    )
 
 
 def test_a_comparison_says_where_the_loads_differ() -> None:
@@ -237,6 +242,22 @@ def test_an_outlet_outside_the_rule_is_told_by_no_number_and_leaves_the_throw_un
     assert replace(found, outlets=(low,)).safety == pytest.approx(1.0)
     good = replace(wide, check=FilletCheck(200.0, 300.0), outside=())
     assert replace(found, outlets=(good,)).verdict == "accepted"
+
+
+def test_the_place_that_governs_is_told_with_its_factors() -> None:
+    """An outlet that elements judge has less than both fillets, then the pin fillet has."""
+    weak = leaning((12.0, 14.0))
+    found = replace(check(FilletCheck(200.0, 240.0), FilletCheck(200.0, 250.0)), outlets=(weak,))
+    (row,) = rule_table([found], None).rows
+    assert row["governing_Q"] == weak.by_elements.acceptability < 1.2
+    assert row["governed_by"] == "outlet at 0 deg (throw.drilling[0]) by elements"
+    told = rule_page._governs(found)
+    assert f"elements at the {weak.place}" in told
+    assert f"The least is {row['governing_Q']:.3f}, {weak.place} by elements." in told
+    assert throw_verdict("one", [found]).reason == f"{weak.place} by elements"
+    sound = replace(found, outlets=(leaning((2.0, 2.0)),))
+    assert rule_table([sound], None).rows[0]["governed_by"] == "pin fillet by polynomials"
+    assert "1.200, pin fillet by polynomials." in rule_page._governs(sound)
 
 
 def leaning(gammas: tuple[float, float], jump_percent: float = 1.0, **more: Any) -> OutletCheck:
