@@ -194,6 +194,16 @@ class RuleCheck:
         return min(check.acceptability for check in self._answers.values())
 
     @property
+    def least_error_percent(self) -> float:
+        """What the stress at the least place jumps between elements, %; 0 where polynomials have it."""
+        place = self.least_place
+        if self.governed[place] == "polynomials":
+            return 0.0
+        outlets = {one.place: one.elements for one in self.outlets}
+        elements = outlets.get(place)
+        return (elements.checks if elements else self.quality).jump_percent
+
+    @property
     def judged_safety(self) -> float | None:
         """Least acceptability factor of all places that are judged; None where none is."""
         place = self.governing_place

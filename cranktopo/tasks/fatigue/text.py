@@ -21,7 +21,15 @@ from cranktopo.tasks.fatigue.result import FatigueResult, FieldFatigue, Hardened
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.throw_verdict import ThrowVerdict
-from cranktopo.tasks.fatigue.verdicts import FatigueOutcome, summary, verdicts, with_percent
+from cranktopo.tasks.fatigue.verdicts import (
+    SAME,
+    FatigueOutcome,
+    Summary,
+    safety_change_error_percent,
+    summary,
+    verdicts,
+    with_percent,
+)
 from cranktopo.tasks.fea.quantities import MASS, SAFETY
 
 _FIELD_COLUMNS: tuple[Column[FatigueField], ...] = (
@@ -67,6 +75,7 @@ class FatigueComparison:
         result: what `fatigue --json` prints.
         not_judged: why targets were not judged, by name.
         answers: of the rule to throws, by name.
+        summaries: of every target, in the order of the safeties; None where it was not judged.
     """
 
     safeties: tuple[float | None, ...]
@@ -74,6 +83,13 @@ class FatigueComparison:
     result: FatigueResult
     not_judged: Mapping[str, str] = field(default_factory=dict)
     answers: Mapping[str, ThrowVerdict] = field(default_factory=dict)
+    summaries: tuple[Summary | None, ...] = ()
+
+    def change_error_percent(self, row: int, other: int) -> float:
+        """Return the error of the relative difference between the safeties of two targets, %."""
+        found = [self.summaries[at] for at in (row, other)] if self.summaries else []
+        pair = [one for one in found if one is not None]
+        return safety_change_error_percent(*pair) if len(pair) == 2 else 100 * SAME
 
     @property
     def unrated(self) -> frozenset[str]:
@@ -131,7 +147,8 @@ def compare_fatigue(
         answers: of the rule to each target.
         checks: of every web by the rule.
     """
-    safeties = tuple(summary(result).safety for result in results)
+    summaries = tuple(map(summary, results))
+    safeties = tuple(one.safety for one in summaries)
     remarks = [*(f"{one.target}: {one.words}." for one in answers), *rule_remarks(checks)]
     fields = [result for result in results if isinstance(result, FatigueField)]
     remarks += field_remarks(fields)
@@ -143,7 +160,9 @@ def compare_fatigue(
     )
     sentences = [] if baseline is None else verdicts(results, baseline, answers)
     by_name = {one.target: one for one in answers}
-    return FatigueComparison(safeties, (*remarks, *sentences), fatigue_result, answers=by_name)
+    return FatigueComparison(
+        safeties, (*remarks, *sentences), fatigue_result, answers=by_name, summaries=summaries
+    )
 
 
 def field_table(fields: Sequence[FatigueField], baseline: int | None) -> ResultTable:

@@ -218,6 +218,36 @@ def test_a_comparison_says_where_the_loads_differ() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("other_MPa", "words"),
+    [
+        (FilletCheck(200.0, 236.0), "-1.7 +-8 % safety: equal to base within their error: 1.180 +-4.0 %"),
+        (FilletCheck(200.0, 224.0), "-6.7 +-7 % safety: equal to base within their error: 1.120 +-4.0 %"),
+        (FilletCheck(200.0, 216.0), "-10.0 +-7 % safety: less safe than base."),
+    ],
+)
+def test_a_change_within_the_errors_of_both_is_no_verdict(other_MPa: FilletCheck, words: str) -> None:
+    """Both pins by elements, whose stress jumps by 4 % at the peak: 8 % between two of them."""
+    strong = FilletCheck(200.0, 300.0)
+    base, other = (
+        replace(check(strong, pin), name=name, rule_checks={"pin": strong, "journal": strong})
+        for name, pin in (("base", ALLOWED), ("other", other_MPa))
+    )
+    (line,) = verdicts([base, other], 0)
+    assert words in line
+    nothing = FatigueResult(
+        method="m53", loads="extremes", baseline=None, fatigue=(), percent_of_baseline=None
+    )
+    assert compare_fatigue([base, other], 0, nothing).change_error_percent(1, 0) == pytest.approx(8.0)
+
+
+def test_an_outlet_has_the_error_of_its_own_elements() -> None:
+    weak = leaning((12.0, 14.0), jump_percent=2.7)
+    assert replace(check(ALLOWED, ALLOWED), outlets=(weak,)).least_error_percent == 2.7
+    by_rule = replace(check(WEAK, ALLOWED), outlets=(leaning((2.0, 2.0)),))
+    assert by_rule.least_error_percent == 0.0, "polynomials have none"
+
+
 def test_by_the_rule_a_coarse_mesh_tells_no_small_difference() -> None:
     """Elements that miss the checks decide both acceptabilities, 3 % apart."""
     base, other = (
@@ -225,7 +255,7 @@ def test_by_the_rule_a_coarse_mesh_tells_no_small_difference() -> None:
         for name, strength in (("base", 230.0), ("other", 236.9))
     )
     (line,) = verdicts([base, other], 0)
-    assert "+3.0 % safety: not told apart from base: the mesh of other and of base misses" in line
+    assert "+3.0 +-11 % safety: not told apart from base: the mesh of other and of base misses" in line
 
 
 def test_an_outlet_outside_the_rule_is_told_by_no_number_and_leaves_the_throw_unjudged() -> None:
