@@ -39,8 +39,8 @@ def vibration_pictures(study: VibrationStudy) -> tuple[Picture, ...]:
         picture(
             "torque-over-speed",
             f"Largest torque amplitude of all sections of the crankshaft over speed, {_fire(study)}, all "
-            f"orders and the largest ones; largest at {response.speeds_rpm[worst.speed_index]:.0f} rpm, in section "
-            f"{study.shaft.sections[worst.section]}, order {worst.order:g}",
+            f"orders and the largest ones; largest at {response.speeds_rpm[worst.speed_index]:.0f} rpm, in "
+            f"section {study.shaft.sections[worst.section]}, order {worst.order:g}",
             _draw_torque,
             study,
         ),
