@@ -42,7 +42,7 @@ LIBRARY_STRENGTHS = ("yield_MPa", "fatigue_tension_MPa", "fatigue_bending_MPa")
 """Keys of the library that follow a tensile strength which the design gives."""
 _SECTION, _THICKER = "sections_to_mm", "thicker"
 _OF_SECTIONS = r"\{(.*?)\}"
-"""What a source says of sections, of tensile and yield strength alone."""
+"""Part of a source on sections, which is of tensile and yield strength alone."""
 _OWN_WORDS = {"ultimate_MPa": "tensile", "yield_MPa": "yield"}
 
 

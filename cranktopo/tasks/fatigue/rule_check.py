@@ -195,7 +195,7 @@ class RuleCheck:
 
     @property
     def least_error_percent(self) -> float:
-        """What the stress at the least place jumps between elements, %; 0 where polynomials have it."""
+        """Jump of the stress between elements at the least place, %; 0 where polynomials have it."""
         place = self.least_place
         if self.governed[place] == "polynomials":
             return 0.0
