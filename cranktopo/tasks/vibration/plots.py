@@ -129,7 +129,7 @@ def _draw_torque(axes: Any, study: VibrationStudy) -> None:
     """Draw the largest amplitudes of the crankshaft's sections, over all of these at each speed."""
     response, inside = study.response, np.array(study.shaft.in_crankshaft)
     largest = response.torque_amplitude_Nm[:, inside].max(axis=1)
-    axes.plot(response.speeds_rpm, largest, "k", lw=1.4, label=f"all orders, {_fire(study)}")
+    axes.plot(response.speeds_rpm, largest, "k", lw=1.4, label="all orders")
     if study.run_up is not None:
         passage = study.run_up.torque_amplitude_Nm[:, inside].max(axis=1)
         label = f"run-up in {study.run_up.seconds:g} s"
@@ -139,7 +139,7 @@ def _draw_torque(axes: Any, study: VibrationStudy) -> None:
         axes.plot(response.speeds_rpm, single[:, index], lw=0.9, label=f"order {response.orders[index]:g}")
     if study.misfires:
         worst = [(one.crankshaft.speed_rpm, one.crankshaft.torque_amplitude_Nm) for one in study.misfires]
-        axes.plot(*zip(*worst, strict=True), "x", color="k", ms=5, label="largest of each single misfire")
+        axes.plot(*zip(*worst, strict=True), "x", color="k", ms=5, label="single misfires, largest")
     _draw_limit(axes, study)
     axes.set(xlabel="speed (rpm)", ylabel="torque amplitude (N m)", ylim=(0, None))
     axes.set_title(f"Largest of all sections of the crankshaft, {_fire(study)}", fontsize=8)

@@ -26,8 +26,8 @@ def largest_accepted(accepts: Accepts, key: str, refused: float) -> float | None
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
         low, high = (middle, high) if accepts(key, middle) else (low, middle)
-    printed = rounded_down(low)
-    return next((value for value in (printed, low) if accepts(key, value)), None)
+    printed = rounded_down(low), rounded_down(0.999 * low)
+    return next((value for value in printed if accepts(key, value)), None)
 
 
 def rounded_down(value: float) -> float:
