@@ -16,6 +16,7 @@ from cranktopo.design.halves import halves
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.bench import live
+from cranktopo.tasks.bench.results import _outlet_words
 from cranktopo.tasks.fatigue import rule_page
 from cranktopo.tasks.fatigue.m53 import (
     FilletCheck,
@@ -33,7 +34,12 @@ from cranktopo.tasks.fatigue.m53_outlet import (
 )
 from cranktopo.tasks.fatigue.mesh_quality import MeshChecks, RuleQuality
 from cranktopo.tasks.fatigue.outlet_elements import OutletFactors
-from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult
+from cranktopo.tasks.fatigue.result import (
+    AlternatingLoads,
+    FatigueResult,
+    OutletAcceptance,
+    OutletElementsAcceptance,
+)
 from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
 from cranktopo.tasks.fatigue.rule_tables import acceptability_table, quality_table, size_table
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
@@ -288,6 +294,37 @@ def test_the_place_that_governs_is_told_with_its_factors() -> None:
     sound = replace(found, outlets=(leaning((2.0, 2.0)),))
     assert rule_table([sound], None).rows[0]["governed_by"] == "pin fillet by polynomials"
     assert "1.200, pin fillet by polynomials." in rule_page._governs(sound)
+
+
+def test_the_bench_tells_each_outlet_with_its_factors() -> None:
+    """One that elements judge, and one that nothing does."""
+    elements = OutletElementsAcceptance(
+        gamma_bending=3.0,
+        gamma_torsion=4.0,
+        equivalent_MPa=1.0,
+        acceptability=0.742,
+        normal_percent=1.0,
+        jump_percent=2.7,
+        proven=True,
+    )
+    one = OutletAcceptance(
+        key="throw.drilling[0]",
+        angle_deg=0.0,
+        gamma_bending=3.0,
+        gamma_torsion=4.0,
+        bending_MPa=1.0,
+        torsion_MPa=1.0,
+        equivalent_MPa=1.0,
+        strength_MPa=1.0,
+        acceptability=None,
+        outside_validity=("leans",),
+        elements=elements,
+        governed_by="elements",
+    )
+    told = _outlet_words(one)
+    assert told == "outlet at 0 deg (throw.drilling[0]): 0.742 by elements; elements govern"
+    open_one = one.model_copy(update={"elements": None, "governed_by": None})
+    assert _outlet_words(open_one) == "outlet at 0 deg (throw.drilling[0]): not judged"
 
 
 def leaning(gammas: tuple[float, float], jump_percent: float = 1.0, **more: Any) -> OutletCheck:
