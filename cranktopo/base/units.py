@@ -63,7 +63,8 @@ def change_text(percent: float, error_percent: float = 0.0) -> str:
     """
     texts = (f"{percent:+z.{decimals}f}" for decimals in range(1, _DECIMALS))
     rounded = next(filter(float, texts), "+0.0")
-    return f"{rounded} +-{error_percent:.1g} %" if error_percent else f"{rounded} %"
+    error = f"{error_percent:.0f}" if error_percent >= 1 else f"{error_percent:.1g}"
+    return f"{rounded} +-{error} %" if error_percent else f"{rounded} %"
 
 
 _DECIMALS = 5

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from functools import cache
 from importlib.resources import files
@@ -40,6 +41,9 @@ _FkmGroup = Literal[
 LIBRARY_STRENGTHS = ("yield_MPa", "fatigue_tension_MPa", "fatigue_bending_MPa")
 """Keys of the library that follow a tensile strength which the design gives."""
 _SECTION, _THICKER = "sections_to_mm", "thicker"
+_OF_SECTIONS = r"\{(.*?)\}"
+"""Part of a source on sections, which is of tensile and yield strength alone."""
+_OWN_WORDS = {"ultimate_MPa": "tensile", "yield_MPa": "yield"}
 
 
 @cache
@@ -52,6 +56,7 @@ def material_library() -> dict[str, dict[str, Any]]:
     """Return the material library shipped with the package, by name."""
     return {
         name: {key: value for key, value in entry.items() if key not in (_SECTION, _THICKER)}
+        | {"source": re.sub(_OF_SECTIONS, r"\1", entry["source"])}
         for name, entry in _entries().items()
     }
 
@@ -125,8 +130,14 @@ def _in_proportion(data: Any, filled: Any) -> Any:
         return filled
     share = data["ultimate_MPa"] / usual
     scaled = {key: entry[key] * share for key in LIBRARY_STRENGTHS if key in entry and key not in data}
-    source = data.get("source", f"tensile strength of the design; for the rest: {entry['source']}")
-    return {**filled, **scaled, "source": source}
+    return {**filled, **scaled, "source": data.get("source", _source_of_rest(data))}
+
+
+def _source_of_rest(data: dict[str, Any]) -> str:
+    """Return the origin of a material with own strengths: of sections nothing where both are its own."""
+    own = [word for key, word in _OWN_WORDS.items() if key in data]
+    source = re.sub(_OF_SECTIONS, "" if len(own) == 2 else r"\1", _entries()[data["name"]]["source"])
+    return f"{' and '.join(own)} strength of the design; for the rest: {source}"
 
 
 M53Factors = Literal["lower", "polynomials", "elements"]

@@ -70,6 +70,20 @@ def material_notes(material: Material, section: RulingSection) -> list[str]:
     return _demanded_strength(material)
 
 
+def value_origin(material: Material, key: str) -> str:
+    """Return whether a value of a material is the design's, or that of the library, in words."""
+    entry, value = material_library().get(material.name, {}), getattr(material, key)
+    usual = entry.get("ultimate_MPa")
+    if value is None or key not in entry:
+        return "of the design"
+    if value == entry[key]:
+        return f"as in the library for {material.name}"
+    share = material.ultimate_MPa / usual if material.ultimate_MPa and usual else 1.0
+    if key in LIBRARY_STRENGTHS and isclose(value, entry[key] * share):
+        return f"of the library for {material.name}, in proportion to the tensile strength"
+    return "of the design"
+
+
 def note_strength(name: str, scene: Scene, used: Collection[str] = LIBRARY_STRENGTHS) -> None:
     """Tell the remarks of a design that is judged by its strength."""
     for remark in strength_remarks(scene, used):

@@ -175,6 +175,8 @@ def test_the_verdict_says_what_its_strength_does_not_hold_for(tmp_path: Path) ->
     text = (tmp_path / "d.md").read_text(encoding="utf-8").replace("\\", "")
     assert "Strength of the material" not in text, "M53 uses the tensile strength, which the design gives"
     assert "fatigue_tension_MPa" not in text
+    assert row(text, "tensile strength")[1] == "900 MPa, of the design"
+    assert row(text, "yield strength")[1].endswith("in proportion to the tensile strength")
     assert row(text, "remark")[1].startswith("yield_MPa = 736.364: those of 34CrNiMo6 in proportion")
 
 

@@ -11,7 +11,7 @@ from cranktopo.base.files import read_text_file
 from cranktopo.tasks.bench.jobs import BenchJob, own_command
 from cranktopo.tasks.bound.result import BoundResult, ProvenBound
 from cranktopo.tasks.evaluate.result import EvaluationList
-from cranktopo.tasks.fatigue.result import FatigueResult, FieldFatigue
+from cranktopo.tasks.fatigue.result import FatigueResult, FieldFatigue, OutletAcceptance
 from cranktopo.tasks.fatigue.text import load_words
 from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.optimise.result import RunMetrics
@@ -125,7 +125,15 @@ def _fatigue_words(fatigue: FatigueResult) -> list[str]:
     for fillet, governs in found.governing_factors.items():
         both = ", ".join(f"{by[fillet].acceptability:.3g} by {way}" for way, by in ways.items())
         lines.append(f"{fillet} fillet: {both}; {f'{governs} govern' if governs else 'not judged'}")
-    return lines
+    return lines + [_outlet_words(outlet) for outlet in found.outlets]
+
+
+def _outlet_words(outlet: OutletAcceptance) -> str:
+    found = outlet.acceptability, outlet.elements and outlet.elements.acceptability
+    ways = zip(found, ("polynomials", "elements"), strict=True)
+    both = ", ".join(f"{safety:.3g} by {way}" for safety, way in ways if safety is not None)
+    governs = f"{outlet.governed_by} govern" if outlet.governed_by else "not judged"
+    return f"outlet at {outlet.angle_deg:.0f} deg ({outlet.key}): {f'{both}; ' if both else ''}{governs}"
 
 
 def variant_of(job: BenchJob) -> str | None:

@@ -73,10 +73,12 @@ def _compared(
 ) -> FatigueComparison:
     """Return the share of the comparison with a row for every target."""
     found = assessed.compared()
-    safeties = iter(found.safeties)
+    rows = range(len(targets))
+    safeties, summaries = iter(found.safeties), iter(found.summaries)
     return replace(
         found,
-        safeties=tuple(None if row in refused else next(safeties) for row in range(len(targets))),
+        safeties=tuple(None if row in refused else next(safeties) for row in rows),
+        summaries=tuple(None if row in refused else next(summaries) for row in rows),
         verdicts=(*found.verdicts, *_lines(targets, refused, baseline)),
         not_judged={targets[row].name: error.message for row, error in refused.items()},
     )

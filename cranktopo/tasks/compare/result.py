@@ -14,7 +14,7 @@ from cranktopo.design.published import Published
 from cranktopo.report.result_table import Cell
 from cranktopo.tasks.fatigue.result import FatigueResult, JudgedAs
 from cranktopo.tasks.fatigue.text import FatigueComparison
-from cranktopo.tasks.fatigue.verdicts import SAME, WORLDS
+from cranktopo.tasks.fatigue.verdicts import WORLDS
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.fea.evaluation import Evaluation
 from cranktopo.tasks.fea.quantities import COMPARED, SAFETY, UNBALANCE, Quantity, evaluation_values
@@ -25,11 +25,13 @@ Fillets = Literal["as designed", "left out", "none", "as in the file"]
 
 
 class ChangeErrors(Result):
-    """Bounds of the errors of both stiffnesses in percent of the baseline."""
+    """Errors of the changes in percent of the baseline: bounds of both stiffnesses, and of the safety."""
 
     target: str
     torsion: float
     bending: float
+    safety: float | None = UNLESS_NONE
+    """Of the fatigue safety by the first method; null where it was not judged."""
 
 
 class RuleAnswer(Result):
@@ -38,7 +40,7 @@ class RuleAnswer(Result):
     verdict: str
     """The worst of its webs': "not covered", "not accepted", "not judged" or "accepted"."""
     reason: str
-    """Place and reason of what is not judged or governs; empty where the least factor says it all."""
+    """Place and reason of what is not judged; else the place of the least factor with its set of factors."""
 
 
 class ComparisonResult(Result):
@@ -108,13 +110,11 @@ class Entry:
         return evaluation_values(self.evaluation) | first | safeties | worlds
 
     def error_percent(self, quantity: Quantity) -> float:
-        """Return the error estimate of a quantity; 0 where it is exact."""
+        """Return the error estimate of a stiffness; 0 of what is exact."""
         return {
-            None: 0.0,
             "torsion": self.evaluation.torsion_error_percent,
             "bending": self.evaluation.bending_error_percent,
-            "safety": 100 * SAME,
-        }[quantity.error]
+        }.get(quantity.error or "", 0.0)
 
 
 @dataclass(frozen=True)
@@ -154,10 +154,15 @@ class Comparison:
         return {m: safety_by(m) if number else SAFETY for number, m in enumerate(methods)}
 
     @property
-    def quantities(self) -> tuple[Quantity, ...]:
-        """Quantities that are compared, the safety of a throw alone and in its shaft where both are known."""
+    def safety_quantities(self) -> tuple[Quantity, ...]:
+        """Safety by every method, and that of a throw alone and in its shaft where both are known."""
         worlds = tuple(map(_safety_as, WORLDS)) if any(one.safety_as for one in self.entries) else ()
-        return (*COMPARED, *self.safeties.values(), *worlds)
+        return (*self.safeties.values(), *worlds)
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Quantities that are compared."""
+        return (*COMPARED, *self.safety_quantities)
 
     @property
     def base(self) -> Entry:
@@ -178,12 +183,19 @@ class Comparison:
 
     def change_error_percent(self, row: int, other: int, quantity: Quantity) -> float:
         """Return the bound of the error of the relative difference between two entries; 0 if it is exact."""
+        if row == other:
+            return 0.0
+        if quantity.error == "safety":
+            return self._judged(quantity).change_error_percent(row, other)
         one, two = self.entries[row], self.entries[other]
         errors = one.error_percent(quantity), two.error_percent(quantity)
-        if row == other or quantity.error not in ("torsion", "bending"):
-            return 0.0 if row == other else max(errors)
         triangles = one.evaluation.triangles or two.evaluation.triangles
         return difference_bound_percent(*errors, triangles=triangles)
+
+    def _judged(self, quantity: Quantity) -> FatigueComparison:
+        """Return the fatigue by the method of a safety; bodies are judged apart by the first one alone."""
+        found = (one for one in self.fatigues if self.safeties[one.result.method] == quantity)
+        return next(found, self.fatigues[0])
 
     def differ(self, row: int, other: int, quantity: Quantity) -> bool:
         """Tell whether two entries differ in a quantity by at least the bound of the difference's error."""

@@ -23,6 +23,7 @@ from cranktopo.tasks.fea.quantities import (
     COMPARED,
     SAFETY,
     STIFFNESS,
+    TORSION,
     UNBALANCE,
     Quantity,
     throw_values,
@@ -47,7 +48,7 @@ def _value_table(comparison: Comparison) -> ResultTable:
 
 
 def _percent_table(comparison: Comparison) -> ResultTable:
-    """Return percent of the baseline, the best of each marked, and bounds of the changes of stiffness."""
+    """Return percent of the baseline, the best of each marked, and errors of the changes."""
     rows = [
         {
             "target": entry.name,
@@ -55,7 +56,10 @@ def _percent_table(comparison: Comparison) -> ResultTable:
                 q.percent_column: comparison.percent(row, q) if comparison.has_percent(row, q) else None
                 for q in comparison.quantities
             },
-            **{f"{kind}_change_error_percent": error for kind, error in _change_errors(comparison, row)},
+            **{
+                f"{q.key}_change_error_percent": _change_error(comparison, row, q)
+                for q in (*STIFFNESS, *comparison.safety_quantities)
+            },
         }
         for row, entry in enumerate(comparison.entries)
     ]
@@ -71,17 +75,19 @@ def _table(
         columns[name] = digits
         if quantity == BENDING:
             columns |= {f"{stiffness.key}_{error}": 2 for stiffness in STIFFNESS}
+        if quantity.error == "safety" and f"{quantity.key}_{error}" in rows[0]:
+            columns[f"{quantity.key}_{error}"] = 1
         row = comparison.best(quantity)
         best |= set() if row is None else {(row, name)}
     return ResultTable(columns, tuple(rows), frozenset(best))
 
 
-def _change_errors(comparison: Comparison, row: int) -> list[tuple[str, float]]:
-    base = comparison.baseline
-    return [
-        (q.key, comparison.percent(row, q) / 100 * comparison.change_error_percent(row, base, q))
-        for q in STIFFNESS
-    ]
+def _change_error(comparison: Comparison, row: int, quantity: Quantity) -> float | None:
+    """Return the error of a change in percent of the baseline; None where one of both has no value."""
+    if not comparison.has_percent(row, quantity):
+        return None
+    error = comparison.change_error_percent(row, comparison.baseline, quantity)
+    return comparison.percent(row, quantity) / 100 * error
 
 
 @dataclass(frozen=True)
@@ -238,6 +244,7 @@ def _by_method(comparison: Comparison, table: ResultTable) -> ResultTable:
         return table
     first = safety_by(next(iter(comparison.safeties)))
     heads = {SAFETY.column: first.column, SAFETY.percent_column: first.percent_column}
+    heads[f"{SAFETY.key}_change_error_percent"] = f"{first.key}_change_error_percent"
     return ResultTable(
         {heads.get(name, name): digits for name, digits in table.columns.items()},
         tuple({heads.get(name, name): cell for name, cell in row.items()} for row in table.rows),
@@ -297,7 +304,12 @@ def comparison_result(comparison: Comparison) -> ComparisonResult:
         evaluations=[entry.evaluation.result for entry in comparison.entries],
         percent_of_baseline=records(_percent_table(comparison)),
         change_error_percent=[
-            ChangeErrors(target=entry.name, **dict(_change_errors(comparison, row)))
+            ChangeErrors(
+                target=entry.name,
+                torsion=_change_error(comparison, row, TORSION) or 0.0,
+                bending=_change_error(comparison, row, BENDING) or 0.0,
+                safety=_change_error(comparison, row, SAFETY),
+            )
             for row, entry in enumerate(comparison.entries)
         ],
         best={column: None if row is None else comparison.entries[row].name for column, row in best.items()},

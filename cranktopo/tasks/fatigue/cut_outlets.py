@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator
 from typing import Literal
 
-from cranktopo.base.errors import CranktopoError
 from cranktopo.design.halves import halves, named_in_throw
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.fatigue.fillets import is_cut
@@ -56,7 +55,7 @@ def _least_place_mm(half: Scene, drilling: Drilling, field: _Field) -> float | N
         place_mm = round(step * _STEP_MM, 6)
         moved = _moved(drilling, field, place_mm)
         (bore,) = moved.bodies(half, "")
-        if not is_cut(bore, _outlet(bore, field)) and _has_room(half, moved):
+        if not is_cut(bore, _outlet(bore, field)) and moved.fits(half):
             return place_mm
     return None
 
@@ -68,13 +67,3 @@ def _moved(drilling: Drilling, field: _Field, place_mm: float) -> Drilling:
 
 def _outlet(bore: DrillBore, field: _Field) -> DrillOutlet:
     return bore.outlets[0 if field == "start" else 1]
-
-
-def _has_room(half: Scene, drilling: Drilling) -> bool:
-    """Tell whether the checks of a scene let a drilling pass."""
-    try:
-        drilling.check_alone(half, "")
-        drilling.check_in_web(half, "")
-    except CranktopoError:
-        return False
-    return True

@@ -178,14 +178,36 @@ class RuleCheck:
         return min(answers, key=lambda place: answers[place].acceptability)
 
     @property
+    def governing_place(self) -> str | None:
+        """The place of least acceptability of all that are judged; None where none is."""
+        places = self.places
+        return min(places, key=lambda place: places[place].acceptability, default=None)
+
+    def place_words(self, place: str) -> str:
+        """Return a place with its set of factors, as in `pin fillet by polynomials`."""
+        name = f"{place} fillet" if place in self.fem_checks else place
+        return f"{name} by {self.governed.get(place) or 'elements that prove nothing'}"
+
+    @property
     def safety(self) -> float:
         """Least acceptability factor, places with unproven factors of elements among them."""
         return min(check.acceptability for check in self._answers.values())
 
     @property
+    def least_error_percent(self) -> float:
+        """Jump of the stress between elements at the least place, %; 0 where polynomials have it."""
+        place = self.least_place
+        if self.governed[place] == "polynomials":
+            return 0.0
+        outlets = {one.place: one.elements for one in self.outlets}
+        elements = outlets.get(place)
+        return (elements.checks if elements else self.quality).jump_percent
+
+    @property
     def judged_safety(self) -> float | None:
         """Least acceptability factor of all places that are judged; None where none is."""
-        return min((check.acceptability for check in self.places.values()), default=None)
+        place = self.governing_place
+        return None if place is None else self.places[place].acceptability
 
     @property
     def verdict(self) -> Verdict:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from cranktopo.design.assumed import Assumption
 from cranktopo.design.schema import Scene
-from cranktopo.design.strength import strength_remarks
+from cranktopo.design.strength import strength_remarks, value_origin
 from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
@@ -215,12 +216,15 @@ def _acceptability(check: RuleCheck) -> Section:
 
 
 def _governs(check: RuleCheck) -> str:
-    """Return which of the two sets of factors decides, and what they differ in."""
+    """Return the place that decides, which set of factors does at each place, and what the sets differ in."""
     chosen = ", ".join(
-        f"{by or 'neither set'} at the {fillet} fillet" for fillet, by in check.governing.items()
+        f"{by or 'neither set'} at the {place}{' fillet' * (place in check.fem_checks)}"
+        for place, by in check.governed.items()
     )
     differ = "".join(f" The sets differ at the {line}." for line in check.departures)
-    return f"Factors that govern (fatigue.m53_factors = '{check.m53_factors}'): {chosen}.{differ}"
+    place = check.governing_place
+    least = f" The least is {check.judged_safety:.3f}, {check.place_words(place)}." if place else ""
+    return f"Factors that govern (fatigue.m53_factors = '{check.m53_factors}'): {chosen}.{least}{differ}"
 
 
 def _input(record: RuleRecord) -> Section:
@@ -247,13 +251,20 @@ def _size(check: RuleCheck) -> Section:
 
 def _material(scene: Scene) -> list[tuple[str, str]]:
     material, fatigue = scene.material, scene.fatigue
+    origin = partial(value_origin, material)
     return [
-        ("material", f"{material.name} {material.source}".strip()),
+        ("material", material.name),
+        ("source of its values", material.source or "unknown"),
         *(("remark", f"{remark}.") for remark in strength_remarks(scene, (*M53.needs, "yield_MPa"))),
-        ("tensile strength", f"{material.ultimate_MPa:g} MPa"),
-        ("yield strength", f"{material.yield_MPa:g} MPa" if material.yield_MPa else "unknown"),
+        ("tensile strength", f"{material.ultimate_MPa:g} MPa, {origin('ultimate_MPa')}"),
+        (
+            "yield strength",
+            f"{material.yield_MPa:g} MPa, {origin('yield_MPa')}" if material.yield_MPa else "unknown",
+        ),
         ("heat treatment", material.heat_treatment or "unknown"),
-        ("Young's modulus, Poisson's ratio", f"{material.E_GPa:g} GPa, {material.poisson:g}"),
+        ("Young's modulus", f"{material.E_GPa:g} GPa, {origin('E_GPa')}"),
+        ("Poisson's ratio", f"{material.poisson:g}, {origin('poisson')}"),
+        ("density", f"{material.density_kg_m3:g} kg/m³, {origin('density_kg_m3')}"),
         ("factor K of the forging process", f"{fatigue.process_factor:g}"),
         ("surface treatment", fatigue.treatment or "none counted"),
         ("additional bending stress", f"{fatigue.additional_stress_MPa:g} MPa"),

@@ -22,7 +22,15 @@ from cranktopo.tasks.fatigue.result import FatigueResult, FieldFatigue, Hardened
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.throw_verdict import ThrowVerdict
-from cranktopo.tasks.fatigue.verdicts import FatigueOutcome, summary, verdicts, with_percent
+from cranktopo.tasks.fatigue.verdicts import (
+    SAME,
+    FatigueOutcome,
+    Summary,
+    safety_change_error_percent,
+    summary,
+    verdicts,
+    with_percent,
+)
 from cranktopo.tasks.fea.quantities import MASS, SAFETY
 
 _FIELD_COLUMNS: tuple[Column[FatigueField], ...] = (
@@ -68,6 +76,7 @@ class FatigueComparison:
         result: what `fatigue --json` prints.
         not_judged: why targets were not judged, by name.
         answers: of the rule to throws, by name.
+        summaries: of every target, in the order of the safeties; None where it was not judged.
     """
 
     safeties: tuple[float | None, ...]
@@ -75,6 +84,13 @@ class FatigueComparison:
     result: FatigueResult
     not_judged: Mapping[str, str] = field(default_factory=dict)
     answers: Mapping[str, ThrowVerdict] = field(default_factory=dict)
+    summaries: tuple[Summary | None, ...] = ()
+
+    def change_error_percent(self, row: int, other: int) -> float:
+        """Return the error of the relative difference between the safeties of two targets, %."""
+        found = [self.summaries[at] for at in (row, other)] if self.summaries else []
+        pair = [one for one in found if one is not None]
+        return safety_change_error_percent(*pair) if len(pair) == 2 else 100 * SAME
 
     @property
     def unrated(self) -> frozenset[str]:
@@ -133,7 +149,8 @@ def compare_fatigue(
         answers: of the rule to each target.
         checks: of every web by the rule.
     """
-    safeties = tuple(summary(result).safety for result in results)
+    summaries = tuple(map(summary, results))
+    safeties = tuple(one.safety for one in summaries)
     remarks = [*(f"{one.target}: {one.words}." for one in answers), *rule_remarks(checks)]
     fields = [result for result in results if isinstance(result, FatigueField)]
     remarks += field_remarks(fields)
@@ -145,7 +162,9 @@ def compare_fatigue(
     )
     sentences = [] if baseline is None else verdicts(results, baseline, answers)
     by_name = {one.target: one for one in answers}
-    return FatigueComparison(safeties, (*remarks, *sentences), fatigue_result, answers=by_name)
+    return FatigueComparison(
+        safeties, (*remarks, *sentences), fatigue_result, answers=by_name, summaries=summaries
+    )
 
 
 def field_table(fields: Sequence[FatigueField], baseline: int | None) -> ResultTable:
@@ -374,7 +393,9 @@ def factor_table(checks: Sequence[RuleCheck]) -> ResultTable:
 
 
 def _governed_by(check: RuleCheck) -> str:
-    return ", ".join(f"{name} {by or 'not judged'}" for name, by in check.governing.items())
+    """Return the place of the governing factor with its set of concentration factors."""
+    place = check.governing_place
+    return "not judged" if place is None else check.place_words(place)
 
 
 def _by_rule(check: RuleCheck, fillet: str) -> float | None:

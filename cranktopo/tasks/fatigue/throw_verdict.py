@@ -17,7 +17,7 @@ class ThrowVerdict:
         target: name of the throw.
         verdict: the worst of its webs'.
         safety: least acceptability factor of its webs.
-        reason: of what is neither judged nor accepted which place and why; empty where that is the least Q.
+        reason: places that are not judged and why; else the place of the least factor and how it is found.
     """
 
     target: str
@@ -51,7 +51,7 @@ def _reason(checks: Sequence[RuleCheck]) -> str:
         open_ones = [(check, *one) for check in checks for one in check.not_judged.items()]
         return "; ".join(f"{_at(check, place)}: {why}" for check, place, why in open_ones)
     worst = min(checks, key=lambda check: check.safety)
-    return _at(worst, worst.least_place) if worst.web else ""
+    return _at(worst, worst.place_words(worst.least_place))
 
 
 def _at(check: RuleCheck, place: str) -> str:

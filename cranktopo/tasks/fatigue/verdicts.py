@@ -33,12 +33,18 @@ _SAFETY_COLUMNS = (SAFETY.column, "governing_Q")
 
 @dataclass(frozen=True)
 class Summary:
-    """Mass and safety of a result; `coarse`: by means over elements that miss the rule's checks."""
+    """Mass and safety of a result.
+
+    Attributes:
+        coarse: by means over elements that miss the rule's checks.
+        error_percent: estimate of the safety's own error by elements; 0 where none is known.
+    """
 
     name: str
     mass_kg: float
     safety: float
     coarse: bool
+    error_percent: float = 0.0
 
 
 def summary(result: FatigueOutcome) -> Summary:
@@ -49,7 +55,16 @@ def summary(result: FatigueOutcome) -> Summary:
         return Summary(model.name, model.throw_kg, result.critical.safety, coarse=coarse)
     judged = result.judged_safety
     unproven = judged is None or result.safety < judged
-    return Summary(result.name, result.throw_kg, result.safety, coarse=unproven)
+    return Summary(result.name, result.throw_kg, result.safety, unproven, result.least_error_percent)
+
+
+def safety_change_error_percent(one: Summary, base: Summary) -> float:
+    """Return the error of the relative difference between two safeties, %.
+
+    At least the scatter of the worst node from mesh to mesh, and the errors of both where these are known.
+    """
+    scatter = _SAME_IF_COARSE if one.coarse or base.coarse else SAME
+    return max(100 * scatter, one.error_percent + base.error_percent)
 
 
 def verdicts(
@@ -70,9 +85,10 @@ def verdicts(
         ratio = one.safety / base.safety
         open_ones = [unrated[row] for row in (index, baseline) if row in unrated]
         rated = _not_rated(base, open_ones) if open_ones else _as_safe(ratio, one, base)
+        error = ratio * safety_change_error_percent(one, base)
         lines.append(
             f"{one.name}: {change_text(100 * (one.mass_kg / base.mass_kg - 1))} mass, "
-            f"{change_text(100 * (ratio - 1))} safety: {rated}."
+            f"{change_text(100 * (ratio - 1), error)} safety: {rated}."
         )
         lines += _other_loads(results[index], results[baseline])
         lines += _both_worlds(results[index], results[baseline])
@@ -99,16 +115,25 @@ def _not_rated(base: Summary, open_ones: Sequence[str]) -> str:
 
 
 def _as_safe(ratio: float, one: Summary, base: Summary) -> str:
-    """Return whether a target is as safe as the baseline, or that meshes are too coarse to tell."""
-    if abs(ratio - 1) <= SAME:
-        return f"as safe as {base.name}"
+    """Return whether a target is as safe as the baseline, or that their errors are too large to tell."""
+    error = safety_change_error_percent(one, base)
+    if 100 * abs(ratio - 1) > error:
+        return f"{'safer' if ratio > 1 else 'less safe'} than {base.name}"
     meshes = " and of ".join(each.name for each in (one, base) if each.coarse)
-    if meshes and abs(ratio - 1) <= _SAME_IF_COARSE:
+    if meshes and abs(ratio - 1) > SAME:
         return (
             f"not told apart from {base.name}: the mesh of {meshes} misses the rule's checks, and safeties "
-            f"scatter by up to {100 * _SAME_IF_COARSE:g} % then; a smaller --fillet-fraction helps"
+            f"scatter by up to {error:.2g} % then; a smaller --fillet-fraction helps"
         )
-    return f"{'safer' if ratio > 1 else 'less safe'} than {base.name}"
+    if one.error_percent or base.error_percent:
+        return f"equal to {base.name} within their error: {_error_words(one)}, {_error_words(base)}"
+    return f"as safe as {base.name}"
+
+
+def _error_words(one: Summary) -> str:
+    """Return a safety with its error, as in `0.739 +-2.7 % by elements`."""
+    error = f" +-{one.error_percent:.1f} % by elements" if one.error_percent else " by polynomials"
+    return f"{one.safety:.{SAFETY.digits}f}{error}"
 
 
 def _other_loads(one: FatigueOutcome, base: FatigueOutcome) -> list[str]:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.units import frequency_text
+from cranktopo.design.misfire import silent_words
 from cranktopo.engine.vibration.steady import CriticalSpeed
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.engine.vibration.telling import WEAK
@@ -23,7 +24,6 @@ _LINE_POINTS = 8.5
 def vibration_pictures(study: VibrationStudy) -> tuple[Picture, ...]:
     """Return the plots of a study, with their text."""
     worst, response = study.response.worst, study.response
-    section = study.shaft.sections[worst.section]
     frequencies = ", ".join(f"{mode.frequency_Hz:.0f}" for mode in study.modes)
     low, high = response.speeds_rpm[[0, -1]]
     return (
@@ -36,8 +36,9 @@ def vibration_pictures(study: VibrationStudy) -> tuple[Picture, ...]:
         ),
         picture(
             "torque-over-speed",
-            f"Torque amplitude of section {section} over speed, all orders and the largest ones; largest at "
-            f"{response.speeds_rpm[worst.speed_index]:.0f} rpm, order {worst.order:g}",
+            f"Largest torque amplitude of all sections of the crankshaft over speed, {_fire(study)}, all "
+            f"orders and the largest ones; largest at {response.speeds_rpm[worst.speed_index]:.0f} rpm, in "
+            f"section {study.shaft.sections[worst.section]}, order {worst.order:g}",
             _draw_torque,
             study,
         ),
@@ -97,21 +98,43 @@ def _name_modes(axes: Any, study: VibrationStudy, top: float) -> None:
 
 
 def _draw_torque(axes: Any, study: VibrationStudy) -> None:
-    response, section = study.response, study.response.worst.section
-    axes.plot(response.speeds_rpm, response.torque_amplitude_Nm[:, section], "k", lw=1.4, label="all orders")
+    """Draw the largest amplitudes of the crankshaft's sections, over all of these at each speed."""
+    response, inside = study.response, np.array(study.shaft.in_crankshaft)
+    largest = response.torque_amplitude_Nm[:, inside].max(axis=1)
+    axes.plot(response.speeds_rpm, largest, "k", lw=1.4, label="all orders")
     if study.run_up is not None:
-        passage = study.run_up.torque_amplitude_Nm[:, section]
+        passage = study.run_up.torque_amplitude_Nm[:, inside].max(axis=1)
         label = f"run-up in {study.run_up.seconds:g} s"
         axes.plot(study.run_up.speeds_rpm, passage, color=GREY, ls="--", lw=1.0, label=label)
-    single = np.abs(response.torque_Nm[:, :, section])
+    single = np.abs(response.torque_Nm[:, :, inside]).max(axis=2)
     for index in sorted(np.argsort(-single.max(axis=0), kind="stable")[:_MOST]):
         axes.plot(response.speeds_rpm, single[:, index], lw=0.9, label=f"order {response.orders[index]:g}")
-    for low, high in study.barred_rpm or ():
-        axes.axvspan(low, high, color="C3", alpha=0.15, lw=0)
+    if study.misfires:
+        worst = [(one.crankshaft.speed_rpm, one.crankshaft.torque_amplitude_Nm) for one in study.misfires]
+        axes.plot(*zip(*worst, strict=True), "x", color="k", ms=5, label="single misfires, largest")
+    _draw_limit(axes, study)
     axes.set(xlabel="speed (rpm)", ylabel="torque amplitude (N m)", ylim=(0, None))
+    axes.set_title(f"Largest of all sections of the crankshaft, {_fire(study)}", fontsize=8)
     axes.set_xlim(response.speeds_rpm[[0, -1]])
     axes.grid(color="0.9", linewidth=0.8)
     plain(axes)
+
+
+def _fire(study: VibrationStudy) -> str:
+    silent = study.response.harmonics.misfire
+    words = silent_words(silent) if silent else "all cylinders fire"
+    return words[:1].lower() + words[1:]
+
+
+def _draw_limit(axes: Any, study: VibrationStudy) -> None:
+    """Draw the permitted stress as torque of the weakest section, and the ranges that are barred by it."""
+    permitted = study.scene.shaft.permitted_shear_MPa if study.scene.shaft else None
+    if permitted is None:
+        return
+    limit = permitted / study.shaft.shear_MPa(1.0)
+    axes.axhline(limit, color="C3", lw=1.0, ls=":", label=f"permitted, {permitted:g} MPa")
+    for low, high in study.barred_rpm or ():
+        axes.axvspan(low, high, color="C3", alpha=0.15, lw=0)
 
 
 def _draw_modes(axes: Any, study: VibrationStudy) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -11,6 +11,13 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.throw.drilling.bore import DrillBore
+from cranktopo.throw.drilling.limits import (
+    Accepts,
+    largest_accepted,
+    nearest_whole_angle,
+    rounded_down,
+    rounded_up,
+)
 from cranktopo.throw.drilling.outlet import DrillingEnd, DrillOutlet, ring_points
 from cranktopo.throw.feature import Body, ThrowView, least_shoulder_mm
 from cranktopo.throw.journal import Journal
@@ -28,38 +35,52 @@ _BORES = "throw."
 """Start of the keys of the bodies that are bores."""
 
 
-def check_ends(scene: ThrowView, key: str, ends: Ends, diameter_mm: float, outlet_radius_mm: float) -> None:
-    """Check the dimensions of a drilling against those of its journals."""
+def check_surfaces(scene: ThrowView, key: str, ends: Ends) -> None:
+    """Check that the surfaces are there on which a drilling ends."""
     for name, end in ends:
         journal: Journal = getattr(scene.throw, end.journal_key)
         if end.in_bore and not journal.bore_diameter_mm:
             allowed = f"throw.{end.journal_key} has no bore (bore_diameter_mm = 0)"
             raise invalid(f"{key}.{name}.on", end.on, allowed, f"Write '{end.journal_key}', or give a bore.")
-        if end.place_mm > journal.length_mm / 2:
-            allowed = f"must be at most half the journal's length ({journal.length_mm / 2:g} mm)"
-            raise invalid(f"{key}.{name}.place_mm", end.place_mm, allowed)
-        largest = _LARGEST_SHARE * journal.outer_diameter_mm
-        if diameter_mm > largest:
-            allowed = f"must be at most {largest:.4g} mm, {_LARGEST_SHARE:g} of throw.{end.journal_key}"
-            raise invalid(f"{key}.diameter_mm", diameter_mm, allowed)
-    if outlet_radius_mm > diameter_mm:
-        allowed = f"must be at most diameter_mm = {diameter_mm:g} mm"
-        raise invalid(f"{key}.outlet_radius_mm", outlet_radius_mm, allowed)
 
 
-def check_bore(
-    scene: ThrowView, ends: Ends, bore: DrillBore, turned: Callable[[str, float], DrillBore]
-) -> None:
-    """Check that a drilling joins its two surfaces inside the throw.
+def check_bore(scene: ThrowView, ends: Ends, bore: DrillBore, outlet_mm: float, accepts: Accepts) -> None:
+    """Check the dimensions of a drilling, and that it joins its two surfaces inside the throw.
 
     Args:
-        turned: the same drilling with another angle_deg of one end.
+        outlet_mm: radius of the rounding of its outlets.
+        accepts: tells of the same drilling with another value whether it passes, for what a refusal tells.
     """
-    _check_lean(bore, dict(ends), turned)
-    _check_outlets(scene, ends, bore)
+    _check_sizes(scene, ends, bore, outlet_mm, accepts)
+    _check_lean(bore, dict(ends), accepts)
+    _check_outlets(scene, ends, bore, accepts)
     _check_in_journals(scene, bore)
     _check_in_web(scene, bore)
     _check_bores(scene, bore)
+
+
+def _check_sizes(scene: ThrowView, ends: Ends, bore: DrillBore, outlet_mm: float, accepts: Accepts) -> None:
+    diameter_mm = 2 * bore.radius_mm
+    for name, end in ends:
+        journal: Journal = getattr(scene.throw, end.journal_key)
+        if end.place_mm > journal.length_mm / 2:
+            why = f"lies beyond half the length of throw.{end.journal_key}, {journal.length_mm / 2:g} mm"
+            raise _too_large(bore.key, f"{name}.place_mm", end.place_mm, why, accepts)
+        if diameter_mm > _LARGEST_SHARE * journal.outer_diameter_mm:
+            why = f"is more than {_LARGEST_SHARE:g} of the diameter of throw.{end.journal_key}"
+            raise _too_large(bore.key, "diameter_mm", diameter_mm, why, accepts)
+    if outlet_mm > diameter_mm:
+        why = f"is more than diameter_mm = {diameter_mm:g} mm"
+        raise _too_large(bore.key, "outlet_radius_mm", outlet_mm, why, accepts)
+
+
+def _too_large(key: str, name: str, value: float, why: str, accepts: Accepts) -> CranktopoError:
+    """Return the refusal of a value with the largest one that all checks of the drilling accept."""
+    limit = largest_accepted(accepts, name, value)
+    if limit is None:
+        hint = f"No smaller {name} fits by itself: change its ends, diameter_mm or outlet_radius_mm, too."
+        return invalid(f"{key}.{name}", value, why, hint)
+    return invalid(f"{key}.{name}", value, f"{why}; must be at most {limit:g} mm")
 
 
 def check_apart(scene: ThrowView, bores: Sequence[DrillBore]) -> None:
@@ -93,9 +114,7 @@ def _check_crossing(own: ThrowView, other: ThrowView, bore: DrillBore) -> None:
         )
 
 
-def _check_lean(
-    bore: DrillBore, ends: Mapping[str, DrillingEnd], turned: Callable[[str, float], DrillBore]
-) -> None:
+def _check_lean(bore: DrillBore, ends: Mapping[str, DrillingEnd], accepts: Accepts) -> None:
     if not bore.length_mm:
         raise CranktopoError(f"{bore.key}: begins where it ends.", hint="Give 'from' and 'to' two places.")
     for name, outlet in zip(_ENDS, bore.outlets, strict=True):
@@ -109,36 +128,28 @@ def _check_lean(
             raise CranktopoError(
                 f"{bore.key}.{name}: the drilling leans {angle:.0f} deg from the normal of the "
                 f"{_words(outlet)}, at most {_LARGEST_OBLIQUITY_DEG:g} deg.",
-                hint=_nearest_angle(bore.key, name, ends[name].angle_deg, turned),
+                hint=_nearest_angle(bore.key, name, ends[name].angle_deg, accepts),
             )
 
 
-def _nearest_angle(key: str, name: str, angle_deg: float, turned: Callable[[str, float], DrillBore]) -> str:
-    """Return the nearest whole angle of an end at which neither outlet leans too much, in words."""
-    for step in range(1, 181):
-        for angle in (round(angle_deg) - step, round(angle_deg) + step):
-            leans = [outlet.obliquity_deg for outlet in turned(name, angle).outlets]
-            if max(leans) <= _LARGEST_OBLIQUITY_DEG:
-                angle -= 360 * (angle > 360) - 360 * (angle < -360)
-                return f"The nearest that does is {key}.{name}.angle_deg = {angle} ({max(leans):.0f} deg)."
-    return "Change both angles, or a place_mm."
+def _nearest_angle(key: str, name: str, angle_deg: float, accepts: Accepts) -> str:
+    """Return the nearest whole angle of an end with which the drilling passes its checks, in words."""
+    angle = nearest_whole_angle(accepts, f"{name}.angle_deg", angle_deg)
+    if angle is None:
+        return "Change both angles, or a place_mm."
+    return f"The nearest that fits is {key}.{name}.angle_deg = {angle}."
 
 
 def _words(outlet: DrillOutlet) -> str:
     return outlet.journal.replace("_", " ") + ("'s bore" if outlet.in_bore else "")
 
 
-def _check_outlets(scene: ThrowView, ends: Ends, bore: DrillBore) -> None:
+def _check_outlets(scene: ThrowView, ends: Ends, bore: DrillBore, accepts: Accepts) -> None:
     """Outlets with their rounding stay on the cylinder of the journal, clear of the fillet."""
     for (name, end), outlet in zip(ends, bore.outlets, strict=True):
-        over = _over_fillet_mm(scene, bore, outlet)
-        if over > 0 and not outlet.in_bore:
-            raise invalid(
-                f"{bore.key}.{name}.place_mm",
-                end.place_mm,
-                f"the outlet runs into the fillet beside it; must be at most {end.place_mm - over:.4g} mm",
-                "Move it to the middle of the journal, or reduce diameter_mm or outlet_radius_mm.",
-            )
+        if not outlet.in_bore and _over_fillet_mm(scene, bore, outlet) > 0:
+            why = "the outlet runs into the fillet beside it"
+            raise _too_large(bore.key, f"{name}.place_mm", end.place_mm, why, accepts)
 
 
 def _over_fillet_mm(scene: ThrowView, bore: DrillBore, outlet: DrillOutlet) -> float:
@@ -210,7 +221,7 @@ def _check_in_web(scene: ThrowView, bore: DrillBore) -> None:
 
 
 def _refusal(bore: DrillBore, what: str, least: float) -> CranktopoError:
-    hint = f"Keep at least {least:.3g} mm of web around the drilling."
+    hint = f"Keep at least {rounded_up(least):g} mm of web around the drilling."
     return CranktopoError(f"{bore.key}: {what}.", hint=hint)
 
 
@@ -247,9 +258,10 @@ def _check_apart(scene: ThrowView, one: DrillBore, other: DrillBore) -> None:
     places = np.linspace(*one.extent_mm, 400)[:, None]
     points = np.array(one.outlets[0].point_mm) + places * one.direction
     gap = float(other.off_axis_mm(*points.T).min())
-    if gap < one.reach_mm + other.reach_mm + least:
+    needed = one.reach_mm + other.reach_mm + least
+    if gap < needed:
         raise CranktopoError(
-            f"{one.key}: meets {other.key}: their axes are {gap:.3g} mm apart, at least "
-            f"{one.reach_mm + other.reach_mm + least:.3g} mm with the outlets.",
+            f"{one.key}: meets {other.key}: their axes are {rounded_down(gap):g} mm apart, at least "
+            f"{rounded_up(needed):g} mm with the outlets.",
             hint="Move them apart; a drilling from journal to journal may be one instead of two.",
         )

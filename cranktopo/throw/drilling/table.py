@@ -16,9 +16,11 @@ from pydantic import Field
 from typing_extensions import override
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.errors import CranktopoError
 from cranktopo.base.table import Length, LengthOrZero
 from cranktopo.throw.drilling.bore import DrillBore
-from cranktopo.throw.drilling.checks import check_bore, check_ends
+from cranktopo.throw.drilling.checks import check_apart, check_bore, check_surfaces
+from cranktopo.throw.drilling.limits import Accepts
 from cranktopo.throw.drilling.outlet import DrillingEnd, DrillingSecondEnd, DrillOutlet
 from cranktopo.throw.feature import SMALLEST, SMALLEST_FILLET, Feature, JournalsView, ThrowView
 from cranktopo.throw.fitted import Rule, Surroundings, wall_rule
@@ -55,18 +57,36 @@ class Drilling(Feature):
 
     @override
     def check_alone(self, scene: ThrowView, key: str) -> None:
-        check_ends(scene, key, self.ends, self.diameter_mm, self.outlet_radius_mm)
+        check_surfaces(scene, key, self.ends)
 
     @override
     def check_in_web(self, scene: ThrowView, key: str) -> None:
-        def turned(name: str, angle_deg: float) -> DrillBore:
-            field = "start" if name == "from" else "end"
-            moved = getattr(self, field).model_copy(update={"angle_deg": angle_deg})
-            (found,) = self.model_copy(update={field: moved}).bodies(scene, key)
-            return found
+        beside = [bore for bore in drill_bores(scene) if bore.key != key and bore.length_mm]
+        self._check(scene, key, lambda name, value: self._changed(name, value).fits(scene, beside))
 
+    def fits(self, scene: ThrowView, beside: Sequence[DrillBore] = ()) -> bool:
+        """Tell whether the checks of a scene let it pass there, with these drillings beside it."""
+        if not self.diameter_mm:
+            return False
+        try:
+            self.check_alone(scene, "")
+            self._check(scene, "", lambda _name, _value: False)
+            check_apart(scene, (*self.bodies(scene, ""), *beside))
+        except CranktopoError:
+            return False
+        return True
+
+    def _check(self, scene: ThrowView, key: str, accepts: Accepts) -> None:
         (bore,) = self.bodies(scene, key)
-        check_bore(scene, self.ends, bore, turned)
+        check_bore(scene, self.ends, bore, self.outlet_radius_mm, accepts)
+
+    def _changed(self, name: str, value: float) -> Self:
+        """Return it with another value of a key, such as `to.place_mm`."""
+        end, _, key = name.rpartition(".")
+        if not end:
+            return self.model_copy(update={key: value})
+        field = "start" if end == "from" else "end"
+        return self.model_copy(update={field: getattr(self, field).model_copy(update={key: value})})
 
     @override
     def dimensions_mm(self, key: str) -> Iterator[tuple[str, float, float]]:

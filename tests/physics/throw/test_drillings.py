@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from contextlib import nullcontext
+from typing import Any
 
 import numpy as np
 import pytest
@@ -197,8 +199,14 @@ def test_mirror() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"diameter_mm": 20.0}, "throw.drilling[0].diameter_mm = 20.0: must be at most 16.8 mm"),
-        ({"outlet_radius_mm": 6.0}, "outlet_radius_mm = 6.0: must be at most diameter_mm = 5 mm"),
+        (
+            {"diameter_mm": 20.0},
+            "throw.drilling[0].diameter_mm = 20.0: is more than 0.4 of the diameter of throw.main_journal",
+        ),
+        (
+            {"outlet_radius_mm": 6.0},
+            "outlet_radius_mm = 6.0: is more than diameter_mm = 5 mm; must be at most 4.08",
+        ),
         (
             {"from": {"on": "pin", "angle_deg": 0.0, "place_mm": 0.0}},
             "throw.drilling[0].from.on = 'pin': must",
@@ -210,7 +218,7 @@ def test_mirror() -> None:
         ),
         (
             {"from": {"on": "main_journal", "angle_deg": 180.0, "place_mm": 21.0}},
-            "from.place_mm = 21.0: must be at most half the journal's length (20 mm)",
+            "from.place_mm = 21.0: lies beyond half the length of throw.main_journal, 20 mm; must be at most",
         ),
         (
             {"from": {"on": "main_journal", "angle_deg": 180.0, "place_mm": 16.0}},
@@ -247,11 +255,44 @@ def test_the_nearest_angle_at_which_a_drilling_leans_less_is_told(angle_deg: flo
         start = {"on": "crankpin", "angle_deg": at_deg, "place_mm": 6.0}
         return mikron({**STRAIGHT, "from": start, "to": {**start, "angle_deg": 0.5}}, bore_diameter_mm=0.0)
 
-    told = f"The nearest that does is throw.drilling[0].from.angle_deg = {nearest} ("
+    told = f"The nearest that fits is throw.drilling[0].from.angle_deg = {nearest}."
     with pytest.raises(CranktopoError) as caught:
         begun(angle_deg)
     assert told in caught.value.hint
     begun(float(nearest))
+
+
+def changed(table: dict[str, Any], key: str, value: float) -> dict[str, Any]:
+    end, _, name = key.rpartition(".")
+    return table | ({end: table[end] | {name: value}} if end else {name: value})
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(
+    ("key", "low", "high"),
+    [
+        ("from.place_mm", 15.0, 30.0),
+        ("to.place_mm", 15.0, 30.0),
+        ("diameter_mm", 17.0, 25.0),
+        ("outlet_radius_mm", 7.0, 12.0),
+    ],
+)
+def test_the_limit_that_a_refusal_tells_is_accepted(key: str, low: float, high: float, seed: int) -> None:
+    """Of drillings drawn at random in sound places, then one value of them too large."""
+    draw = np.random.default_rng((8, seed))
+    ends = (
+        ("main_journal", 180.0 + draw.uniform(-15, 15), draw.uniform(0, 8)),
+        ("crankpin", draw.uniform(-15, 15), draw.uniform(0, 8)),
+    )
+    sound, value = drilling(*ends, draw.uniform(3, 6), draw.uniform(0, 1)), draw.uniform(low, high)
+    with pytest.raises(CranktopoError) as caught:
+        mikron(changed(sound, key, value), bore_diameter_mm=0.0)
+    told = re.search(rf"\]\.{key} = .*must be at most (\S+) mm\.", caught.value.message)
+    assert told
+    limit = float(told[1])
+    mikron(changed(sound, key, limit), bore_diameter_mm=0.0)
+    with pytest.raises(CranktopoError):
+        mikron(changed(sound, key, limit + 0.02), bore_diameter_mm=0.0)
 
 
 def test_refused_together() -> None:

@@ -14,6 +14,7 @@ from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.named import with_values
 from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.tasks.compare.cards import best_facts
 from cranktopo.tasks.compare.page import _changes
 from cranktopo.tasks.compare.printed import comparison_text
 from cranktopo.tasks.compare.result import Entry, compare
@@ -23,7 +24,7 @@ from cranktopo.tasks.fatigue.mesh_quality import MeshChecks
 from cranktopo.tasks.fatigue.result import JudgedAs
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.text import FatigueComparison
-from cranktopo.tasks.fatigue.verdicts import verdicts
+from cranktopo.tasks.fatigue.verdicts import Summary, verdicts
 from cranktopo.tasks.fea.quantities import SAFETY, TORSION, UNBALANCE
 from cranktopo.tasks.fea.targets import Target, resolve_target
 from tests.cli.test_comparison_report import NAMES, NO_FATIGUE, evaluated, invented
@@ -57,6 +58,26 @@ def test_safeties_within_two_percent_are_level(other: float, best: int | None) -
     ]
     fatigue = FatigueComparison((1.3, other), (), NO_FATIGUE)
     assert compare(entries, NAMES[0], fatigue).best(SAFETY) == best
+
+
+@pytest.mark.parametrize(("jumps", "best"), [((2.7, 2.7), None), ((1.0, 0.5), 1), ((0.0, 2.7), 1)])
+def test_safeties_within_the_errors_of_both_are_level(jumps: tuple[float, float], best: int | None) -> None:
+    """0.739 against 0.715, 3.4 % apart: the table has the error of the change, the card no best one."""
+    entries = [
+        Entry(invented(resolve_target(name)), None, safety)
+        for name, safety in zip(NAMES, (0.715, 0.739), strict=True)
+    ]
+    summaries = tuple(
+        Summary(entry.name, 1.0, entry.safety or 0.0, coarse=False, error_percent=jump)
+        for entry, jump in zip(entries, jumps, strict=True)
+    )
+    found = compare(entries, NAMES[0], FatigueComparison((0.715, 0.739), (), NO_FATIGUE, summaries=summaries))
+    assert found.best(SAFETY) == best
+    rows = list(csv.DictReader(io.StringIO(comparison_text(found, "csv"))))
+    error = float(rows[1]["safety_change_error_percent"])
+    assert error == pytest.approx(max(2.0, sum(jumps)) * 0.739 / 0.715)
+    (card,) = (fact for fact in best_facts(found) if fact.label == "Safest against fatigue")
+    assert (card.value == "no clear best") == (best is None)
 
 
 def test_stars_by_what_is_wanted() -> None:

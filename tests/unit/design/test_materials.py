@@ -11,7 +11,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import designs_folder, load_scene, scene_from_dict
 from cranktopo.design.material import Material, library_section_mm, material_library
 from cranktopo.design.schema import Scene
-from cranktopo.design.strength import ruling_section_mm, strength_notes, strength_remarks
+from cranktopo.design.strength import ruling_section_mm, strength_notes, strength_remarks, value_origin
 from cranktopo.tasks.fatigue.criteria import strengths_of
 
 LIBRARY = material_library()
@@ -86,6 +86,34 @@ def test_other_strengths_follow_an_own_tensile_strength() -> None:
     assert strength_remarks(scene, strengths_of(["m53", "lsa"])) == (remark,)
     given = Material(name="34CrNiMo6", ultimate_MPa=800.0, yield_MPa=600.0, source="our forge")
     assert (given.yield_MPa, given.source) == (600.0, "our forge")
+
+
+def test_each_value_is_told_as_the_designs_or_the_librarys() -> None:
+    """Both strengths are the design's: what the library says of sections is of neither."""
+    keys = ("ultimate_MPa", "yield_MPa", "E_GPa", "poisson", "density_kg_m3", "fatigue_bending_MPa")
+
+    def origins(**given: float) -> list[str]:
+        material = Material.model_validate({"name": "42CrMo4", **given})
+        return [value_origin(material, key).partition(" for 42CrMo4")[0] for key in keys]
+
+    own, library, scaled = "of the design", "as in the library", "of the library"
+    assert origins(ultimate_MPa=850.0, yield_MPa=650.0) == [own, own, library, library, library, scaled]
+    assert origins(ultimate_MPa=850.0, E_GPa=206.0) == [own, scaled, own, library, library, scaled]
+    assert origins() == [library] * 6
+    plain = Material(name="own", E_GPa=210.0, poisson=0.3, density_kg_m3=7850.0, ultimate_MPa=850.0)
+    assert value_origin(plain, "E_GPa") == own
+
+
+def test_a_source_tells_sections_where_a_strength_is_the_librarys() -> None:
+    both = Material(name="42CrMo4", ultimate_MPa=850.0, yield_MPa=650.0).source
+    assert both.startswith("tensile and yield strength of the design; for the rest: J. Voparil")
+    assert "sections" not in both
+    assert "sections to 16 mm" in Material(name="42CrMo4", ultimate_MPa=850.0).source
+    assert "sections to 16 mm" in Material(name="42CrMo4").source
+    for name in material_library():
+        given = Material(name=name, ultimate_MPa=451.0, yield_MPa=301.0)
+        assert not set("{}") & {*Material(name=name).source, *given.source}
+        assert " to 40 mm" not in given.source
 
 
 def test_a_strength_above_the_tensile_strength_is_refused() -> None:

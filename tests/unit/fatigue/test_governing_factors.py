@@ -16,6 +16,8 @@ from cranktopo.design.halves import halves
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.bench import live
+from cranktopo.tasks.bench.results import _outlet_words
+from cranktopo.tasks.fatigue import rule_page
 from cranktopo.tasks.fatigue.m53 import (
     FilletCheck,
     concentration_factors,
@@ -32,7 +34,12 @@ from cranktopo.tasks.fatigue.m53_outlet import (
 )
 from cranktopo.tasks.fatigue.mesh_quality import MeshChecks, RuleQuality
 from cranktopo.tasks.fatigue.outlet_elements import OutletFactors
-from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult
+from cranktopo.tasks.fatigue.result import (
+    AlternatingLoads,
+    FatigueResult,
+    OutletAcceptance,
+    OutletElementsAcceptance,
+)
 from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
 from cranktopo.tasks.fatigue.rule_tables import acceptability_table, quality_table, size_table
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
@@ -167,7 +174,7 @@ def test_a_mesh_that_misses_the_rules_checks_is_said() -> None:
     assert coarse.governing == {"pin": None, "journal": None}
     assert coarse.verdict == "not judged", "elements that prove nothing have no more than the polynomials"
     assert (coarse.places, coarse.safety, coarse.judged_safety) == ({}, pytest.approx(1.2), None)
-    assert rule_table([coarse], None).rows[0]["governed_by"] == "pin not judged, journal not judged"
+    assert rule_table([coarse], None).rows[0]["governed_by"] == "not judged"
     low = {"pin": FilletCheck(200.0, 236.0), "journal": FilletCheck(200.0, 236.0)}
     assert replace(coarse, rule_checks=low).verdict == "accepted", "the polynomials govern, and suffice"
     refused = replace(check(WEAK, FilletCheck(200.0, 220.0)), quality=coarse.quality)
@@ -198,8 +205,12 @@ def test_a_comparison_says_first_what_the_rule_answers() -> None:
     told = compare_fatigue(
         [sound, weak], 0, nothing, [throw_verdict(n, [c]) for n, c in (("a", sound), ("b", weak))]
     ).verdicts
-    assert told[0].endswith(f": accepted by UR M53, least Q {sound.safety:.3f}, 1.15 asked.")
-    assert told[1].endswith(": not accepted by UR M53, least Q 1.130, 1.15 asked.")
+    assert told[0].endswith(
+        f": accepted by UR M53, least Q {sound.safety:.3f}, 1.15 asked (pin fillet by elements)."
+    )
+    assert told[1].endswith(
+        ": not accepted by UR M53, least Q 1.130, 1.15 asked (pin fillet by polynomials)."
+    )
 
 
 def test_a_comparison_says_where_the_loads_differ() -> None:
@@ -213,6 +224,36 @@ def test_a_comparison_says_where_the_loads_differ() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("other_MPa", "words"),
+    [
+        (FilletCheck(200.0, 236.0), "-1.7 +-8 % safety: equal to base within their error: 1.180 +-4.0 %"),
+        (FilletCheck(200.0, 224.0), "-6.7 +-7 % safety: equal to base within their error: 1.120 +-4.0 %"),
+        (FilletCheck(200.0, 216.0), "-10.0 +-7 % safety: less safe than base."),
+    ],
+)
+def test_a_change_within_the_errors_of_both_is_no_verdict(other_MPa: FilletCheck, words: str) -> None:
+    """Both pins by elements, whose stress jumps by 4 % at the peak: 8 % between two of them."""
+    strong = FilletCheck(200.0, 300.0)
+    base, other = (
+        replace(check(strong, pin), name=name, rule_checks={"pin": strong, "journal": strong})
+        for name, pin in (("base", ALLOWED), ("other", other_MPa))
+    )
+    (line,) = verdicts([base, other], 0)
+    assert words in line
+    nothing = FatigueResult(
+        method="m53", loads="extremes", baseline=None, fatigue=(), percent_of_baseline=None
+    )
+    assert compare_fatigue([base, other], 0, nothing).change_error_percent(1, 0) == pytest.approx(8.0)
+
+
+def test_an_outlet_has_the_error_of_its_own_elements() -> None:
+    weak = leaning((12.0, 14.0), jump_percent=2.7)
+    assert replace(check(ALLOWED, ALLOWED), outlets=(weak,)).least_error_percent == 2.7
+    by_rule = replace(check(WEAK, ALLOWED), outlets=(leaning((2.0, 2.0)),))
+    assert by_rule.least_error_percent == 0.0, "polynomials have none"
+
+
 def test_by_the_rule_a_coarse_mesh_tells_no_small_difference() -> None:
     """Elements that miss the checks decide both acceptabilities, 3 % apart."""
     base, other = (
@@ -220,7 +261,7 @@ def test_by_the_rule_a_coarse_mesh_tells_no_small_difference() -> None:
         for name, strength in (("base", 230.0), ("other", 236.9))
     )
     (line,) = verdicts([base, other], 0)
-    assert "+3.0 % safety: not told apart from base: the mesh of other and of base misses" in line
+    assert "+3.0 +-11 % safety: not told apart from base: the mesh of other and of base misses" in line
 
 
 def test_an_outlet_outside_the_rule_is_told_by_no_number_and_leaves_the_throw_unjudged() -> None:
@@ -237,6 +278,53 @@ def test_an_outlet_outside_the_rule_is_told_by_no_number_and_leaves_the_throw_un
     assert replace(found, outlets=(low,)).safety == pytest.approx(1.0)
     good = replace(wide, check=FilletCheck(200.0, 300.0), outside=())
     assert replace(found, outlets=(good,)).verdict == "accepted"
+
+
+def test_the_place_that_governs_is_told_with_its_factors() -> None:
+    """An outlet that elements judge has less than both fillets, then the pin fillet has."""
+    weak = leaning((12.0, 14.0))
+    found = replace(check(FilletCheck(200.0, 240.0), FilletCheck(200.0, 250.0)), outlets=(weak,))
+    (row,) = rule_table([found], None).rows
+    assert row["governing_Q"] == weak.by_elements.acceptability < 1.2
+    assert row["governed_by"] == "outlet at 0 deg (throw.drilling[0]) by elements"
+    told = rule_page._governs(found)
+    assert f"elements at the {weak.place}" in told
+    assert f"The least is {row['governing_Q']:.3f}, {weak.place} by elements." in told
+    assert throw_verdict("one", [found]).reason == f"{weak.place} by elements"
+    sound = replace(found, outlets=(leaning((2.0, 2.0)),))
+    assert rule_table([sound], None).rows[0]["governed_by"] == "pin fillet by polynomials"
+    assert "1.200, pin fillet by polynomials." in rule_page._governs(sound)
+
+
+def test_the_bench_tells_each_outlet_with_its_factors() -> None:
+    """One that elements judge, and one that nothing does."""
+    elements = OutletElementsAcceptance(
+        gamma_bending=3.0,
+        gamma_torsion=4.0,
+        equivalent_MPa=1.0,
+        acceptability=0.742,
+        normal_percent=1.0,
+        jump_percent=2.7,
+        proven=True,
+    )
+    one = OutletAcceptance(
+        key="throw.drilling[0]",
+        angle_deg=0.0,
+        gamma_bending=3.0,
+        gamma_torsion=4.0,
+        bending_MPa=1.0,
+        torsion_MPa=1.0,
+        equivalent_MPa=1.0,
+        strength_MPa=1.0,
+        acceptability=None,
+        outside_validity=("leans",),
+        elements=elements,
+        governed_by="elements",
+    )
+    told = _outlet_words(one)
+    assert told == "outlet at 0 deg (throw.drilling[0]): 0.742 by elements; elements govern"
+    open_one = one.model_copy(update={"elements": None, "governed_by": None})
+    assert _outlet_words(open_one) == "outlet at 0 deg (throw.drilling[0]): not judged"
 
 
 def leaning(gammas: tuple[float, float], jump_percent: float = 1.0, **more: Any) -> OutletCheck:

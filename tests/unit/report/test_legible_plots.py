@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations, pairwise
 from types import SimpleNamespace
 from typing import Any
@@ -13,7 +14,7 @@ from matplotlib.figure import Figure
 
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
-from cranktopo.engine.vibration.study import study_vibration
+from cranktopo.engine.vibration.study import Misfire, Swing, VibrationStudy, study_vibration
 from cranktopo.report.plot import Picture, emptiest_deg, name_above, picture, plain_decades, polar_frame
 from cranktopo.tasks.fea.scatter import LABELS, Point, scatter_pictures
 from cranktopo.tasks.modes.plots import _draw_turning
@@ -82,16 +83,15 @@ def test_a_plot_is_legible(plot: Picture) -> None:
     assert not any(one.overlaps(other) for one, other in pairwise(ticks))
 
 
-def _marine() -> Picture:
+def _marine(**more: float) -> VibrationStudy:
     """A slow six: modes at 7, 42 and 56 Hz are met, and one at 170 Hz; others up to 550 Hz are not."""
-    shaft = {**LINE, "propeller": PROPELLER}
+    shaft = {**LINE, "propeller": PROPELLER, **more}
     scene = medium_speed(shaft=shaft, effects={"threshold": 0.5})  # the mean inertia, which takes less time
-    study = study_vibration(scene, estimated_chain(scene), 1.0, "closed form")
-    return vibration_pictures(study)[0]
+    return study_vibration(scene, estimated_chain(scene), 1.0, "closed form")
 
 
 def test_a_campbell_diagram_ends_above_what_an_order_meets_and_its_names_lie_apart() -> None:
-    found = _marine()
+    found = vibration_pictures(_marine())[0]
     axes = found.figure.axes[0]
     found.figure.canvas.draw()
     assert 60 < axes.get_ylim()[1] < 80, "no axis to modes that no order meets with a torque that is felt"
@@ -176,3 +176,29 @@ def test_numbers_of_orders_lie_apart_where_a_mode_lies_far_above_them() -> None:
     assert axes.texts[0].get_text() == "12"
     assert 4 <= len(boxes) < 12
     assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+
+
+def test_the_curve_of_the_torque_is_the_largest_of_all_sections_and_is_named() -> None:
+    """It reaches the table's torque at every speed, and lies above the limit where speeds are barred."""
+    free = _marine()
+    response, inside = free.response, np.array(free.shaft.in_crankshaft)
+    most = response.torque_amplitude_Nm[:, inside].argmax(axis=1)
+    assert len(set(most.tolist())) > 1, "sections take turns"
+    limit = 0.6 * response.worst_Nm
+    study = _marine(permitted_shear_MPa=free.shaft.shear_MPa(limit))
+    worst = Swing(0, 300.0, 1.7 * response.worst_Nm, 0.5)
+    study = replace(study, misfires=(Misfire(1, worst, (), (), ()),))
+    axes = vibration_pictures(study)[1].figure.axes[0]
+    lines = {line.get_label(): line.get_xydata() for line in axes.get_lines()}
+    speeds, torques = lines["all orders"].T
+    for torque, row in zip(torques, response.torque_amplitude_Nm, strict=True):
+        assert torque == max(row[inside])
+    assert study.barred_rpm
+    for low, high in study.barred_rpm:
+        assert max(torques[(speeds >= low) & (speeds <= high)]) > limit
+    assert lines["single misfires, largest"].tolist() == [[300.0, worst.torque_amplitude_Nm]]
+    permitted = study.scene.shaft.permitted_shear_MPa if study.scene.shaft else None
+    assert lines[f"permitted, {permitted:g} MPa"][0, 1] == pytest.approx(limit)
+    assert axes.get_ylim()[1] > worst.torque_amplitude_Nm
+    told = " ".join(axes.get_title().split())
+    assert told == "Largest of all sections of the crankshaft, all cylinders fire"
