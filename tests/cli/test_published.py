@@ -104,7 +104,8 @@ def test_every_method_is_assessed(
             result = FatigueResult(
                 method=self.method, loads="extremes", baseline=BASE, fatigue=(), percent_of_baseline=None
             )
-            return FatigueComparison((1.0, 1.5, 2.0), (f"verdict {self.method}",), result)
+            safeties, verdict = (1.0, 1.5, 2.0), (f"verdict {self.method}",)
+            return FatigueComparison(safeties, verdict, result, summaries=(None,) * 3)
 
     def assess(_: object, methods: list[str], **__: object) -> list[Assessed]:
         asked.extend(methods)
