@@ -182,7 +182,11 @@ class Answers:
 
     async def _settle_stiffness(self, text: str, data: Data, now: str) -> None:
         """Settle what follows from the stiffness."""
-        for part in ("stiffness", "film", "shaft"):
+        for part in (
+            "stiffness",
+            "shaft",
+            "film",
+        ):  # the film takes seconds where it is near what is permitted
             await self._settle_part(text, data, part, now)
 
     async def _settle_part(self, text: str, data: Data, part: str, now: str) -> None:

@@ -27,17 +27,18 @@ SHAFT = {
 }
 
 
-def scene_with(**shaft: object) -> Scene:
+def scene_with(threshold: float = 0.5, **shaft: object) -> Scene:
+    """A high threshold leaves the varying inertia out, with which every speed takes far longer."""
     data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
     data["shaft"] = {**SHAFT, **shaft}
-    data["effects"]["torsional_vibration"] = "on"
+    data["effects"] |= {"torsional_vibration": "on", "threshold": threshold}
     data["engine"].pop("overspeed_rpm", None)
     return scene_from_dict(data)
 
 
 @cache
-def study(**shaft: object) -> VibrationStudy:
-    scene = scene_with(**shaft)
+def study(threshold: float = 0.5, **shaft: object) -> VibrationStudy:
+    scene = scene_with(threshold, **shaft)
     return study_vibration(scene, estimated_chain(scene), 1e4, "given")
 
 
@@ -92,12 +93,13 @@ def test_a_range_that_is_passed_through_is_not_judged() -> None:
 
 
 def test_it_is_told_what_is_left_out_and_what_should_be() -> None:
-    exceeding = scene_with(permitted_shear_MPa=permitted_MPa())
+    """With the loads of the plan as it is, the same as `vibration` tells."""
+    exceeding = scene_with(0.02, permitted_shear_MPa=permitted_MPa())
     (remark, *_) = barred_remarks(exceeding, enabled(exceeding))
     key = remark[remark.index("shaft.barred_rpm = ") :].removesuffix(".")
-    assert key in barred_sentence(study(permitted_shear_MPa=permitted_MPa()))
+    assert key in barred_sentence(study(0.02, permitted_shear_MPa=permitted_MPa()))
     ranges = json.loads(key.partition(" = ")[2])
-    passing = scene_with(permitted_shear_MPa=permitted_MPa(), barred_rpm=ranges)
+    passing = scene_with(0.02, permitted_shear_MPa=permitted_MPa(), barred_rpm=ranges)
     (told, *_) = barred_remarks(passing, enabled(passing))
     assert told.startswith(f"the engine only passes through {ranges[0][0]} to ")
     assert "judged like all others" not in " ".join(barred_remarks(passing, enabled(passing)))

@@ -36,7 +36,7 @@ RODS = {
     "H": lambda: with_values(load_scene("mikron-iiic-rod-h"), OIL),
     "oblique": lambda: with_values(load_scene("mikron-iiic-rod"), {"rod.split_angle_deg": 45.0}),
 }
-SLOW = ("oblique",)
+SLOW = ("H", "oblique")
 SIZE_MM, EDGE_MM = 7.0, 4.0
 
 
