@@ -16,6 +16,10 @@ Tell = Callable[[dict[str, Any]], None]
 Data = dict[str, Any]
 _PARTS = {"stiffness", "film", "shaft", "safety", "colours"}
 """Of what settles after a release."""
+_OF_TORQUE = ("stiffness", "shaft")
+_OF_STIFFNESS = (*_OF_TORQUE, "film")
+"""What the torque of a vibrating shaft needs, and all beside the safety; films near what is permitted take
+seconds."""
 
 
 @dataclass(frozen=True)
@@ -172,21 +176,15 @@ class Answers:
 
     async def _settle_design(self, text: str, data: Data, now: str) -> None:
         """Settle stiffness and safety side by side; the colours and some loads need the stiffness."""
-        vibrating = "shaft" in data
-        if vibrating:
-            await self._settle_stiffness(text, data, now)
+        if "shaft" in data:
+            await self._settle_parts(_OF_TORQUE, text, data, now)
         await asyncio.gather(
-            self._settle_stiffness(text, data, now), self._settle_part(text, data, "safety", now)
+            self._settle_parts(_OF_STIFFNESS, text, data, now), self._settle_part(text, data, "safety", now)
         )
         await self._settle_part(text, data, "colours", now)
 
-    async def _settle_stiffness(self, text: str, data: Data, now: str) -> None:
-        """Settle what follows from the stiffness."""
-        for part in (
-            "stiffness",
-            "shaft",
-            "film",
-        ):  # the film takes seconds where it is near what is permitted
+    async def _settle_parts(self, parts: Sequence[str], text: str, data: Data, now: str) -> None:
+        for part in parts:
             await self._settle_part(text, data, part, now)
 
     async def _settle_part(self, text: str, data: Data, part: str, now: str) -> None:
