@@ -18,6 +18,9 @@ from cranktopo.base.errors import CranktopoError, ExitCode, lacks_memory, solver
 from cranktopo.base.machine import check_addresses
 from cranktopo.base.notes import at_work
 
+DimTags = list[tuple[int, int]]
+"""Dimensions and numbers of bodies of the CAD kernel."""
+
 _TRIANGLE = 2
 _ADDRESSES_MIB = 300.0
 """Memory of its library and a small model; where it cannot be had, it may end the process."""

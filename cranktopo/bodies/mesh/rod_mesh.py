@@ -15,8 +15,8 @@ from cranktopo.bodies.solid.rod import add_rod
 from cranktopo.design.checks.rod import rod_of
 from cranktopo.design.rod_body import rod_mass
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.gmsh_session import cad_session
-from cranktopo.numerics.tetrahedra.cad_mesh import DimTags, by_smaller_elements, generate, positive_x
+from cranktopo.numerics.gmsh_session import DimTags, cad_session
+from cranktopo.numerics.tetrahedra.cad_mesh import by_smaller_elements, generate, positive_x
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 
 _ELEMENTS = 40_000

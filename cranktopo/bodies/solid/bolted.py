@@ -12,7 +12,7 @@ from cranktopo.bodies.volume import bolted_volume_mm3
 from cranktopo.design.bolt_holes import bolt_holes, far_mm
 from cranktopo.design.halves import halves, mirror_image
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
+from cranktopo.numerics.gmsh_session import DimTags
 from cranktopo.throw.web import web_bodies
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode, solver_error
 from cranktopo.bodies.solid.culprit import Culprit
-from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
+from cranktopo.numerics.gmsh_session import DimTags
 
 VOLUME_TOLERANCE = 2e-5
 """Relative difference between the CAD kernel's volume and the closed form that is let through.

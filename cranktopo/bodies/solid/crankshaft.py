@@ -16,7 +16,7 @@ from cranktopo.bodies.solid.throw import add_full_throw, throw_form
 from cranktopo.design.crank import Side
 from cranktopo.design.crank_throws import refuse_split_pins, throw_scenes
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
+from cranktopo.numerics.gmsh_session import DimTags
 from cranktopo.throw.crank_end import BodyStep
 
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from cranktopo.bodies.solid.checked import volume_mm3
 from cranktopo.bodies.solid.shapes import add_solid, cut, outlet_edges
-from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
+from cranktopo.numerics.gmsh_session import DimTags
 from cranktopo.throw.feature import Body
 from cranktopo.throw.primitives import RoundedOutlet
 

@@ -40,8 +40,7 @@ from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.halves import halves, mirror_image, usual_scale
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout, triangles
-from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
+from cranktopo.numerics.gmsh_session import DimTags, cad_session, quiet_stdout, triangles
 from cranktopo.runs.destination import check_file
 from cranktopo.runs.manifest import versions
 from cranktopo.throw.drilling.table import drill_bores

@@ -10,7 +10,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid.shapes import add_solid
 from cranktopo.design.halves import halves, mirror_image
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
+from cranktopo.numerics.gmsh_session import DimTags
 from cranktopo.throw.counterweight.holes import Plug
 from cranktopo.throw.primitives import Cylinder
 

@@ -15,7 +15,7 @@ from cranktopo.bodies.solid.raw_part import add_raw_throw, raw_bodies
 from cranktopo.bodies.solid.shapes import fused
 from cranktopo.design.crank import Side
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
+from cranktopo.numerics.gmsh_session import DimTags
 from cranktopo.throw.moments import body_moments
 from cranktopo.throw.raw_part.bodies import RawHalf
 

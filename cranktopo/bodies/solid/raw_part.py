@@ -12,7 +12,7 @@ from cranktopo.bodies.solid.shapes import add_solid, cut, fused
 from cranktopo.bodies.solid.throw import built
 from cranktopo.design.halves import halves, mirror_image
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
+from cranktopo.numerics.gmsh_session import DimTags
 from cranktopo.throw.feature import Body
 from cranktopo.throw.primitives import Extrusion, LineSegment, Point
 from cranktopo.throw.raw_part.bodies import DraftedPrism, RawBody, RawHalf

@@ -13,7 +13,7 @@ from cranktopo.design.checks.rod import rod_of
 from cranktopo.design.rod import Rod
 from cranktopo.design.rod_body import fillet, rod_mass
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
+from cranktopo.numerics.gmsh_session import DimTags
 
 
 def add_rod(occ: Any, scene: Scene) -> DimTags:

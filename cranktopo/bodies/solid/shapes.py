@@ -15,7 +15,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import solver_error
-from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
+from cranktopo.numerics.gmsh_session import DimTags
 from cranktopo.throw.feature import Body
 from cranktopo.throw.primitives import (
     Arc,

@@ -27,7 +27,7 @@ from cranktopo.design.halves import (
     require_equal_halves,
 )
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
+from cranktopo.numerics.gmsh_session import DimTags
 from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.journal import Journal

@@ -11,11 +11,9 @@ import numpy as np
 
 from cranktopo.base.errors import CranktopoError, solver_error
 from cranktopo.base.notes import note
-from cranktopo.numerics.gmsh_session import tetrahedra
+from cranktopo.numerics.gmsh_session import DimTags, tetrahedra
 from cranktopo.numerics.tetrahedra.mesh import TetMesh, reasons_of, straighten_folded
 
-DimTags = list[tuple[int, int]]
-"""Dimensions and numbers of bodies of the CAD kernel."""
 _R = TypeVar("_R")
 _TET10 = 11
 _GMSH_TO_STANDARD = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]

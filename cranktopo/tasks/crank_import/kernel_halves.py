@@ -12,8 +12,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.notes import note
 from cranktopo.bodies.solid.checked import solid_properties
 from cranktopo.bodies.solid.step import kernel_surface
-from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout
-from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
+from cranktopo.numerics.gmsh_session import DimTags, cad_session, quiet_stdout
 from cranktopo.tasks.crank_import.choices import EndJournals, Unit
 from cranktopo.tasks.crank_import.crank_finder import find_crank
 from cranktopo.tasks.crank_import.faces import exact_faces

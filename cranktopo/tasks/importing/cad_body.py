@@ -9,7 +9,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.bodies.solid.checked import NotCutError, check_parts, volume_mm3
-from cranktopo.numerics.tetrahedra.cad_mesh import DimTags
+from cranktopo.numerics.gmsh_session import DimTags
 
 ALIKE = 1e-6
 """Share of the volume in which both sides may differ: reading a file joins vertices that almost coincide."""

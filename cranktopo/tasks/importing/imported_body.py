@@ -22,10 +22,10 @@ from cranktopo.bodies.solid.files import cut_in_halves, surface_of
 from cranktopo.bodies.solid.step import STEP_SUFFIXES, in_cad_kernel, kernel_surface, step_solid
 from cranktopo.design.halves import difference
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.numerics.gmsh_session import DimTags, cad_session
 from cranktopo.numerics.surfaces.files import as_stored, read_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, shell_volumes_mm3, solid_of
-from cranktopo.numerics.tetrahedra.cad_mesh import DimTags, by_smaller_elements, positive_x
+from cranktopo.numerics.tetrahedra.cad_mesh import by_smaller_elements, positive_x
 from cranktopo.numerics.tetrahedra.mesh import TetMesh, tetrahedralise
 from cranktopo.tasks.importing.cad_body import (
     ALIKE,
