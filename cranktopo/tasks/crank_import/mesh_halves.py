@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -30,6 +31,7 @@ from cranktopo.tasks.crank_import.half_body import (
     frame_of,
 )
 from cranktopo.tasks.crank_import.mesh_faces import mesh_faces, turned_faces
+from cranktopo.tasks.crank_import.mesh_skin import Skin
 from cranktopo.tasks.crank_import.meshes import mesh_solids
 from cranktopo.tasks.crank_import.solids import FoundSolid, chosen, parallel_axes
 from cranktopo.tasks.importing.imported_body import surface_properties
@@ -52,6 +54,9 @@ _TOUCH_MM = 0.02
 _FACING, _LEAN_DEG = 0.9, 0.05
 """Part along the crank of the normal of a web's face, and its angle that is told."""
 _CRUMB = 1e-6
+_DISORDER, _DISORDER_RAD, _FEW = 0.3, 0.8, 1000
+"""Part of the surface in triangles with sharp folds all around, that fold, and the number of triangles of a body
+that may have it: cranks have none."""
 _LARGE = 0.02
 """Volume of a solid that may be a crank, over the largest one's."""
 _ORIGIN, _ALONG = np.zeros(3), np.array([0.0, 0.0, 1.0])
@@ -73,6 +78,7 @@ def crank_of_mesh(
     taken = chosen(solids, path, solid)
     mesh = meshes[taken.name]
     body = solid_of(mesh, f"'{path}'")
+    _check_order(mesh, path)
     faces, crank = _found(mesh, path, ends)
     note(f"{path}: {crank.words}")
     cuts = [_cut(body, crank, half) for half in crank.halves]
@@ -86,6 +92,17 @@ def crank_of_mesh(
     )
     count = len(faces.cylinders) + len(faces.planes) + len(faces.tori) + len(faces.others)
     return FoundBody(solids, taken, crank, halves, count, len(mesh.faces), tuple(assumed))
+
+
+def _check_order(mesh: SurfaceMesh, path: Path) -> None:
+    """Refuse a surface without faces, in which circles and lines would be looked for without end."""
+    lonely = Skin(mesh, _near_mm(mesh)).lonely_share(_DISORDER_RAD) if len(mesh.faces) > _FEW else 0.0
+    if lonely > _DISORDER:
+        raise CranktopoError(
+            f"'{path}': no body of faces: {100 * lonely:.0f} % of its surface is triangles that fold by more "
+            f"than {math.degrees(_DISORDER_RAD):.0f} deg at every edge.",
+            hint="Its corners are in disorder: write the file again from CAD.",
+        )
 
 
 def _solids(meshes: Mapping[str, SurfaceMesh]) -> tuple[FoundSolid, ...]:

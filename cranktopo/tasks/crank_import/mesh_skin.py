@@ -59,6 +59,13 @@ class Skin:
             if self.areas[region].sum() > _SMALLEST * self.areas.sum():
                 yield region
 
+    def lonely_share(self, fold_rad: float) -> float:
+        """Return the part of the area in triangles whose neighbours all lie across a sharper fold."""
+        least = np.full(len(self.areas), np.pi)
+        for side in self.pairs.T:
+            np.minimum.at(least, side, self.folds)
+        return float(self.areas[least > fold_rad].sum() / self.areas.sum())
+
     def corners(self, region: Int64) -> Array:
         """Return the corners (n, 3) of triangles, each once."""
         return self.mesh.vertices_mm[np.unique(self.mesh.faces[region])]

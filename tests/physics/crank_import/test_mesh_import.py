@@ -198,3 +198,16 @@ def test_noise_is_named_and_no_sheared_body() -> None:
     told = misfit_hint(("step of 30 x 4 mm", "corners of triangles scatter by 0.005 mm about the journals"))
     assert told.startswith("Corners of triangles scatter by 0.005 mm about the journals. Export it with less")
     assert "sheared body" in misfit_hint(("step of 30 x 4 mm",))
+
+
+def test_corners_in_disorder_are_refused_at_once(tmp_path: Path) -> None:
+    """Lines of a file that changed places: circles were looked for in its crumpled surface for an hour."""
+    mesh = surface_of(load_scene("mikron-iiic-plain"), "half", 3.0)
+    mixed = np.random.default_rng(1).permutation(len(mesh.vertices_mm))
+    write_stl(tmp_path / "mixed.stl", SurfaceMesh(mesh.vertices_mm[mixed], mesh.faces))
+    with pytest.raises(
+        CranktopoError, match=r"no body of faces: \d+ % of its surface is triangles that fold"
+    ):
+        import_crank(tmp_path / "mixed.stl", "mixed", tmp_path / "out", unit="mm")
+    sound = [mesh, surface_of(load_scene("industrial-gas"), "web", 2.0)]
+    assert [Skin(one, 0.01).lonely_share(0.8) < 1e-3 for one in sound] == [True, True]
