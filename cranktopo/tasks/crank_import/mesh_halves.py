@@ -55,8 +55,8 @@ _FACING, _LEAN_DEG = 0.9, 0.05
 """Part along the crank of the normal of a web's face, and its angle that is told."""
 _CRUMB = 1e-6
 _DISORDER, _DISORDER_RAD, _FEW = 0.3, 0.8, 1000
-"""Part of the surface in triangles with sharp folds all around: cranks have none. That fold, and the number of
-triangles up to which a body may have it."""
+"""Part of the surface in triangles with sharp folds all around: cranks have none. Then that fold, and the
+number of triangles up to which a body may have it."""
 _LARGE = 0.02
 """Volume of a solid that may be a crank, over the largest one's."""
 _ORIGIN, _ALONG = np.zeros(3), np.array([0.0, 0.0, 1.0])
