@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from contextvars import copy_context
 from typing import Generic, TypeVar
 
@@ -37,7 +38,8 @@ class LazyFuture(Generic[First]):
 class OneBehind:
     """Works of a thread beside the caller, in their order, who is at most one ahead.
 
-    What a work raises, the next call raises, or the end of the `with` block, which waits for the last one.
+    What a work raises, the next call raises, or the end of the `with` block, which waits for the last one; a
+    block that itself fails raises what it failed of.
     """
 
     def __init__(self) -> None:
@@ -46,8 +48,9 @@ class OneBehind:
     def __enter__(self) -> OneBehind:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self.wait()
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        with suppress(*([Exception] if kind else [])):
+            self.wait()
 
     def begin(self, work: Callable[[], None]) -> None:
         """Begin a work once the one before it has ended."""

@@ -109,7 +109,7 @@ class _Stderr(logging.Handler):
 def _has_progress_bar() -> bool:
     """Tell whether a progress bar shows that the work goes on."""
     bars: Any = sys.modules.get("tqdm")
-    return bool(bars and getattr(bars.tqdm, "_instances", None))
+    return bool(getattr(getattr(bars, "tqdm", None), "_instances", None))  # or it is being imported
 
 
 @contextmanager

@@ -56,10 +56,11 @@ def barred_remarks(scene: Scene, enabled: frozenset[str]) -> list[str]:
             f"the engine only passes through {ranges} (shaft.barred_rpm): no torque there is judged."
         )
     if open_:
+        key = barred_key(scene, open_)
         found.append(
             f"the shear stress is above shaft.permitted_shear_MPa = {shaft.permitted_shear_MPa:g} from "
-            f"{ranges_words(open_)}, and these speeds are judged like all others; an engine that only passes "
-            f"through them has {barred_key(open_)}."
+            f"{ranges_words(open_)}, and these speeds are judged like all others"
+            + (f"; an engine that only passes through them has {key}." if key else ".")
         )
     return [*found, *([f"{near}."] if near else [])]
 

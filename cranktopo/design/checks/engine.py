@@ -145,6 +145,19 @@ def _check_barred(scene: Scene, shaft: ShaftTable) -> None:
                 what = f"holds engine.{name}_rpm = {rpm:g}, at which the engine runs"
                 raise invalid(key, [low, high], what, "A barred range is passed through only: end it before.")
         least = high
+    _check_running(scene, shaft)
+
+
+def _check_running(scene: Scene, shaft: ShaftTable) -> None:
+    """Refuse barred ranges that leave no speed to look at."""
+    at, highest = speed_range_rpm(scene)
+    for low, high in shaft.barred_rpm or ():
+        if low >= at:
+            return
+        at = max(at, high)
+    if at > highest:
+        what = f"holds all speeds that are looked at, {speed_range_rpm(scene)[0]:g} to {highest:g} rpm"
+        raise scene.invalid("shaft.barred_rpm", what, "Leave the speeds at which the engine runs.")
 
 
 def check_engine(scene: Scene) -> None:

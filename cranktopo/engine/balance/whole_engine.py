@@ -36,7 +36,7 @@ from cranktopo.engine.motored import motored_curve
 
 
 @dataclass(frozen=True)
-class _MainBearings:
+class LoadedMainBearings:
     """Forces of the shaft on its main bearings over the cycle, from the free end.
 
     Attributes:
@@ -64,7 +64,7 @@ class _MainBearings:
         return int(np.argmax([round(self.largest(i)[0], 6) for i in range(len(self.load_N))]))
 
 
-def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = False) -> _MainBearings:
+def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = False) -> LoadedMainBearings:
     """Return the loads of the main bearings of a scene at its engine's speed.
 
     A rod's force, gas and inertia, acts in the middle of its part of the pin and is shared by the bearings on
@@ -94,7 +94,7 @@ def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = F
         turned = directions[0] * masses.w2 / MM_PER_M
         _share(load, layout.bearing_z_mm, bay, z, turned * end.unbalance_kg_mm)
         _pair(load, layout.bearing_z_mm, bay, turned * end.couple_kg_mm2)
-    return _MainBearings(angle, load * unit_vectors(angle), gas)
+    return LoadedMainBearings(angle, load * unit_vectors(angle), gas)
 
 
 def rod_force(scene: Scene, engine: Engine, *, fires: bool = True) -> tuple[Array, Complex, bool]:
@@ -151,7 +151,7 @@ class EngineBalance:
     free: dict[str, tuple[FreeForce, ...]]
     counterweights: tuple[NeededCounterweight, ...]
     inner_moments: dict[str, InnerMoment]
-    bearings: dict[str, _MainBearings]
+    bearings: dict[str, LoadedMainBearings]
     shafts: tuple[SizedShaft, ...]
 
 

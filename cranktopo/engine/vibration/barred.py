@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.root import root
 from cranktopo.design.schema import Scene
 from cranktopo.engine.vibration.steady import Vibration
 
@@ -49,14 +50,14 @@ def ranges_above(
     def end(inner: int, outer: int) -> float:
         if not 0 <= outer < len(speeds):
             return float(speeds[inner])
-        from scipy.optimize import brentq
+        if over[outer] == 0:
+            return float(speeds[outer])
+        low, high = sorted((float(speeds[inner]), float(speeds[outer])))
 
-        found = brentq(
-            lambda rpm: float(at(np.array([rpm])).shear_MPa[0]) - permitted_shear_MPa,
-            *sorted((speeds[inner], speeds[outer])),
-            xtol=_END_RPM,
-        )
-        return float(found)
+        def beyond(rpm: float) -> float:
+            return float(at(np.array([rpm])).shear_MPa[0]) - permitted_shear_MPa
+
+        return root(beyond, low, high, _END_RPM)
 
     both = zip(starts.tolist(), ends.tolist(), strict=True)
     return tuple((end(a, a - 1), end(b - 1, b)) for a, b in both)
@@ -78,10 +79,20 @@ def ranges_words(barred_rpm: Iterable[tuple[float, float]], between: str = " and
     return between.join(f"{math.floor(low)} to {math.ceil(high)} rpm" for low, high in barred_rpm)
 
 
-def barred_key(ranges_rpm: Iterable[tuple[float, float]]) -> str:
-    """Return the key of a design that has the engine only pass through these ranges."""
-    whole = ", ".join(f"[{math.floor(low)}, {math.ceil(high)}]" for low, high in ranges_rpm)
-    return f"shaft.barred_rpm = [{whole}]"
+def barred_key(scene: Scene, ranges_rpm: Iterable[tuple[float, float]]) -> str:
+    """Return the key of a design that has the engine only pass through these ranges.
+
+    Those that hold a speed of the engine are left out, which cannot be passed through; empty without others.
+    """
+    engine = scene.engine
+    own = [rpm for rpm in (engine.speed_rpm, engine.overspeed_rpm) if rpm is not None] if engine else []
+    passed = [
+        (math.floor(low), math.ceil(high))
+        for low, high in ranges_rpm
+        if not any(low <= rpm <= high or math.floor(low) < rpm < math.ceil(high) for rpm in own)
+    ]
+    keys = ", ".join(f"[{low}, {high}]" for low, high in passed)
+    return f"shaft.barred_rpm = [{keys}]" if keys else ""
 
 
 def too_near_words(scene: Scene, barred_rpm: Iterable[tuple[float, float]]) -> str:

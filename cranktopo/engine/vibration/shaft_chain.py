@@ -136,7 +136,7 @@ def varying_inertia_percent(scene: Scene, throw_inertia_kg_mm2: float) -> float:
     if engine is None:
         return 0.0
     angle, radius = np.linspace(0.0, 2 * math.pi, _TURN_POINTS, endpoint=False), scene.throw.radius_mm
-    banks = {engine.axis_deg(c) - engine.pin_deg(c) for c in range(1, engine.cylinders + 1, engine.throws)}
+    banks = [engine.axis_deg(c) - engine.pin_deg(c) for c in range(1, engine.cylinders + 1, engine.throws)]
     swing = sum(
         exact_motion(angle - math.radians(bank), radius, engine.rod_length_mm).velocity_ratio ** 2
         for bank in sorted(banks)

@@ -188,8 +188,8 @@ def _two(by_x: complex, by_y: complex, left: complex) -> complex:
     """Return the move x + i y with x by_x + y by_y = left, less along what next to nothing resists."""
     matrix = np.array([[by_x.real, by_y.real], [by_x.imag, by_y.imag]])
     u, sizes, v = np.linalg.svd(matrix)
-    if not sizes[0]:
-        return left / abs(left)  # nothing carries yet
+    if not sizes[0]:  # nothing carries yet
+        return left / abs(left) if left else 0j
     x, y = v.T @ (u.T @ [left.real, left.imag] / np.maximum(sizes, _WEAK * sizes[0]))
     return complex(x, y)
 

@@ -29,7 +29,9 @@ class _ThrowNeed:
 
     @property
     def as_needed(self) -> bool:
-        return is_as_needed(abs(self.kg_mm), self.own_kg_mm)
+        along = self.kg_mm.real
+        size = -along if -along > abs(self.kg_mm.imag) else abs(self.kg_mm)
+        return is_as_needed(size, self.own_kg_mm)
 
     @property
     def too_heavy(self) -> bool:
@@ -40,8 +42,9 @@ class _ThrowNeed:
     def words(self) -> str:
         if self.as_needed:
             return "as needed"
-        size = f"{number_text(abs(self.kg_mm))} kg mm"
-        return f"too heavy by {size}" if self.too_heavy else f"{size} needed beyond what it has"
+        if self.too_heavy:  # what points sideways no lighter counterweight takes away
+            return f"too heavy by {number_text(-self.kg_mm.real)} kg mm"
+        return f"{number_text(abs(self.kg_mm))} kg mm needed beyond what it has"
 
 
 def counterweight_words(data: Balance) -> str:

@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 from cranktopo.base.units import change_text, number_text
-from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, EngineBalance
+from cranktopo.engine.balance.whole_engine import (
+    AS_IT_IS,
+    COUNTERWEIGHTED,
+    EngineBalance,
+    LoadedMainBearings,
+)
 from cranktopo.report.page import Fact, FactStatus, Page, Section, pairs
 from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.balance.changes import VECTORS, Vector, largest_order, order_changes
@@ -123,19 +128,28 @@ def _proposed_fact(proposed: ProposedCounterweight) -> Fact:
 def _facts(balance: EngineBalance, data: Balance) -> tuple[Fact, ...]:
     last, proposal = list(balance.free)[-1], data.proposal
     bearings = balance.bearings
-    index = bearings[AS_IT_IS].most_loaded
-    plain, weighted = (bearings[state].largest(index)[0] for state in (AS_IT_IS, COUNTERWEIGHTED))
     fits = proposal is None or not proposal.refused
     return (
         *([_proposed_fact(proposal)] if proposal else []),
         *(_free_fact(data, name, last, fits) for name in VECTORS),
         counterweight_fact(data),
-        Fact(
-            f"Largest load, main bearing {index + 1}",
-            f"{number_text(plain)} N",
-            *_against(COUNTERWEIGHTED, plain, weighted, "N", fits),
-        ),
+        _bearing_fact(bearings[AS_IT_IS], bearings[COUNTERWEIGHTED], fits),
     )
+
+
+def _bearing_fact(before: LoadedMainBearings, after: LoadedMainBearings, fits: bool) -> Fact:
+    """Return the largest load of any main bearing, what counterweights make of it, and where loads rise."""
+    index, number = before.most_loaded, len(before.load_N)
+    plain, weighted = before.largest(index)[0], after.largest(after.most_loaded)[0]
+    note, status = _against(COUNTERWEIGHTED, plain, weighted, "N", fits)
+    note += f", main bearing {after.most_loaded + 1}" if after.most_loaded != index else ""
+    changes = {i + 1: 100 * (after.largest(i)[0] / before.largest(i)[0] - 1) for i in range(number)}
+    rising = {i: change for i, change in changes.items() if change > _RISING_PERCENT}
+    if rising:
+        named = " and ".join(map(str, rising))
+        note += f"; main bearing {named} {change_text(max(rising.values()))} at most"
+        status = "neutral" if status == "good" else status
+    return Fact(f"Largest load, main bearing {index + 1}", f"{number_text(plain)} N", note, status)
 
 
 def _free_fact(data: Balance, name: Vector, state: str, fits: bool) -> Fact:
@@ -155,6 +169,7 @@ def _free_fact(data: Balance, name: Vector, state: str, fits: bool) -> Fact:
     return Fact(f"Free {name}", f"{number_text(before)} {unit}", f"{note}{other_orders}", status)
 
 
+_RISING_PERCENT = 1.0
 _ROUNDED = 1e-4
 """Share of a value within which another one is the same: radii of counterweights are rounded to 0.01 mm."""
 

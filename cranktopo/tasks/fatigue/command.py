@@ -31,13 +31,23 @@ if TYPE_CHECKING:
     from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
 
 
+def _one_method(_context: click.Context, _option: click.Parameter, given: tuple[str, ...]) -> str:
+    """Return the method; of several the last would be taken without a word."""
+    if len(set(given)) > 1:
+        several = " ".join(f"--fatigue {name}" for name in given)
+        raise click.UsageError(f"--method: takes one method; `cranktopo compare ... {several}` takes several")
+    return given[0]
+
+
 @click.command()
 @click.argument("targets", metavar="TARGET...", nargs=-1, shell_complete=designs)
 @click.option(
     "--method",
     type=Choice(tuple(METHODS)),
-    default="lsa",
+    multiple=True,
+    default=("lsa",),
     show_default=True,
+    callback=_one_method,
     help="Local stress analysis, FKM guideline, the rule IACS UR M53, or the critical planes of Findley or "
     "Dang Van.",
 )

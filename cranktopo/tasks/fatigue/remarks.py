@@ -32,7 +32,7 @@ def quality_remarks(field: FatigueField) -> tuple[str, ...]:
     missed, sharp = mesh_shortfall(field.model), field.at_sharp_edges
     lower = sharp is not None and sharp.safety < field.critical.safety
     return (
-        *([f"{missed}; a smaller --fillet-fraction helps."] if missed else []),
+        *([f"{missed}; a smaller --fillet-fraction of `fatigue` may help."] if missed else []),
         *([_sharp_words(sharp)] if sharp is not None and lower else []),
         *([words] if (words := cut_outlet_words(field.model)) else []),
     )

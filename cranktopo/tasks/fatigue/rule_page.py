@@ -151,9 +151,9 @@ def _barred(study: VibrationStudy | None) -> list[str]:
         return []
     declared = study.response.barred_rpm
     ranges = sorted({*declared, *(study.barred_rpm or ())})
-    faults = runs_barred(study.scene, ranges), too_near_words(study.scene, ranges)
+    faults = runs_barred(study.scene, study.barred_rpm or ()), too_near_words(study.scene, ranges)
     left_out = f"No torque of {ranges_words(declared)} is in it (shaft.barred_rpm)." if declared else ""
-    return [*filter(None, [left_out]), *(f"But {fault}." for fault in faults if fault)]
+    return [*filter(None, [left_out]), *(f"Besides, {fault}." for fault in faults if fault)]
 
 
 def _strength(record: RuleRecord) -> list[str]:

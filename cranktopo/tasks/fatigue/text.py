@@ -60,7 +60,7 @@ _RULE_COLUMNS: tuple[Column[RuleCheck], ...] = (
     Column("pin_Q_FE", 3, lambda c: c.fem_checks["pin"].acceptability),
     Column("journal_Q_rule", 3, lambda c: _by_rule(c, "journal")),
     Column("journal_Q_FE", 3, lambda c: c.fem_checks["journal"].acceptability),
-    Column("strength_MPa", 1, lambda c: min(check.strength_MPa for check in c.fem_checks.values())),
+    Column("strength_MPa", 1, lambda c: _governing_strength_MPa(c)),
     Column("verdict", 0, lambda c: c.verdict),
     Column("governed_by", 0, lambda c: _governed_by(c)),
 )
@@ -229,14 +229,15 @@ def rule_remarks(checks: Sequence[RuleCheck]) -> list[str]:
         for place, why in check.uncovered.items()
     ]
     lines += [
-        f"{check.name}, {place}: not judged, {why}; a smaller --fillet-fraction helps."
+        f"{check.name}, {place}: not judged, {why}; a smaller --fillet-fraction of `fatigue` may help."
         for check in checks
         for place, why in check.unproven.items()
     ]
     lines += [f"{check.name}, {line}." for check in checks for line in check.departures]
     lines += [f"{check.name}, {line}." for check in checks for line in _outlet_remarks(check)]
     lines += [
-        f"{check.name}, finite elements: {check.quality.shortfall}; a smaller --fillet-fraction helps."
+        f"{check.name}, finite elements: {check.quality.shortfall}; a smaller --fillet-fraction of `fatigue` "
+        "may help."
         for check in checks
         if not (check.quality.within_limits or None in check.governing.values())
     ]
@@ -390,6 +391,13 @@ def factor_table(checks: Sequence[RuleCheck]) -> ResultTable:
         for name, value in vars(check.scf_fem).items()
     )
     return ResultTable({"target": 0, "factor": 0, "rule": 3, "FE": 3, "FE_over_rule_percent": 1}, rows)
+
+
+def _governing_strength_MPa(check: RuleCheck) -> float:
+    """Return the strength at the place that governs; without one the lower of both fillets."""
+    place = check.governing_place
+    fillets = [one.strength_MPa for one in check.fem_checks.values()]
+    return min(fillets) if place is None else check.places[place].strength_MPa
 
 
 def _governed_by(check: RuleCheck) -> str:

@@ -123,7 +123,7 @@ def _as_safe(ratio: float, one: Summary, base: Summary) -> str:
     if meshes and abs(ratio - 1) > SAME:
         return (
             f"not told apart from {base.name}: the mesh of {meshes} misses the rule's checks, and safeties "
-            f"scatter by up to {error:.2g} % then; a smaller --fillet-fraction helps"
+            f"scatter by up to {error:.2g} % then; a smaller --fillet-fraction of `fatigue` may help"
         )
     if one.error_percent or base.error_percent:
         return f"equal to {base.name} within their error: {_error_words(one)}, {_error_words(base)}"

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence, Set
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
 
 from cranktopo.base.arrays import Array, Complex
-from cranktopo.base.errors import CranktopoError
-from cranktopo.base.notes import note
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.notes import note, warn
 from cranktopo.design.assumed import Assumption
 from cranktopo.design.plain_bearings import PlainBearings
 from cranktopo.design.schema import Scene
@@ -47,8 +48,7 @@ def with_conserving(
     Args:
         tilts: eccentricity at the end of each bearing less that in its middle, over the angles of the orbits.
 
-    Raises:
-        CranktopoError: a film that does not become steady, with the name of its bearing.
+    A film that does not become steady stays that of the mobility method, with a warning.
     """
     assert scene.bearings is not None
     start, every, done = time.perf_counter(), list(films), 0
@@ -103,7 +103,7 @@ def _pin_holes(scene: Scene) -> Iterator[tuple[float, float]]:
 
 def _conserving(
     film: BearingFilm, journal: LoadedJournal, orbit: Orbit, feed: OilFeed, tilt: Complex | None
-) -> ConservingFilm:
+) -> ConservingFilm | None:
     stride = max(1, round(_STEP_DEG / float(orbit.angle_deg[1] - orbit.angle_deg[0])))
     own, sleeve = journal.surfaces_rad_s
     coarse = LoadedJournal(
@@ -112,13 +112,25 @@ def _conserving(
     if feed.hole_rad is not None:
         feed = replace(feed, hole_rad=feed.hole_rad[::stride])
     angle = orbit.angle_deg[::stride]
-    try:
+    with _or_by_mobility(film.bearing, "it is judged by the mobility method"):
         found = _read(conserved_orbit(coarse, angle, feed, orbit))
         if tilt is None:
             return found
-        return found.model_copy(update={"edge": _edge(coarse, angle, feed, orbit, tilt[::stride])})
+        with _or_by_mobility(film.bearing, "its edge is not told"):
+            return found.model_copy(update={"edge": _edge(coarse, angle, feed, orbit, tilt[::stride])})
+        return found
+    return None
+
+
+@contextmanager
+def _or_by_mobility(bearing: str, instead: str) -> Iterator[None]:
+    """Warn of a mass-conserving film that has no answer: the others of the command have one."""
+    try:
+        yield
     except CranktopoError as error:
-        raise CranktopoError(f"{film.bearing}: {error.message}", hint=error.hint, code=error.code) from error
+        if error.code != ExitCode.SOLVER:
+            raise
+        warn(f"{bearing}: mass-conserving film: {error.message} So {instead}.")
 
 
 def _edge(journal: LoadedJournal, angle_deg: Array, feed: OilFeed, orbit: Orbit, tilt: Complex) -> EdgeFilm:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cranktopo.base.frames import about_z_deg
-from cranktopo.base.notes import Pace
+from cranktopo.base.notes import Pace, warn
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
@@ -166,9 +166,26 @@ def _with_films(
     for place, (shaft, cycle, scene) in enumerate(found):
         if scene.bearings is not None and engine_of(scene).speed_rpm:
             cases[place] = scene, _loaded(shaft, cycle, scene), cycle.angle_deg
+    _tell_touching([one for _, loaded, _ in cases.values() for one in loaded])
     for place, films in zip(cases, films_of(list(cases.values()), conserving=True), strict=True):
         shafts[place] = _filled(shafts[place], films)
     return tuple(shafts)
+
+
+def _tell_touching(loaded: Sequence[LoadedBearing]) -> None:
+    """Warn of journals that lean on the edge of their bearing: films of parallel journals do not show it."""
+    worst: dict[str, float] = {}
+    for one in loaded:
+        tilt = 0.0 if one.tilt is None else float(np.abs(one.tilt).max())
+        if tilt > 1:
+            ends_um = tilt * one.bearing.clearance_mm * _UM_PER_MM
+            worst[one.name] = max(ends_um, worst.get(one.name, 0.0))
+    if worst:
+        ends = ", ".join(f"{name} {ends_um:.0f} um" for name, ends_um in worst.items())
+        warn(
+            "the ends of journals move by more than the radial clearance of their bearing, and touch it: "
+            f"{ends}. Films are told for journals that lie parallel."
+        )
 
 
 def _loaded(shaft: ContinuousShaft, cycle: ShaftCycle, scene: Scene) -> list[LoadedBearing]:

@@ -15,6 +15,7 @@ from cranktopo.base.notes import note, warn
 from cranktopo.base.progress import StageCache, StageMemory
 from cranktopo.bodies.prisms import with_bolted
 from cranktopo.bodies.seat import cut_seat_text
+from cranktopo.bodies.solid.bolted import threads_mm3
 from cranktopo.bodies.solid.files import coarse_facet_mm, export_solid, surface_of
 from cranktopo.design.assumed import (
     ENVELOPE,
@@ -248,14 +249,15 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         in_shaft = shaft.judged(optimum.result.web.scene, goal, work) if shaft else None
         found = assembled(scene, optimum, begin, seconds, settings.loads, in_shaft)
         reached = {"reached_percent": found.goal.reached_percent}
+        shaped = optimum.result.web.scene
         more = {
             "bound": bound and bound.model_copy(update=reached),
             "assumed": stored_assumptions(run.manifest().assumed),
-            "undercuts": shaped_undercuts(half, optimum.result.web.scene),
+            "undercuts": shaped_undercuts(_as_forged(half, shaped), shaped),
         }
         found = found.model_copy(update=more)
         write_json(run.path / RESULT_FILES[SHAPE], found.as_json())
-        bodies = _bodies(scene, optimum.result.web.scene, half)
+        bodies = _bodies(scene, shaped, half)
         write_report(shape_page(found, run.manifest(), scene, bodies), run.path / REPORT)
     run.log(f"{found.status}: {found.stop_reason}")
     films = film_change(scene, optimum.result.web.scene)  # thickness of a web is taken from the bearings
@@ -294,6 +296,11 @@ def finished_page(run: RunStore) -> Page:
     scene, shaped = design_from_run(run), load_scene(str(run.path / _FILES.design))
     bodies = _bodies(scene, shaped, read_stl(run.path / _FILES.stl))
     return shape_page(ShapeResult.read(run.path / RESULT_FILES[SHAPE]), run.manifest(), scene, bodies)
+
+
+def _as_forged(half: SurfaceMesh, shaped: Scene) -> SurfaceMesh:
+    """Return the half throw before holes for the bolts of a counterweight are drilled: no die has them."""
+    return surface_of(shaped, "half", coarse_facet_mm(shaped)) if threads_mm3(shaped) else half
 
 
 def _bodies(scene: Scene, shaped: Scene, found: SurfaceMesh) -> tuple[ShownBody, ...]:

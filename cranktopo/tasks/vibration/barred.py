@@ -8,7 +8,7 @@ import numpy as np
 
 from cranktopo.base.units import number_text
 from cranktopo.engine.vibration.barred import MisfireRange, barred_key, ranges_words
-from cranktopo.engine.vibration.study import VibrationStudy, swing_at
+from cranktopo.engine.vibration.study import VibrationStudy, largest_swing
 from cranktopo.report.page import Fact
 
 
@@ -50,17 +50,18 @@ def _counted(study: VibrationStudy) -> str:
     """Return what leaves computed ranges out of torques and safeties, unless the design has that."""
     if study.response.barred_rpm or not study.barred_rpm:
         return ""
-    return f" They count in all torques and safeties unless the design has {barred_key(study.barred_rpm)}."
+    key = barred_key(study.scene, study.barred_rpm)
+    unless = f" unless the design has {key}" if key else ""
+    return f" They count in all torques and safeties{unless}."
 
 
 def _line(study: VibrationStudy) -> str:
     """Return what the permitted stress does not judge: the largest torque outside the crankshaft."""
-    joined = list(study.joined_sections)
+    joined = study.joined_sections
     if not joined:
         return ""
-    torques = study.response.torque_amplitude_Nm[:, joined]
-    at, number = (int(n) for n in np.unravel_index(int(torques.argmax()), torques.shape))
-    found = [swing_at(study.response, joined[number], at), *(one for m in study.misfires for one in m.joined)]
+    found = [largest_swing(study.response, section) for section in joined]
+    found += [one for misfire in study.misfires for one in misfire.joined]
     worst = max(found, key=lambda one: one.torque_amplitude_Nm)
     ends = study.shaft.sections[worst.section].replace(" - ", " and ")
     return (

@@ -175,8 +175,9 @@ def sections_table(study: VibrationStudy) -> ResultTable:
     response, shaft = study.response, study.shaft
     rows: list[Row] = []
     for index, name in enumerate(shaft.sections):
-        speed = int(response.torque_amplitude_Nm[:, index].argmax())
-        torque = float(response.torque_amplitude_Nm[speed, index])
+        swing = largest_swing(response, index)
+        speed = int(np.flatnonzero(response.speeds_rpm == swing.speed_rpm)[0])
+        torque = swing.torque_amplitude_Nm
         row: dict[str, Cell] = {
             "section": name,
             "stiffness_kNm_per_rad": shaft.chain.stiffness_Nm_per_rad[index] / 1000,

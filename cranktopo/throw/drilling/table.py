@@ -71,7 +71,9 @@ class Drilling(Feature):
         try:
             self.check_alone(scene, "")
             self._check(scene, "", lambda _name, _value: False)
-            check_apart(scene, (*self.bodies(scene, ""), *beside))
+            (own,) = self.bodies(scene, "")
+            for other in beside:
+                check_apart(scene, (own, other))
         except CranktopoError:
             return False
         return True
