@@ -5,12 +5,14 @@ import math
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder, load_scene
-from cranktopo.engine.balance.whole_engine import engine_balance
+from cranktopo.engine.balance.whole_engine import LoadedMainBearings, engine_balance
 from cranktopo.tasks.balance.needed import counterweight_words
+from cranktopo.tasks.balance.page import _bearing_fact
 from cranktopo.tasks.balance.result import balance_result
 from tests.engine_arrangements import MIKRON
 from tests.page_text import typed_page
@@ -452,3 +454,18 @@ def test_a_web_that_bars_every_counterweight_is_told_so(capsys, tmp_path):
     code, _, err = run(capsys, str(design))
     assert code == 3
     assert f"{told}, where web.counterweight is. Remove web.bevel[0], or leave" in err
+
+
+def test_the_card_of_bearings_compares_the_largest_loads_and_names_what_rises() -> None:
+    """Of a six whose middle bearing is relieved by a third, while the largest of all falls by a percent."""
+    angle = np.zeros(1)
+
+    def loads(*sizes: float) -> LoadedMainBearings:
+        return LoadedMainBearings(angle, np.array(sizes, dtype=complex)[:, None], gas=True)
+
+    fact = _bearing_fact(loads(400.0, 700.0, 400.0), loads(600.0, 500.0, 690.0), True)
+    assert fact.label == "Largest load, main bearing 2"
+    assert "690 N, -1.4 %, main bearing 3; main bearings 1, 3: up to +72.5 %" in fact.note.replace(
+        "\u00a0", " "
+    )
+    assert fact.status == "neutral"

@@ -145,9 +145,8 @@ def _bearing_fact(before: LoadedMainBearings, after: LoadedMainBearings, fits: b
     note += f", main bearing {after.most_loaded + 1}" if after.most_loaded != index else ""
     changes = {i + 1: 100 * (after.largest(i)[0] / before.largest(i)[0] - 1) for i in range(number)}
     rising = {i: change for i, change in changes.items() if change > _RISING_PERCENT}
-    if rising:
-        named = " and ".join(map(str, rising))
-        note += f"; main bearing {named} {change_text(max(rising.values()))} at most"
+    if rising and status != "bad":
+        note += f"; main bearings {', '.join(map(str, rising))}: up to {change_text(max(rising.values()))}"
         status = "neutral" if status == "good" else status
     return Fact(f"Largest load, main bearing {index + 1}", f"{number_text(plain)} N", note, status)
 

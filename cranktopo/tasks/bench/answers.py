@@ -18,8 +18,8 @@ _PARTS = {"stiffness", "film", "shaft", "safety", "colours"}
 """Of what settles after a release."""
 _OF_TORQUE = ("stiffness", "shaft")
 _OF_STIFFNESS = (*_OF_TORQUE, "film")
-"""What the torque of a vibrating shaft needs, and all beside the safety; films near what is permitted take
-seconds."""
+"""Parts that the torque of a vibrating shaft needs, and all beside the safety; films near what is permitted
+take seconds."""
 
 
 @dataclass(frozen=True)

@@ -34,8 +34,7 @@ if TYPE_CHECKING:
 def _one_method(_context: click.Context, _option: click.Parameter, given: tuple[str, ...]) -> str:
     """Return the method; of several the last would be taken without a word."""
     if len(set(given)) > 1:
-        several = " ".join(f"--fatigue {name}" for name in given)
-        raise click.UsageError(f"--method: takes one method; `cranktopo compare ... {several}` takes several")
+        raise click.UsageError("--method: takes one method; `cranktopo compare` takes several")
     return given[0]
 
 

@@ -384,7 +384,7 @@ def test_lower_numbers_of_elements_that_prove_nothing_leave_a_radial_outlet_open
     assert (found.uncovered, list(found.unproven)) == ({}, [coarse.place])
     (line,) = rule_remarks([found])
     assert "jump between elements 7.0 %" in line
-    assert "a smaller --fillet-fraction helps" in line
+    assert "a smaller --fillet-fraction of `fatigue` may help" in line
     (line,) = rule_remarks([replace(found, outlets=(leaning((2.0, 3.0), jump_percent=7.0),))])
     assert "jump between elements 7.0 %" in line
     assert (
