@@ -7,6 +7,7 @@ from decimal import Decimal
 
 MM_PER_M = 1000.0
 MM_PER_INCH = 25.4
+UM_PER_MM = 1000.0
 MM2_PER_M2 = MM_PER_M**2
 MPA_PER_GPA = 1000.0
 MPA_PER = {"bar": 0.1, "mbar": 1e-4, "hPa": 1e-4, "kPa": 1e-3, "Pa": 1e-6, "MPa": 1.0}

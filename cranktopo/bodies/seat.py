@@ -11,6 +11,7 @@ import numpy as np
 from manifold3d import CrossSection, FillRule, JoinType, Manifold
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.notes import warn
 from cranktopo.base.spans import Section, holds, polygon_section
 from cranktopo.design.bolt_holes import BoltHole, bolt_holes
 from cranktopo.design.schema import Scene
@@ -73,6 +74,12 @@ def cut_seat_text(scene: Scene) -> str:
     return f"{scene.name}: {', '.join(cuts)} cut the seat of web.counterweight, which is bolted to the web"
 
 
+def warn_of_cut_seat(scene: Scene) -> None:
+    """Warn of features of a design that is about to be written and that cut the seat."""
+    if text := cut_seat_text(scene):
+        warn(text)
+
+
 def _seat_points(scene: Scene, ends: tuple[float, float]) -> Array:
     """Return points (3, n) inside the seat, clear of its surfaces by what those of a web may move."""
     seat = _zone(scene) ^ CrossSection([_outline_mm(scene)], FillRule.NonZero)
@@ -87,11 +94,8 @@ def _seat_points(scene: Scene, ends: tuple[float, float]) -> Array:
 
 def _thread_points(bolt: BoltHole) -> Array:
     """Return points (3, n) of the axis of a thread and of its wall."""
-    turn = np.linspace(0, 2 * np.pi, _AROUND, endpoint=False)
     radii = np.array([0.0, bolt.joint.nominal.diameter_mm / 2])
-    places = np.meshgrid(turn, np.arange(bolt.joint_mm, bolt.floor_mm, _STEP_MM), radii)
-    turn, y, radius = (grid.ravel() for grid in places)
-    return np.stack([bolt.x_mm + radius * np.cos(turn), y, bolt.z_mm + radius * np.sin(turn)])
+    return bolt.wall_mm(radii, np.arange(bolt.joint_mm, bolt.floor_mm, _STEP_MM), _AROUND)
 
 
 def sector_less_web(scene: Scene) -> CrossSection:

@@ -88,6 +88,13 @@ class BoltHole:
             self._along(-far_mm, self.seat_mm, self.head_radius_mm),
         )
 
+    def wall_mm(self, radius_mm: Array | float, y_mm: Array, around: int) -> Array:
+        """Return points (3, n) at radii about its axis, all around at each height along the throw."""
+        turn = np.linspace(0, 2 * np.pi, around, endpoint=False)
+        places = np.meshgrid(turn, y_mm, radius_mm)
+        turn, y, radius = (grid.ravel() for grid in places)
+        return np.stack([self.x_mm + radius * np.cos(turn), y, self.z_mm + radius * np.sin(turn)])
+
     def _along(self, low_mm: float, high_mm: float, radius_mm: float) -> Cylinder:
         return Cylinder((self.x_mm, low_mm, self.z_mm), (0.0, high_mm - low_mm, 0.0), radius_mm)
 

@@ -19,6 +19,10 @@ from cranktopo.throw.journal import Journal
 
 _OTHERS_KEYS = ("crankpin", "second_crankpin_length_mm", "drilling")
 """Keys of [throw] that a crank takes from another design."""
+_TAKEN_BY = (
+    "Taken by loads, plan, balance and film, by vibration with shaft.throw_stiffness_Nm_per_rad; "
+    "without this key the pin is straight."
+)
 
 
 def throw_scenes(scene: Scene) -> tuple[Scene, ...]:
@@ -84,17 +88,13 @@ def carried(scene: Scene) -> tuple[int, ...]:
     return bearings or tuple(range(throw_count(scene) + 1))
 
 
-def refuse_split_pins(scene: Scene) -> None:
+def refuse_split_pins(
+    scene: Scene, why: str = "split pins are not modelled as a body", instead: str = _TAKEN_BY
+) -> None:
     """Refuse split pins, for what models a throw with a straight pin."""
     splay = scene.engine.arranged.pin_splay_deg if scene.engine else None
     if splay:
-        raise invalid(
-            "engine.arrangement.pin_splay_deg",
-            splay,
-            "split pins are not modelled as a body",
-            "Taken by loads, plan, balance and film, by vibration with shaft.throw_stiffness_Nm_per_rad; "
-            "without this key the pin is straight.",
-        )
+        raise invalid("engine.arrangement.pin_splay_deg", splay, why, instead)
 
 
 def refuse_flying_web(scene: Scene) -> None:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Iterable
 from functools import cache
 from importlib.resources import files
 from typing import Any, Literal
 
+import numpy as np
 from pydantic import Field, model_validator
 
+from cranktopo.base.arrays import Array, Mask
 from cranktopo.base.table import (
     SHOWN,
     UNLESS_IN_LIBRARY,
@@ -162,6 +165,15 @@ class Damper(Carried):
 
 ROTORS = ("pulley", "flywheel", "coupling", "driven", "propeller")
 """Keys of the parts that turn with the crankshaft, from the free end; a damper is on that end as well."""
+
+
+def passed_through(barred_rpm: Iterable[tuple[float, float]], speeds_rpm: Array) -> Mask:
+    """Tell of each speed whether it lies inside a range that an engine only passes through; ends do not."""
+    speeds = np.asarray(speeds_rpm)
+    found = np.zeros(speeds.shape, dtype=bool)
+    for low, high in barred_rpm:
+        found |= (low < speeds) & (speeds < high)
+    return found
 
 
 class ShaftTable(SceneTable):

@@ -6,6 +6,7 @@ import numpy as np
 
 from cranktopo.design.checks.engine import speed_range_rpm
 from cranktopo.design.schema import Scene
+from cranktopo.design.shaft import passed_through
 from cranktopo.engine.analysis import at_speed, at_worst_speed, engine_of
 from cranktopo.engine.vibration.barred import barred_key, ranges_words, too_near_words
 from cranktopo.engine.vibration.vibrating_shaft import ranges_to_bar_rpm
@@ -38,7 +39,7 @@ def speeds_of_range(scene: Scene, enabled: frozenset[str]) -> tuple[Scene, ...]:
 def runs_at(scene: Scene, speed_rpm: float) -> bool:
     """Tell whether the engine runs at a speed: `shaft.barred_rpm` has those that it only passes through."""
     barred = (scene.shaft.barred_rpm if scene.shaft else None) or ()
-    return not any(low < speed_rpm < high for low, high in barred)
+    return not passed_through(barred, np.array(speed_rpm))
 
 
 def barred_remarks(scene: Scene, enabled: frozenset[str]) -> list[str]:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from cranktopo.bodies.bolt_masses import holes_in_web
 from cranktopo.bodies.solid.checked import ClosedForm, check_body
-from cranktopo.bodies.solid.shapes import add_all, add_solid, cut
+from cranktopo.bodies.solid.shapes import add_all, add_solid, cut, turned_half
 from cranktopo.bodies.volume import bolted_volume_mm3
 from cranktopo.design.bolt_holes import bolt_holes, far_mm
 from cranktopo.design.halves import halves, mirror_image
@@ -22,7 +21,7 @@ def add_bolted(occ: Any, scene: Scene) -> DimTags:
     A web without one has none.
     """
     first, second = halves(scene)
-    return [*_weight(occ, first), *_turned(occ, _weight(occ, mirror_image(second)), scene)]
+    return [*_weight(occ, first), *turned_half(occ, _weight(occ, mirror_image(second)), scene.pitch_mm)]
 
 
 def bolted_names(scene: Scene) -> tuple[str, ...]:
@@ -38,7 +37,7 @@ def bolted_names(scene: Scene) -> tuple[str, ...]:
 def add_thread_tools(occ: Any, scene: Scene, *, half: bool = False) -> DimTags:
     """Return the core holes of bolts in both webs of a throw, or in that of its first half."""
     first, second = halves(scene)
-    beyond = [] if half else _turned(occ, _threads(occ, mirror_image(second)), scene)
+    beyond = [] if half else turned_half(occ, _threads(occ, mirror_image(second)), scene.pitch_mm)
     return [*_threads(occ, first), *beyond]
 
 
@@ -73,10 +72,3 @@ def _weight(occ: Any, half: Scene) -> DimTags:
 def _threads(occ: Any, half: Scene) -> DimTags:
     tools = (bolt.thread_tool(far_mm(half)) for bolt in bolt_holes(half))
     return [pair for tool in tools for pair in add_solid(occ, tool)]
-
-
-def _turned(occ: Any, bodies: DimTags, scene: Scene) -> DimTags:
-    """Return bodies of the second half, in its own frame, in that of the throw."""
-    if bodies:
-        occ.rotate(bodies, 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
-    return bodies

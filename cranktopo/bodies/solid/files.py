@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import defaultdict
 from datetime import datetime
 from pathlib import Path
@@ -31,6 +30,7 @@ from cranktopo.bodies.solid.plugs import add_plugs, plug_names
 from cranktopo.bodies.solid.raw_crankshaft import add_raw_crankshaft, add_raw_end
 from cranktopo.bodies.solid.raw_part import add_raw_throw
 from cranktopo.bodies.solid.rod import add_rod
+from cranktopo.bodies.solid.shapes import turned_half
 from cranktopo.bodies.solid.step import StepLabel, closed_surface, kernel_surface, label_step
 from cranktopo.bodies.solid.throw import add_full_throw, add_half_throw, add_web, built
 from cranktopo.bodies.volume import web_volume_mm3
@@ -215,7 +215,7 @@ def _part(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
         first, second = halves(scene)
         body = _web(occ, first if part == "web" else mirror_image(second))
         if part == "second_web":
-            occ.rotate(body, 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
+            turned_half(occ, body, scene.pitch_mm)
     else:
         add = {
             "half": add_half_throw,
@@ -238,9 +238,7 @@ def _bored(occ: Any, scene: Scene, part: SolidPart, body: DimTags) -> DimTags:
         return with_threads(occ, body, tools, sum(map(threads_mm3, throws)), part)
     if part == "second_web":
         own = mirror_image(halves(scene)[1])
-        tools = add_thread_tools(occ, own, half=True)
-        if tools:
-            occ.rotate(tools, 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
+        tools = turned_half(occ, add_thread_tools(occ, own, half=True), scene.pitch_mm)
         return with_threads(occ, body, tools, threads_mm3(own, half=True), "web")
     if part in ("web", "half", "throw"):
         half = part != "throw"

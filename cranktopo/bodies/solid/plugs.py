@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.bodies.solid.shapes import add_solid
+from cranktopo.bodies.solid.shapes import add_solid, turned_half
 from cranktopo.design.halves import halves, mirror_image
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import DimTags
@@ -26,9 +25,7 @@ def add_plugs(occ: Any, scene: Scene) -> DimTags:
         raise CranktopoError(
             f"{scene.name}: no counterweight of it has plugs.", hint="Add [[web.counterweight.plug]]."
         )
-    if beyond:
-        occ.rotate(beyond, 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
-    return [*found, *beyond]
+    return [*found, *turned_half(occ, beyond, scene.pitch_mm)]
 
 
 def plug_names(scene: Scene) -> tuple[str, ...]:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from itertools import pairwise
 from typing import Any
 
 from cranktopo.bodies.raw_part import forging_of, raw_half_volume_mm3
 from cranktopo.bodies.solid.checked import ClosedForm, check_body
-from cranktopo.bodies.solid.shapes import add_solid, cut, fused
+from cranktopo.bodies.solid.shapes import add_solid, cut, fused, turned_half
 from cranktopo.bodies.solid.throw import built
 from cranktopo.design.halves import halves, mirror_image
 from cranktopo.design.schema import Scene
@@ -25,8 +24,7 @@ def add_raw_throw(occ: Any, scene: Scene) -> DimTags:
     """Return the raw part of a throw between its two mid-main-journal planes as one checked body."""
     first, second = halves(scene)
     half, other = (add_raw_half(occ, one) for one in (first, mirror_image(second)))
-    occ.rotate(other, 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
-    body, _ = occ.fuse(half, other)
+    body, _ = occ.fuse(half, turned_half(occ, other, scene.pitch_mm))
     check_body(occ, body, ClosedForm(sum(map(raw_half_volume_mm3, (first, second)))), "raw part")
     return list(body)
 

@@ -239,6 +239,13 @@ def cut(occ: Any, material: DimTags, tools: DimTags) -> DimTags:
     return list(occ.cut(material, tools)[0]) if tools else material
 
 
+def turned_half(occ: Any, bodies: DimTags, pitch_mm: float) -> DimTags:
+    """Turn bodies of the second half of a throw, in its own frame, into that of the throw; return them."""
+    if bodies:
+        occ.rotate(bodies, 0, 0, pitch_mm / 2, 0, 1, 0, math.pi)
+    return bodies
+
+
 def fused(occ: Any, bodies: Sequence[DimTags]) -> DimTags:
     """Return the union of bodies."""
     first, *more = bodies

@@ -14,7 +14,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid.checked import ClosedForm, check_body, misfit
 from cranktopo.bodies.solid.culprit import culprit
 from cranktopo.bodies.solid.drilled import drilled
-from cranktopo.bodies.solid.shapes import add_all, add_bodies, add_solid, cut
+from cranktopo.bodies.solid.shapes import add_all, add_bodies, add_solid, cut, turned_half
 from cranktopo.bodies.volume import half_throw_volume_mm3, outlet_roundings_mm3, throw_volume_mm3
 from cranktopo.design.checks.scene import check_solid
 from cranktopo.design.crank_throws import refuse_split_pins
@@ -108,7 +108,7 @@ def add_full_throw(occ: Any, scene: Scene, *, by_tools: bool = False) -> DimTags
     half = _add_half(occ, _without_late(first, scene), by_tools)
     other = _add_second(occ, scene, second, by_tools)
     tools, more = (_add_late(occ, own, scene) for own in (first, mirror_image(second)))
-    occ.rotate([*other, *more], 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
+    turned_half(occ, [*other, *more], scene.pitch_mm)
     body, _ = occ.fuse(half, other)
     body = _without_crumbs(occ, cut(occ, body, [*tools, *more]), throw_form(scene))
     check_body(occ, body, throw_form(scene), "full throw")

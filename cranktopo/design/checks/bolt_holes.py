@@ -101,10 +101,7 @@ def _check_apart(scene: Scene, one: BoltHole, other: BoltHole) -> None:
 
 
 def _wall(hole: BoltHole, radius_mm: float, low_mm: float, high_mm: float) -> Array:
-    """Return points (3, n) of a cylinder about the axis of a bolt, and of its upper end."""
-    turn = np.linspace(0, 2 * np.pi, _AROUND, endpoint=False)
-    turn, y = (grid.ravel() for grid in np.meshgrid(turn, np.linspace(low_mm, high_mm, _ALONG)))
-    return np.stack([hole.x_mm + radius_mm * np.cos(turn), y, hole.z_mm + radius_mm * np.sin(turn)])
+    return hole.wall_mm(radius_mm, np.linspace(low_mm, high_mm, _ALONG), _AROUND)
 
 
 def _half(z_mm: tuple[float, float]) -> float:

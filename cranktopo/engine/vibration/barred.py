@@ -76,7 +76,12 @@ def misfire_ranges(of_each: Iterable[MisfireRange]) -> tuple[MisfireRange, ...]:
 
 def ranges_words(barred_rpm: Iterable[tuple[float, float]], between: str = " and ") -> str:
     """Return ranges in words, rounded to whole speeds outwards."""
-    return between.join(f"{math.floor(low)} to {math.ceil(high)} rpm" for low, high in barred_rpm)
+    return between.join("{} to {} rpm".format(*_whole(ends)) for ends in barred_rpm)
+
+
+def _whole(ends_rpm: tuple[float, float]) -> tuple[int, int]:
+    """Return the ends of a range as whole speeds outside of it."""
+    return math.floor(ends_rpm[0]), math.ceil(ends_rpm[1])
 
 
 def barred_key(scene: Scene, ranges_rpm: Iterable[tuple[float, float]]) -> str:
@@ -86,12 +91,11 @@ def barred_key(scene: Scene, ranges_rpm: Iterable[tuple[float, float]]) -> str:
     """
     engine = scene.engine
     own = [rpm for rpm in (engine.speed_rpm, engine.overspeed_rpm) if rpm is not None] if engine else []
-    passed = [
-        (math.floor(low), math.ceil(high))
-        for low, high in ranges_rpm
-        if not any(low <= rpm <= high or math.floor(low) < rpm < math.ceil(high) for rpm in own)
-    ]
-    keys = ", ".join(f"[{low}, {high}]" for low, high in passed)
+    keys = ", ".join(
+        str(list(_whole(ends)))
+        for ends in ranges_rpm
+        if not any(ends[0] <= rpm <= ends[1] or _whole(ends)[0] < rpm < _whole(ends)[1] for rpm in own)
+    )
     return f"shaft.barred_rpm = [{keys}]" if keys else ""
 
 

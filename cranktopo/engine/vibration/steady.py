@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array, Complex, Mask
 from cranktopo.base.units import angular_speed_rad_s
+from cranktopo.design.shaft import passed_through
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
 from cranktopo.engine.vibration.torque_harmonics import (
     HARMONICS,
@@ -90,10 +91,7 @@ class Vibration:
     @property
     def running(self) -> Mask:
         """Tell of each speed whether the engine runs at it, (speeds,)."""
-        found = np.ones(len(self.speeds_rpm), dtype=bool)
-        for low, high in self.barred_rpm:
-            found &= (self.speeds_rpm <= low) | (high <= self.speeds_rpm)
-        return found
+        return ~passed_through(self.barred_rpm, self.speeds_rpm)
 
     @property
     def torque_amplitude_Nm(self) -> Array:
@@ -126,10 +124,14 @@ class Vibration:
         return float(self.torque_amplitude_Nm[self.worst.speed_index, self.worst.section])
 
     @property
+    def crankshaft_amplitude_Nm(self) -> Array:
+        """Largest torque amplitude of the crankshaft's sections at each speed, (speeds,)."""
+        return np.asarray(self.torque_amplitude_Nm[:, np.array(self.shaft.in_crankshaft)].max(axis=1))
+
+    @property
     def shear_MPa(self) -> Array:
         """Largest nominal alternating shear stress of the crankshaft's sections, (speeds,)."""
-        inside = np.array(self.shaft.in_crankshaft)
-        return np.asarray(self.shaft.shear_MPa(1.0) * self.torque_amplitude_Nm[:, inside].max(axis=1))
+        return np.asarray(self.shaft.shear_MPa(1.0) * self.crankshaft_amplitude_Nm)
 
 
 def critical_speeds(

@@ -154,8 +154,12 @@ class Swing:
 
 def largest_swing(response: Vibration, section: int) -> Swing:
     """Return where a section's torque swings most, of equal speeds at the lowest."""
-    amplitude = np.where(response.running, response.torque_amplitude_Nm[:, section], -1.0)
-    return swing_at(response, section, int(amplitude.argmax()))
+    return swing_at(response, section, worst_speed(response, section))
+
+
+def worst_speed(response: Vibration, section: int) -> int:
+    """Return the number of the speed at which a section's torque swings most, of those the engine runs at."""
+    return int(np.where(response.running, response.torque_amplitude_Nm[:, section], -1.0).argmax())
 
 
 def swing_at(response: Vibration, section: int, speed: int) -> Swing:

@@ -9,6 +9,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.errors import solver_error
+from cranktopo.base.units import MM2_PER_M2
 from cranktopo.numerics.bearing_film.conserving import FilmState, FilmStep, Supply, advanced, inside
 from cranktopo.numerics.bearing_film.film_cells import FilmCells
 from cranktopo.numerics.bearing_film.orbit import JournalBearing, LoadedJournal, Orbit
@@ -22,7 +23,6 @@ _SAME = 2e-3
 """Part of the least film and of the largest pressure by which they may differ from the cycle before."""
 _FEEDS = 1e3
 """Conductance of hole or groove to a cell, dimensionless: films have less than a tenth of it."""
-_MM_PER_M = 1e3
 _PA_PER_MPA = 1e6
 
 
@@ -192,7 +192,7 @@ class _Case:
         """Return the step that ends at a state of a cycle, 1 to their number."""
         tilt = complex(self.tilt[place % len(self.tilt)]) / self.turn(place, cycle)
         area_mm2 = self.cells.width_over_diameter * self.journal.bearing.diameter_mm**2 / 2
-        per_unit_N = self.unit_Pa * area_mm2 / _MM_PER_M**2 * self.alike
+        per_unit_N = self.unit_Pa * area_mm2 / MM2_PER_M2 * self.alike
         load = self._middle(self.journal.load_N, place, cycle) / per_unit_N
         return FilmStep(self.step_rad, load, tilt, self._supply(place, cycle))
 

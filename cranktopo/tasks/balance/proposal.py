@@ -11,6 +11,7 @@ from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.base.root import root
 from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.clearance import pin_in_the_way
+from cranktopo.design.crank_throws import refuse_split_pins
 from cranktopo.design.halves import difference
 from cranktopo.design.named import with_values
 from cranktopo.design.schema import Scene
@@ -66,7 +67,11 @@ def propose_counterweight(scene: Scene, percent: float) -> ProposedCounterweight
         CranktopoError: different webs, no oscillating mass, or no radius that balances so much or so little.
     """
     _require_equal_halves(scene)
-    _require_straight_pin(scene)
+    refuse_split_pins(
+        scene,
+        "--propose sizes the counterweights of a throw with a straight pin",
+        "Without --propose, balance says what each web needs.",
+    )
     if not rods_kg_mm(scene)[1]:
         raise invalid("engine.masses", None, "must be given: without them nothing oscillates")
     own_deg = scene.web.counterweight.half_angle_deg if scene.web.counterweight else _HALF_ANGLE_DEG
@@ -98,17 +103,6 @@ def _require_equal_halves(scene: Scene) -> None:
         hint=f"Propose on a copy of the design with {copy}. Without --propose, balance takes this design "
         "and says what each of its webs needs.",
     )
-
-
-def _require_straight_pin(scene: Scene) -> None:
-    splay = scene.engine.arranged.pin_splay_deg if scene.engine else None
-    if splay:
-        raise invalid(
-            "engine.arrangement.pin_splay_deg",
-            splay,
-            "--propose sizes the counterweights of a throw with a straight pin",
-            "Without --propose, balance says what each web needs.",
-        )
 
 
 def _other_angles_deg(own_deg: float) -> list[float]:

@@ -12,6 +12,7 @@ import numpy as np
 from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note, warn
+from cranktopo.base.units import UM_PER_MM
 from cranktopo.design.assumed import Assumption
 from cranktopo.design.plain_bearings import PlainBearings
 from cranktopo.design.schema import Scene
@@ -26,7 +27,7 @@ NEAR = 1.5
 HOLE_SHARE, PIN_HOLE_DEG = 0.1, 90.0
 """Diameter of a feed hole over that of its journal, and a pin's angle ahead of its throw, if not given."""
 _STEP_DEG = 2.0
-_UM_PER_MM, _MM3_PER_CM3 = 1e3, 1e3
+_MM3_PER_CM3 = 1e3
 
 
 def near_limit(table: PlainBearings, film: BearingFilm) -> bool:
@@ -135,7 +136,7 @@ def _or_by_mobility(bearing: str, instead: str) -> Iterator[None]:
 
 def _edge(journal: LoadedJournal, angle_deg: Array, feed: OilFeed, orbit: Orbit, tilt: Complex) -> EdgeFilm:
     most = int(np.abs(tilt).argmax())
-    tilt_um = float(np.abs(tilt[most])) * journal.bearing.clearance_mm * _UM_PER_MM
+    tilt_um = float(np.abs(tilt[most])) * journal.bearing.clearance_mm * UM_PER_MM
     touching = EdgeFilm(film_um=0.0, film_deg=float(angle_deg[most]), pressure_MPa=None, tilt_um=tilt_um)
     if np.abs(tilt[most]) >= 1 - LEAST_SHARE:
         return touching
@@ -145,7 +146,7 @@ def _edge(journal: LoadedJournal, angle_deg: Array, feed: OilFeed, orbit: Orbit,
         return touching
     thin = int(found.film_mm.argmin())
     return EdgeFilm(
-        film_um=float(found.film_mm[thin]) * _UM_PER_MM,
+        film_um=float(found.film_mm[thin]) * UM_PER_MM,
         film_deg=float(angle_deg[thin]),
         pressure_MPa=float(found.pressure_MPa.max()),
         tilt_um=tilt_um,
@@ -157,7 +158,7 @@ def _read(found: ConservedOrbit) -> ConservingFilm:
     half = float(found.angle_deg[1]) / 2  # the pressure is that of the middle of a step
     cycle = len(found.angle_deg) * 2 * half
     return ConservingFilm(
-        film_um=float(found.film_mm[thin]) * _UM_PER_MM,
+        film_um=float(found.film_mm[thin]) * UM_PER_MM,
         film_deg=float(found.angle_deg[thin]),
         pressure_MPa=float(found.pressure_MPa[hard]),
         pressure_deg=(float(found.angle_deg[hard]) - half) % cycle,

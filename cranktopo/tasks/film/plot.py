@@ -9,6 +9,7 @@ import numpy as np
 
 from cranktopo.base.files import replacing
 from cranktopo.base.formats import PLOTS
+from cranktopo.base.units import UM_PER_MM
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.numerics.bearing_film.orbit import Orbit
@@ -16,7 +17,6 @@ from cranktopo.report.plot import curve_style, name_above, plain_decades, save_f
 from cranktopo.runs.destination import check_file
 from cranktopo.tasks.film.stage import LoadedBearing, orbits_at
 
-_UM_PER_MM = 1e3
 _COLUMNS = 4
 _AXES_INCHES = 8.8
 _ORBITS = (
@@ -56,7 +56,7 @@ def _draw_cycle(figure: Any, found: tuple[tuple[LoadedBearing, Orbit], ...]) -> 
     film, pressure = figure.subplots(2, 1, sharex=True)
     for number, (loaded, steady) in enumerate(found):
         style = {"color": "k", "lw": 1.5} if loaded is found[-1][0] else {"lw": 1.0, **curve_style(number)}
-        film.plot(steady.angle_deg, steady.film_mm * _UM_PER_MM, label=loaded.name, **style)
+        film.plot(steady.angle_deg, steady.film_mm * UM_PER_MM, label=loaded.name, **style)
         pressure.plot(steady.angle_deg, steady.pressure_MPa, **style)
     film.set(yscale="log", ylabel="least film (µm)")
     plain_decades(film.yaxis)

@@ -9,7 +9,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.units import MM_PER_M, angular_speed_rad_s
+from cranktopo.base.units import MM_PER_M, UM_PER_MM, angular_speed_rad_s
 from cranktopo.design.assumed import Assumption, assumptions
 from cranktopo.design.bearing_room import big_end_room_mm, main_journals, main_room_mm
 from cranktopo.design.crank_throws import carried
@@ -36,7 +36,6 @@ from cranktopo.tasks.film.result import BearingFilm, FilmResult, FilmsAtSpeed
 
 BEARINGS = "bearings"
 ALONE = "throws that stand alone between two bearings"
-_UM_PER_MM = 1e3
 _STEP_DEG = 1.0
 
 
@@ -213,9 +212,9 @@ def _film(loaded: LoadedBearing, steady: Orbit) -> BearingFilm:
         films=bearing.films,
         max_N=most,
         deg=most_deg,
-        film_um=film * _UM_PER_MM,
+        film_um=film * UM_PER_MM,
         film_deg=film_deg,
-        below_um=LEAST_SHARE * bearing.clearance_mm * _UM_PER_MM,
+        below_um=LEAST_SHARE * bearing.clearance_mm * UM_PER_MM,
         pressure_MPa=pressure,
         pressure_deg=pressure_deg,
         eccentricity=float(np.abs(steady.eccentricity).max()),

@@ -14,10 +14,10 @@ from manifold3d import Manifold
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import write_json, write_text
 from cranktopo.base.frames import X, Y, Z
-from cranktopo.base.notes import note, silent, warn
+from cranktopo.base.notes import note, silent
 from cranktopo.base.result import Result
 from cranktopo.bodies.prisms import snapped_to_mirror_plane, web_region, with_bolted
-from cranktopo.bodies.seat import cut_seat_text
+from cranktopo.bodies.seat import warn_of_cut_seat
 from cranktopo.bodies.solid.files import coarse_facet_mm, export_solid, surface_of
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.loading import scene_from_dict
@@ -67,8 +67,7 @@ def write_solids(scene: Scene, folder: Path, started: datetime | None = None) ->
     `started` dates the STEP file, so that a loop that is resumed writes the same bytes; by default it is now.
     """
     facet = coarse_facet_mm(scene)
-    for text in filter(None, [cut_seat_text(scene)]):
-        warn(text)
+    warn_of_cut_seat(scene)
     export_solid(scene, "half", folder / f"{HALF}.step", started=started)
     return _written(surface_of(scene, "half", facet), surface_of(scene, "web", facet), folder)
 

@@ -108,13 +108,10 @@ def _lower_end_mm(outline_mm: Array, x_mm: float) -> float:
 
 def _thread(bolt: BoltHole, outline_mm: Array) -> Array:
     """Return points of the wall of a thread, where it is closed all around, and of its floor."""
-    turn = np.linspace(0, 2 * np.pi, _AROUND, endpoint=False)
     radius = bolt.joint.nominal.diameter_mm / 2
     low, high = _lower_end_mm(outline_mm, bolt.x_mm + radius) + _INWARD_MM, bolt.floor_mm
     y = np.linspace(min(low, high), high, max(2, int(np.ceil((high - low) / _STEP_MM))))
-    turn, y = (grid.ravel() for grid in np.meshgrid(turn, y))
-    x = bolt.x_mm + radius * np.cos(turn)
-    return np.stack([x, y, bolt.z_mm + radius * np.sin(turn)])
+    return bolt.wall_mm(radius, y, _AROUND)
 
 
 def _in_bore(scene: Scene, at: Array) -> float:

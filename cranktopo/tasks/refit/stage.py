@@ -9,9 +9,9 @@ from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import as_path, write_json, write_text
-from cranktopo.base.notes import note, warn
+from cranktopo.base.notes import note
 from cranktopo.bodies.prisms import thread_holes, with_bolted
-from cranktopo.bodies.seat import cut_seat_text
+from cranktopo.bodies.seat import warn_of_cut_seat
 from cranktopo.bodies.solid.files import export_solid, surface_of
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, toml_text
@@ -115,8 +115,7 @@ def write_refit(
     scene = fitted.scene
     files = RefitFiles(design=f"{scene.name}.toml")
     note(f"{scene.name}: writing the solid and the drawing")
-    for text in filter(None, [cut_seat_text(scene)]):
-        warn(text)
+    warn_of_cut_seat(scene)
     heading = f"Web fitted to the optimised body of {scene.name}; overlap {100 * near.web_iou:.1f} %."
     write_text(folder / files.design, toml_text(scene, heading))
     export_solid(scene, "half", folder / files.step, started=started)

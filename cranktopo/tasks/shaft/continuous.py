@@ -8,6 +8,7 @@ import numpy as np
 
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.notes import Pace, warn
+from cranktopo.base.units import UM_PER_MM
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
@@ -29,7 +30,6 @@ from cranktopo.tasks.shaft.on_film import Support, carried_cycle
 from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftBearing, WebMoment
 from cranktopo.tasks.shaft.web_sections import web_sections
 
-_UM_PER_MM = 1000.0
 _MRAD_PER_RAD = 1000.0
 
 _MOMENTS_AND_SHEARS = (
@@ -144,7 +144,7 @@ def _main_bearings(
     halves_N = np.hypot(added[:, 0], added[:, 1]).max(axis=1)
     motion = cycle.motion.reshape(sections, 6, -1)
     tilt = np.hypot(motion[:, RX], motion[:, RY]).max(axis=1) * _MRAD_PER_RAD
-    offset = np.hypot(motion[:, UX], motion[:, UY]).max(axis=1) * _UM_PER_MM
+    offset = np.hypot(motion[:, UX], motion[:, UY]).max(axis=1) * UM_PER_MM
     return tuple(
         ShaftBearing(
             bearing=number + 1,
@@ -178,7 +178,7 @@ def _tell_touching(loaded: Sequence[LoadedBearing]) -> None:
     for one in loaded:
         tilt = 0.0 if one.tilt is None else float(np.abs(one.tilt).max())
         if tilt > 1:
-            ends_um = tilt * one.bearing.clearance_mm * _UM_PER_MM
+            ends_um = tilt * one.bearing.clearance_mm * UM_PER_MM
             worst[one.name] = max(ends_um, worst.get(one.name, 0.0))
     if worst:
         ends = ", ".join(f"{name} {ends_um:.0f} um" for name, ends_um in worst.items())

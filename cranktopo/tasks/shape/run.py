@@ -11,10 +11,10 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.files import as_path, write_json, write_text
-from cranktopo.base.notes import note, warn
+from cranktopo.base.notes import note
 from cranktopo.base.progress import StageCache, StageMemory
 from cranktopo.bodies.prisms import with_bolted
-from cranktopo.bodies.seat import cut_seat_text
+from cranktopo.bodies.seat import warn_of_cut_seat
 from cranktopo.bodies.solid.bolted import threads_mm3
 from cranktopo.bodies.solid.files import coarse_facet_mm, export_solid, surface_of
 from cranktopo.design.assumed import (
@@ -279,8 +279,7 @@ def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> SurfaceMesh:
     """Write scene, exact solids and drawing of the best web; return the triangles of its half throw."""
     shaped, goal = optimum.result.web.scene, optimum.goal
     heading = f"Web of {scene.name} with the best dimensions for: {goal.sense} {goal.quantity}."
-    for text in filter(None, [cut_seat_text(shaped)]):
-        warn(text)
+    warn_of_cut_seat(shaped)
     write_text(run.path / _FILES.design, toml_text(shaped, heading))
     export_solid(shaped, "half", run.path / _FILES.step, started=run.started())
     export_solid(shaped, "half", run.path / _FILES.stl)

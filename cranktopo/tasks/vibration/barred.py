@@ -35,9 +35,7 @@ def passed_sentence(study: VibrationStudy) -> str:
     response = study.response
     if response.running.all():
         return ""
-    inside = np.array(study.shaft.in_crankshaft)
-    torque = response.torque_amplitude_Nm[:, inside].max(axis=1)
-    torque = np.where(response.running, -1.0, torque)
+    torque = np.where(response.running, -1.0, response.crankshaft_amplitude_Nm)
     rpm, most = response.speeds_rpm[int(torque.argmax())], float(torque.max())
     return (
         f"The engine only passes through {ranges_words(response.barred_rpm)} (shaft.barred_rpm): what is "

@@ -100,8 +100,7 @@ def _name_modes(axes: Any, study: VibrationStudy, top: float) -> None:
 def _draw_torque(axes: Any, study: VibrationStudy) -> None:
     """Draw the largest amplitudes of the crankshaft's sections, over all of these at each speed."""
     response, inside = study.response, np.array(study.shaft.in_crankshaft)
-    largest = response.torque_amplitude_Nm[:, inside].max(axis=1)
-    axes.plot(response.speeds_rpm, largest, "k", lw=1.4, label="all orders")
+    axes.plot(response.speeds_rpm, response.crankshaft_amplitude_Nm, "k", lw=1.4, label="all orders")
     if study.run_up is not None:
         passage = study.run_up.torque_amplitude_Nm[:, inside].max(axis=1)
         label = f"run-up in {study.run_up.seconds:g} s"

@@ -13,7 +13,7 @@ from cranktopo.engine.performance import pressure_words
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.engine.vibration.disk_error import FEW_THROWS_ERROR, few_throws
 from cranktopo.engine.vibration.steady import TELLING_SHARE
-from cranktopo.engine.vibration.study import Swing, VibrationStudy, largest_swing
+from cranktopo.engine.vibration.study import Swing, VibrationStudy, largest_swing, worst_speed
 from cranktopo.engine.vibration.telling import WEAK, is_near, order_torque_Nm
 from cranktopo.report.result_table import Cell, ResultTable, Row, terminal
 from cranktopo.tasks.vibration.barred import barred_sentence, passed_sentence
@@ -175,9 +175,8 @@ def sections_table(study: VibrationStudy) -> ResultTable:
     response, shaft = study.response, study.shaft
     rows: list[Row] = []
     for index, name in enumerate(shaft.sections):
-        swing = largest_swing(response, index)
-        speed = int(np.flatnonzero(response.speeds_rpm == swing.speed_rpm)[0])
-        torque = swing.torque_amplitude_Nm
+        speed = worst_speed(response, index)
+        torque = float(response.torque_amplitude_Nm[speed, index])
         row: dict[str, Cell] = {
             "section": name,
             "stiffness_kNm_per_rad": shaft.chain.stiffness_Nm_per_rad[index] / 1000,
