@@ -12,7 +12,6 @@ from cranktopo.bodies.bolt_masses import bolts_added_kg_mm, holes_in_weight
 from cranktopo.design.halves import of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.moments import drilled
-from cranktopo.throw.feature import Body
 from cranktopo.throw.journal import Journal
 from cranktopo.throw.moments import Moments, body_moments
 from cranktopo.throw.web import web_bodies
@@ -20,13 +19,7 @@ from cranktopo.throw.web import web_bodies
 
 def web_moments(scene: Scene, before_z_mm: float | None = None) -> Moments:
     """Return the moments of one whole web, bores and features taken out; weighted as `body_moments`."""
-    return _of_bodies(tuple(web_bodies(scene)), before_z_mm)
-
-
-@lru_cache(maxsize=32)
-def _of_bodies(bodies: tuple[Body, ...], before_z_mm: float | None) -> Moments:
-    """Return their moments by the bodies alone: scenes of one web differ in loads and effects."""
-    return body_moments(bodies, before_z_mm)
+    return body_moments(web_bodies(scene), before_z_mm)
 
 
 _NOTHING = Moments(0.0, 0.0, 0.0, 0.0)

@@ -57,20 +57,29 @@ class Moments:
 def body_moments(bodies: Sequence[Body], before_z_mm: float | None = None) -> Moments:
     """Return the moments of what bodies leave; with a height, weighted by the distance before it, mm."""
     exact = [(body, body.exact_moments(before_z_mm)) for body in bodies]
-    rest = [body for body, found in exact if found is None]
-
-    def slices(y: Array) -> Array:
-        heights, weights = _heights(rest, y)
-        if before_z_mm is not None:
-            weights = weights * (before_z_mm - heights)
-        values = _moments_at(rest, y[:, None], heights)
-        return np.asarray((values * weights[..., None]).sum(axis=1))
-
-    total = Moments(*integrate(slices, _breaks(rest)).tolist())
+    plain, times_z = _integrals(tuple(body for body, found in exact if found is None))
+    total = plain if before_z_mm is None else plain.times(before_z_mm) - times_z
     for _, found in exact:
         if found is not None:
             total = total - Moments(*found)
     return total
+
+
+@lru_cache(maxsize=32)
+def _integrals(bodies: tuple[Body, ...]) -> tuple[Moments, Moments]:
+    """Return the moments of what bodies leave, and those times the height: their sections cost the same once.
+
+    Kept by the bodies alone, as scenes of one web differ in loads and effects.
+    """
+
+    def slices(y: Array) -> Array:
+        heights, weights = _heights(bodies, y)
+        at = _moments_at(bodies, y[:, None], heights)
+        both = weights, weights * heights
+        return np.concatenate([(at * one[..., None]).sum(axis=1) for one in both], axis=-1)
+
+    found = integrate(slices, _breaks(bodies)).tolist()
+    return Moments(*found[:4]), Moments(*found[4:])
 
 
 def body_section_moments(bodies: Sequence[Body], z_mm: float) -> Moments:
@@ -119,7 +128,7 @@ def integrate(function: Callable[[Array], Array], breaks: Array, tolerance: floa
     low, high = breaks[:-1], breaks[1:]
     values = _quadrature(function, low, high)
     total, scale = np.zeros(values.shape[1]), np.abs(values).sum(axis=0)
-    scale[1] = scale[2]
+    scale[1::4] = scale[2::4]
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
         below, above = _quadrature(function, low, middle), _quadrature(function, middle, high)
