@@ -1,4 +1,4 @@
-"""One gmsh session: opened quietly, closed always, its errors turned into messages, its mesh read."""
+"""One gmsh session: opened quietly, closed or kept for a body, its errors as messages, its mesh read."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,9 @@ _SIGACTION = 512
 """Bytes that hold a `struct sigaction` of any platform."""
 _ALONE = threading.RLock()
 """gmsh keeps one state for the whole process."""
+_KEPT: dict[Hashable, Any] = {}
+"""The body whose session is open, if any, and what built it."""
+_Built = TypeVar("_Built")
 
 
 @contextmanager
@@ -38,32 +41,76 @@ def cad_session(what: str) -> Iterator[Any]:
     Meshes are made by one thread, so that the same input gives the same mesh; sessions of other threads wait.
     """
     with _ALONE, at_work(f"CAD kernel: {what}"):
-        yield from _session(what)
+        _end_kept()
+        gmsh = _opened(what)
+        try:
+            with _failures(gmsh, what):
+                yield gmsh
+        finally:
+            gmsh.finalize()
 
 
-def _session(what: str) -> Iterator[Any]:
+@contextmanager
+def body_session(what: str, body: Hashable, build: Callable[[Any], _Built]) -> Iterator[tuple[Any, _Built]]:
+    """Yield gmsh with a body, not meshed, and what built it; as `cad_session`, but for the body.
+
+    The last body stays open and is not built again for its next mesh, which is that of a new one.
+
+    Args:
+        body: what it is built from.
+    """
+    with _ALONE, at_work(f"CAD kernel: {what}"):
+        kept = _end_kept(but=body)
+        gmsh, ended = _gmsh() if kept else _opened(what), False
+        try:
+            with _failures(gmsh, what):
+                built = kept[0] if kept else build(gmsh)
+                yield gmsh, built
+                gmsh.model.mesh.clear()
+                for field in gmsh.model.mesh.field.list():
+                    gmsh.model.mesh.field.remove(field)
+            _KEPT[body], ended = built, True
+        finally:
+            if not ended:
+                gmsh.finalize()
+
+
+def _end_kept(but: Hashable = None) -> list[Any]:
+    """Close the session of the body that is open unless it is this one; return what built this one."""
+    found = [built for body, built in _KEPT.items() if body == but]
+    if _KEPT and not found:
+        _gmsh().finalize()
+    _KEPT.clear()
+    return found
+
+
+def _opened(what: str) -> Any:
     check_addresses(what, _ADDRESSES_MIB)
     gmsh = _gmsh()
     with _kept_handlers():
         gmsh.initialize(readConfigFiles=False, interruptible=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.option.setNumber("General.NumThreads", 1)
+    gmsh.option.setNumber("Geometry.OCCParallel", 1)  # booleans alone, which end the same
+    gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
+    gmsh.model.add(what)
+    return gmsh
+
+
+@contextmanager
+def _failures(gmsh: Any, what: str) -> Iterator[None]:
+    """Turn errors of gmsh, which raises the bare class, into CranktopoError; anything else is a defect."""
     try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.option.setNumber("General.NumThreads", 1)
-        gmsh.option.setNumber("Geometry.OCCParallel", 1)  # booleans alone, which end the same
-        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
-        gmsh.model.add(what)
-        yield gmsh
+        yield
     except CranktopoError:
         raise
     except Exception as error:
-        if type(error) is not Exception:  # gmsh raises the bare class; anything else is a defect
+        if type(error) is not Exception:
             raise
         raise solver_error(
             f"{what}: gmsh failed: {str(error).strip() or gmsh.logger.getLastError()}.",
             "Change the dimensions slightly, or the element size.",
         ) from None
-    finally:
-        gmsh.finalize()
 
 
 @contextmanager

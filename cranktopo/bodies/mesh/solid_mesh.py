@@ -17,7 +17,7 @@ from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.crank_throws import refuse_flying_web
 from cranktopo.design.halves import difference, halves, may_mirror, usual_scale, web_asymmetry
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.numerics.gmsh_session import body_session
 from cranktopo.numerics.tetrahedra.cad_mesh import by_smaller_elements, generate, positive_x
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.throw.drilling.bore import size_mm, size_terms
@@ -83,16 +83,11 @@ def mesh_throw(
     """
     refuse_flying_web(scene)
     whole = full or bool(difference(scene))
+    mirrored = quarter and may_mirror(scene, web_asymmetry(scene))
 
     def make(size: float, adapt: bool, by_tools: bool = False) -> MeshedThrow:
-        with cad_session(f"solid of {scene.name}") as gmsh:
-            occ = gmsh.model.occ
-            solid = (add_full_throw if whole else add_half_throw)(occ, scene, by_tools=by_tools)
-            body = solid_properties(occ, solid)
-            mirrored = quarter and may_mirror(scene, web_asymmetry(scene))
-            if mirrored:
-                side = positive_x(occ, solid, scene.pitch_mm)
-                check_parts(2 * volume_mm3(occ, side), body.volume_mm3)
+        body_of = _Body(scene.model_copy(update={"shaft": None}), whole, mirrored, by_tools)
+        with body_session(f"solid of {scene.name}", body_of, body_of.build) as (gmsh, body):
             _set_sizes(gmsh, scene, size, graded=graded, full=whole, fillet_fraction=fillet_fraction)
             stresses, regular_too = _for_stress(fillet_fraction, regular=regular)
             mesh = generate(gmsh, mirrored, stresses=stresses, regular=regular_too, adapt=adapt)
@@ -106,6 +101,26 @@ def mesh_throw(
         if error.code != ExitCode.SOLVER or not scene.throw.drilling:
             raise
         return by_smaller_elements(what, element_size_mm, partial(make, by_tools=True))
+
+
+@dataclass(frozen=True)
+class _Body:
+    """The half or the whole throw of a scene, or its half x >= 0, to be meshed."""
+
+    scene: Scene
+    whole: bool
+    mirrored: bool
+    by_tools: bool
+
+    def build(self, gmsh: Any) -> SolidProperties:
+        """Build it in an open session; return the properties for both signs of x."""
+        occ, scene = gmsh.model.occ, self.scene
+        solid = (add_full_throw if self.whole else add_half_throw)(occ, scene, by_tools=self.by_tools)
+        properties = solid_properties(occ, solid)
+        if self.mirrored:
+            side = positive_x(occ, solid, scene.pitch_mm)
+            check_parts(2 * volume_mm3(occ, side), properties.volume_mm3)
+        return properties
 
 
 def mesh_body(
