@@ -164,6 +164,11 @@ class Engine(SceneTable):
     """Smallest torque behind a throw; replaces the computed one."""
 
     @property
+    def own_speeds_rpm(self) -> tuple[float, ...]:
+        """Its speed and its overspeed, each once."""
+        return tuple(dict.fromkeys((self.speed_rpm, self.overspeed_rpm or self.speed_rpm)))
+
+    @property
     def rod_parts_kg(self) -> tuple[float, float]:
         """Parts of the rod that move with the piston and turn with the crankpin, kg: given, or split."""
         masses = self.masses

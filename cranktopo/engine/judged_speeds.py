@@ -22,8 +22,7 @@ def rated_speeds(scene: Scene, enabled: frozenset[str]) -> tuple[Scene, ...]:
 
     Ascending, each speed once. The pull of the masses grows with the square of the speed.
     """
-    engine = engine_of(scene)
-    found = {engine.speed_rpm, engine.overspeed_rpm or engine.speed_rpm}
+    found = set(engine_of(scene).own_speeds_rpm)
     if "torsional_vibration" in enabled:
         found.add(engine_of(at_worst_speed(scene, enabled)).speed_rpm)
     return tuple(at_speed(scene, rpm) for rpm in sorted(found))

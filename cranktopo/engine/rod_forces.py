@@ -98,9 +98,7 @@ def rod_motions(scene: Scene) -> tuple[RodMotion, ...]:
         CranktopoError: no rod, no engine or no gas pressure.
     """
     rod_of(scene)
-    engine = engine_of(scene)
-    speeds = dict.fromkeys((engine.speed_rpm, engine.overspeed_rpm or engine.speed_rpm))
-    return tuple(_motion(scene, speed) for speed in speeds)
+    return tuple(_motion(scene, speed) for speed in engine_of(scene).own_speeds_rpm)
 
 
 def _motion(scene: Scene, speed_rpm: float) -> RodMotion:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,17 +26,25 @@ class _Amplification:
     Attributes:
         frequency_Hz: first natural frequency.
         order: the one with the largest share at that place.
-        percent: change against that of a shaft that does not twist, over the same range.
+        percent: change against a shaft that does not twist at the speeds at which that is judged.
+        by_twist_percent: change against one over the same range.
+        judged_rpm: speed of those with the larger amplitude.
     """
 
     frequency_Hz: float
     order: float
     speed_rpm: float
     percent: float
+    by_twist_percent: float
+    judged_rpm: float
 
 
 def torsional_vibration(context: PlanningContext) -> Estimate:
-    """Torque amplitude of the vibrating shaft against that of a stiff one, every mode and order in it."""
+    """Torque amplitude of the vibrating shaft over its speeds against what is judged of a stiff one.
+
+    A stiff shaft is judged at the engine's speed and its overspeed alone, so that the estimate is what
+    switching the effect on changes. Every mode and order is in it.
+    """
     absent = _absent(context.scene)
     if absent:
         return Estimate(None, "", "nothing", absent=absent, impossible=absent)
@@ -46,7 +54,9 @@ def torsional_vibration(context: PlanningContext) -> Estimate:
     source = "" if has_stiffness else " (throws in closed form)"
     because = (
         f"first natural frequency {frequency_text(found.frequency_Hz)}{source}, torque amplitude "
-        f"{signed_percent(found.percent, 3)}, worst at {found.speed_rpm:.0f} rpm by order {found.order:g}"
+        f"{signed_percent(found.percent, 3)} against a stiff shaft's at {found.judged_rpm:.0f} rpm "
+        f"({signed_percent(found.by_twist_percent, 3)} against its over all speeds), "
+        f"worst at {found.speed_rpm:.0f} rpm by order {found.order:g}"
     )
     change = 100 * (1 / (1 + found.percent / 100) - 1)
     return Estimate(abs(found.percent), because, f"torque amplitude {signed_percent(change)}")
@@ -69,19 +79,27 @@ def _absent(scene: Scene) -> str:
 
 
 def _amplification(scene: Scene) -> _Amplification:
-    """Solve the shaft with its mean inertia: all orders, over the range of speeds."""
+    """Solve the shaft with its mean inertia: all orders, over the range of speeds but for barred ones."""
     shaft, harmonics, limits = estimated_chain(scene), torque_harmonics(scene), speed_range_rpm(scene)
     assert harmonics is not None
     modes = shaft.chain.damped_modes()
     orders = orders_to_solve(shaft, modes, harmonics, limits)
     speeds = speeds_to_solve(limits, critical_speeds(shaft, modes, harmonics, limits, orders), _SPEEDS)
-    found = vibration(shaft, harmonics, speeds, orders)
-    stiff = max(_stiff_amplitude_Nm(harmonics, float(speed)) for speed in speeds)
+    barred = (scene.shaft.barred_rpm if scene.shaft else None) or ()
+    ends = np.clip([end for ends in barred for end in ends], *limits)
+    found = replace(vibration(shaft, harmonics, np.union1d(speeds, ends), orders), barred_rpm=barred)
+    assert scene.engine is not None
+    judged = {rpm: _stiff_amplitude_Nm(harmonics, rpm) for rpm in scene.engine.own_speeds_rpm}
+    largest = max(judged, key=lambda rpm: judged[rpm])
+    running = found.speeds_rpm[found.running]
+    stiff = max(_stiff_amplitude_Nm(harmonics, float(speed)) for speed in running)
     return _Amplification(
-        float(modes[0].frequency_Hz),
-        found.worst.order,
-        float(found.speeds_rpm[found.worst.speed_index]),
-        100 * (found.worst_Nm / stiff - 1),
+        frequency_Hz=float(modes[0].frequency_Hz),
+        order=found.worst.order,
+        speed_rpm=float(found.speeds_rpm[found.worst.speed_index]),
+        percent=100 * (found.worst_Nm / judged[largest] - 1),
+        by_twist_percent=100 * (found.worst_Nm / stiff - 1),
+        judged_rpm=largest,
     )
 
 

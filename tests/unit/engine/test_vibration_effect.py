@@ -10,7 +10,6 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import redirected
-from cranktopo.design.checks.engine import speed_range_rpm
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
@@ -58,10 +57,11 @@ def turning(shaft: dict[str, Any], name: str = "mikron-iiic-plain", **engine: An
 
 
 def computed(scene: Scene) -> float:
-    """Torque amplitude behind a throw at the worst speed, over the largest quasi-static one in the range."""
+    """Torque amplitude behind a throw at the worst speed, over the one that is judged without vibration."""
     enabled = INERTIA_EFFECTS | {"torsional_vibration"}
     vibrating = swing_Nm(at_speed(scene, worst_speed_rpm(scene, enabled)), enabled)
-    speeds = np.linspace(*speed_range_rpm(scene), 15)
+    assert scene.engine is not None
+    speeds = scene.engine.own_speeds_rpm
     return vibrating / max(swing_Nm(at_speed(scene, speed), INERTIA_EFFECTS) for speed in speeds)
 
 
@@ -130,10 +130,38 @@ def test_the_reason_names_frequency_speed_and_order(with_propeller: tuple[Scene,
     assert effect.state == "on"
     assert "first natural frequency" in effect.reason
     assert "worst at 2755 rpm by order 8" in effect.reason
-    stiff_and_heavy = {"throw_stiffness_Nm_per_rad": 1e11, "flywheel": {"inertia_kg_m2": 1e6}}
-    stiff = plan(turning(stiff_and_heavy))["torsional_vibration"]
+
+
+def stiff_and_heavy(**shaft: Any) -> Scene:
+    return turning({"throw_stiffness_Nm_per_rad": 1e11, "flywheel": {"inertia_kg_m2": 1e6}, **shaft})
+
+
+def test_a_stiff_shaft_that_runs_at_its_rated_speeds_needs_none() -> None:
+    engine = stiff_and_heavy().engine
+    assert engine is not None
+    low, high = min(engine.own_speeds_rpm), max(engine.own_speeds_rpm)
+    stiff = plan(stiff_and_heavy(speed_min_rpm=low, speed_max_rpm=high))["torsional_vibration"]
     assert stiff.state == "off"
     assert "below the threshold of 2 %" in stiff.reason
+
+
+def test_the_estimate_is_what_switching_it_on_changes_of_a_stiff_shaft_too() -> None:
+    """Without it the torque at the lowest speeds, where no inertia works against the gas, is not judged."""
+    scene = stiff_and_heavy(speed_min_rpm=500.0)
+    effect = plan(scene)["torsional_vibration"]
+    assert effect.estimate_percent is not None
+    assert effect.estimate_percent > 2
+    assert effect.state == "on"
+    assert (1 + effect.estimate_percent / 100) / computed(scene) == pytest.approx(1.0, rel=1e-2)
+
+
+def test_the_estimate_leaves_out_barred_speeds(with_propeller: tuple[Scene, PhysicsPlan]) -> None:
+    scene, effects = with_propeller
+    assert scene.shaft is not None
+    barred = plan(turning({**PROPELLER, "barred_rpm": [[2600.0, 2800.0]]}))["torsional_vibration"]
+    assert barred.estimate_percent is not None
+    assert barred.estimate_percent < 0.9 * (effects["torsional_vibration"].estimate_percent or 0.0)
+    assert "worst at 2755" not in barred.reason
 
 
 @pytest.mark.parametrize("name", ["mikron-iiic-plain", "opposed-piston"])
