@@ -85,6 +85,14 @@ def clearance_text(scene: Scene) -> str:
     return f"{clearances_text(clearances_mm(scene))}; at least {clearance.least_gap_mm:g} mm stay"
 
 
+def room_words(scene: Scene) -> str:
+    """Return the room of web and counterweight in words; empty where nothing is known to be in the way."""
+    clearance = scene.envelope.clearance if scene.envelope else None
+    if clearance is None or not turning_limits(scene):
+        return ""
+    return clearances_text(clearances_mm(scene))
+
+
 def pin_in_the_way(scene: Scene) -> str:
     """Tell of a counterweight that reaches the axis of the piston pin; empty where none does.
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from cranktopo.app.main import main
+from cranktopo.design.clearance import room_words
 from cranktopo.design.loading import designs_folder, load_scene
 from cranktopo.engine.balance.whole_engine import LoadedMainBearings, engine_balance
 from cranktopo.tasks.balance.needed import counterweight_words
@@ -469,3 +470,12 @@ def test_the_card_of_bearings_compares_the_largest_loads_and_names_what_rises() 
         "\u00a0", " "
     )
     assert fact.status == "neutral"
+
+
+def test_room_that_nothing_tells_is_not_a_yes(capsys, tmp_path, weighted_vee):
+    page = tmp_path / "balance.html"
+    code, out, _ = run(capsys, str(weighted_vee), "--propose", "60%", "--report", str(page))
+    assert (code, room_words(load_scene(str(weighted_vee)))) == (0, "")
+    assert "Room for the counterweight: not known, as [envelope.clearance]" in out
+    assert "neither piston skirt nor crankcase" in page.read_text()
+    assert room_words(load_scene("car-diesel")).endswith("mm to the crankcase")

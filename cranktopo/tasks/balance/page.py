@@ -30,6 +30,7 @@ from cranktopo.tasks.balance.text import (
     free_table,
     inner_moment_table,
     order_table,
+    room_of,
     shaft_table,
     shafts_caption,
     share_words,
@@ -111,7 +112,7 @@ def _proposed(proposed: ProposedCounterweight | None) -> list[tuple[str, ResultT
         ("thickness of the web", f"{proposed.thickness_mm:g} mm"),
         ("engine.arrangement.balanced_oscillating_share", f"{proposed.share_percent / 100:g}"),
         ("balanced share of the oscillating mass", f"{proposed.balance_factor_percent:z.1f} %"),
-        ("room for it", proposed.refused or "yes"),
+        ("room for it", proposed.refused or room_of(proposed)),
     ]
     if proposed.own_angle_refused:
         rows.append(("room with the half-angle of the web", proposed.own_angle_refused))
@@ -122,7 +123,8 @@ def _proposed_fact(proposed: ProposedCounterweight) -> Fact:
     size = f"radius {proposed.outer_radius_mm:.1f} mm, {proposed.half_angle_deg:g} deg to each side"
     if proposed.refused:
         return Fact("Proposed counterweight", "does not fit", f"{size}: {proposed.refused}", "bad")
-    return Fact("Proposed counterweight", size, f"balances {share_words(proposed)}", "good")
+    note = f"balances {share_words(proposed)}; room for it: {room_of(proposed)}"
+    return Fact("Proposed counterweight", size, note, "good" if proposed.room else "neutral")
 
 
 def _facts(balance: EngineBalance, data: Balance) -> tuple[Fact, ...]:

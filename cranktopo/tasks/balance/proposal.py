@@ -10,7 +10,7 @@ from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.base.root import root
 from cranktopo.design.balance_factor import rods_kg_mm
-from cranktopo.design.clearance import pin_in_the_way
+from cranktopo.design.clearance import pin_in_the_way, room_words
 from cranktopo.design.crank_throws import refuse_split_pins
 from cranktopo.design.halves import difference
 from cranktopo.design.named import with_values
@@ -44,7 +44,9 @@ class ProposedCounterweight(Result):
     balance_factor_percent: float
     """Share that the throw balances with it."""
     refused: str | None
-    """Reason for which the scene has no place for it; null where it fits."""
+    """Reason for which the scene has no place for it; null where none is known."""
+    room: str | None = None
+    """Room that piston and crankcase leave beside it, in words; null where the scene names neither."""
     own_angle_refused: str | None = UNLESS_NONE
     """Why the web's own half-angle, or the usual 60 deg, was left for another one that fits."""
 
@@ -136,6 +138,7 @@ def _at_angle(scene: Scene, percent: float, angle_deg: float) -> ProposedCounter
         thickness_mm=weight.thickness_mm or scene.web.thickness_mm,
         balance_factor_percent=_factor_percent(found),
         refused=_refusal(found),
+        room=room_words(found) or None,
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from textwrap import fill
 from typing import Any
 
 from cranktopo.base.units import number_text
@@ -11,7 +12,7 @@ from cranktopo.design.misfire import silent_words
 from cranktopo.engine.balance.balancer_shafts import SizedShaft
 from cranktopo.engine.balance.free_forces import NeededCounterweight
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, WITH_SHAFTS
-from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
+from cranktopo.report.result_table import WIDTH, Column, ResultTable, tabulate, terminal
 from cranktopo.tasks.balance.changes import VECTORS, largest_order, order_changes
 from cranktopo.tasks.balance.needed import counterweight_words
 from cranktopo.tasks.balance.proposal import OTHER_ANGLES_DEG, ProposedCounterweight
@@ -174,6 +175,7 @@ def proposal_words(data: Balance) -> str:
     return "\n".join(
         [
             *_proposal_refusals(data, found),
+            *([] if found.refused else [fill(f"Room for the counterweight: {room_of(found)}.", WIDTH)]),
             f"Counterweight of each web, {found.thickness_mm:g} mm thick, for {share_words(found)}",
             f"(with it {found.balance_factor_percent:z.2f} %); other keys of these tables stay as they are:",
             "[web.counterweight]",
@@ -183,6 +185,11 @@ def proposal_words(data: Balance) -> str:
             f"balanced_oscillating_share = {found.share_percent / 100:g}",
         ]
     )
+
+
+def room_of(proposed: ProposedCounterweight) -> str:
+    """Return the room for a counterweight that nothing refuses."""
+    return proposed.room or "not known, as [envelope.clearance] names neither piston skirt nor crankcase"
 
 
 def share_words(proposed: ProposedCounterweight) -> str:
