@@ -7,6 +7,8 @@ from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.throw.journal import Journal
 
+BETWEEN_FILLETS = "the journal between its fillets"
+
 
 def main_journals(scene: Scene, number: int) -> tuple[Journal, Journal]:
     """Return the two halves of a main journal, 0 at the free end; at an end both are that of its throw."""
@@ -31,6 +33,14 @@ def big_end_room_mm(scene: Scene) -> float:
     """Return the length of the crankpin between its fillets that each big end has, mm."""
     first, second = (half.throw.crankpin for half in halves(scene))
     return _between_mm(first, second) / scene.big_ends
+
+
+def widest_big_end_mm(scene: Scene) -> tuple[float, str]:
+    """Return the largest width of a big-end bearing, mm, and what it is: that of the rod, if there is one."""
+    room, rod = big_end_room_mm(scene), scene.rod
+    if rod is not None and rod.big_end_width_mm < room:
+        return rod.big_end_width_mm, "rod.big_end_width_mm"
+    return room, BETWEEN_FILLETS
 
 
 def _between_mm(first: Journal, second: Journal) -> float:

@@ -39,7 +39,8 @@ class PlainBearings(SceneTable):
     width_mm: Length | None = Field(default=None, examples=[26.0])
     """Width of a main bearing; by default the journal's length between its fillets."""
     big_end_width_mm: Length | None = Field(default=None, examples=[24.0])
-    """Width of a big-end bearing; by default the pin's length between its fillets, over the rods on it."""
+    """Width of a big-end bearing; by default that of the rod, or the pin's length between its fillets,
+    over the rods on it."""
     groove_mm: LengthOrZero = 0.0
     """Width of an oil groove all around the main bearings, which parts their film; 0 for none."""
     oil: Oil = "ISO VG 46"

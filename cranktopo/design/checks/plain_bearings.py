@@ -6,7 +6,7 @@ from collections.abc import Callable
 from itertools import pairwise
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.design.bearing_room import big_end_room_mm, own_main_room_mm
+from cranktopo.design.bearing_room import BETWEEN_FILLETS, own_main_room_mm, widest_big_end_mm
 from cranktopo.design.free_dimensions import DIMENSIONS, free_range_mm, with_dimensions
 from cranktopo.design.plain_bearings import PlainBearings
 from cranktopo.design.schema import Scene
@@ -25,19 +25,20 @@ def check_plain_bearings(scene: Scene) -> None:
     if bearings is None:
         return
     _check_viscosity(scene, bearings)
-    rooms = {"width_mm": own_main_room_mm(scene), "big_end_width_mm": big_end_room_mm(scene)}
-    for key, room in rooms.items():
+    rooms = {
+        "width_mm": (own_main_room_mm(scene), BETWEEN_FILLETS),
+        "big_end_width_mm": widest_big_end_mm(scene),
+    }
+    for key, (room, what) in rooms.items():
         own_width = getattr(bearings, key)
         if own_width is not None and own_width > room:
-            raise scene.invalid(
-                f"bearings.{key}", f"must be at most {room:.4g} mm, the room between the fillets"
-            )
+            raise scene.invalid(f"bearings.{key}", f"must be at most {room:.4g} mm, {what}")
         if own_width is None and room <= 0:
             raise scene.invalid(
                 f"bearings.{key}", "the fillets leave no room for it", "Give a width above 0 mm."
             )
-    width = bearings.width_mm or rooms["width_mm"]
-    narrowest = min(width, bearings.big_end_width_mm or rooms["big_end_width_mm"])
+    width, big_end = (getattr(bearings, key) or room for key, (room, _) in rooms.items())
+    narrowest = min(width, big_end)
     if bearings.feed_hole_mm is not None and bearings.feed_hole_mm > _WIDEST_HOLE * narrowest:
         raise scene.invalid(
             "bearings.feed_hole_mm",

@@ -11,7 +11,7 @@ from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import MM_PER_M, UM_PER_MM, angular_speed_rad_s
 from cranktopo.design.assumed import Assumption, assumptions
-from cranktopo.design.bearing_room import big_end_room_mm, main_journals, main_room_mm
+from cranktopo.design.bearing_room import BETWEEN_FILLETS, main_journals, main_room_mm, widest_big_end_mm
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.misfire import misfire
 from cranktopo.design.named import DesignLike, as_scene
@@ -234,7 +234,7 @@ def main_bearing(scene: Scene, number: int) -> JournalBearing:
 def big_end(scene: Scene) -> JournalBearing:
     """Return a big-end bearing of a scene."""
     table, pin = plain_bearings(scene), scene.throw.crankpin
-    width = table.big_end_width_mm or big_end_room_mm(scene)
+    width = table.big_end_width_mm or widest_big_end_mm(scene)[0]
     clearance = table.big_end_clearance_mm or table.clearance_mm
     return _bearing(pin.outer_diameter_mm, width, 1, clearance, table)
 
@@ -280,8 +280,11 @@ def _assumed(scene: Scene, table: PlainBearings, conserving: Set[str]) -> tuple[
         conserving: names of the bearings with such a film.
     """
     widths = [
-        Assumption(f"bearings.{key}", round(bearing.width_mm, 3), "the journal between its fillets")
-        for key, bearing in (("width_mm", main_bearing(scene, 1)), ("big_end_width_mm", big_end(scene)))
+        Assumption(f"bearings.{key}", round(width, 3), source)
+        for key, (width, source) in (
+            ("width_mm", (main_bearing(scene, 1).width_mm, BETWEEN_FILLETS)),
+            ("big_end_width_mm", widest_big_end_mm(scene)),
+        )
         if getattr(table, key) is None
     ]
     unused = {"bearings.groove_mm"}

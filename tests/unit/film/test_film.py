@@ -12,13 +12,22 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
-from cranktopo.design.loading import designs_folder, parse_scene
+from cranktopo.design.bearing_room import big_end_room_mm
+from cranktopo.design.loading import designs_folder, load_scene, parse_scene
 from cranktopo.design.named import with_values
 from cranktopo.design.plain_bearings import PlainBearings
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, engine_of
 from cranktopo.tasks.film.conserving import oil_feed
-from cranktopo.tasks.film.stage import _loaded_big_end, film_change, main_bearing, oil_films
+from cranktopo.tasks.film.stage import (
+    _assumed,
+    _loaded_big_end,
+    big_end,
+    film_change,
+    main_bearing,
+    oil_films,
+    plain_bearings,
+)
 from cranktopo.tasks.film.text import film_text
 
 MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
@@ -87,9 +96,9 @@ def test_a_curve_is_told_and_takes_the_place_of_the_grade() -> None:
         ('clearance_mm = 0.05\noil = "SAE 30"', "bearings.oil = 'SAE 30': must be 'ISO VG 22', "),
         (
             OIL + "width_mm = 45",
-            "bearings.width_mm = 45.0: must be at most 35 mm, the room between the fillets",
+            "bearings.width_mm = 45.0: must be at most 35 mm, the journal between its fillets",
         ),
-        (OIL + "big_end_width_mm = 37", "must be at most 31 mm, the room between the fillets"),
+        (OIL + "big_end_width_mm = 37", "must be at most 31 mm, the journal between its fillets"),
         ('clearance_mm = 0.5\noil = "ISO VG 46"', "must be at most 0.42 mm, 1 % of the journal's diameter"),
         (OIL + "feed_hole_mm = 16", "must be at most 15.5 mm, half the width of the narrowest bearing"),
         (OIL + "supply_pressure_MPa = 0", "bearings.supply_pressure_MPa = 0"),
@@ -132,6 +141,20 @@ def test_the_big_end_has_the_force_of_the_loads() -> None:
     turned = np.cumsum(loaded.sleeve) * np.radians(forces.angle_deg[1])
     assert np.ptp(turned) == pytest.approx(2 * math.asin(ratio), rel=1e-3)
     assert loaded.sleeve[0] == pytest.approx(-ratio)
+
+
+def test_a_big_end_bearing_is_no_wider_than_its_rod() -> None:
+    """The pin has 31 mm between its fillets, a rod of 30 was told with the film of 31."""
+    rod = load_scene("mikron-iiic-rod")
+    assert rod.rod is not None
+    wide = rod.rod.big_end_width_mm
+    own = with_values(rod, {"bearings": {"clearance_mm": 0.05, "oil": "ISO VG 46"}})
+    assert big_end(own).width_mm == wide < big_end_room_mm(own)
+    assumed = {one.key: one for one in _assumed(own, plain_bearings(own), frozenset())}
+    assert assumed["bearings.big_end_width_mm"].value == pytest.approx(wide)
+    assert "rod.big_end_width_mm" in str(assumed["bearings.big_end_width_mm"])
+    with pytest.raises(CranktopoError, match=r"must be at most 30 mm, rod\.big_end_width_mm"):
+        with_values(own, {"bearings.big_end_width_mm": wide + 1})
 
 
 @pytest.mark.slow
