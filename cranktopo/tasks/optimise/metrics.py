@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from statistics import fmean, median
 from typing import Any
 
@@ -12,8 +13,9 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.machine import peak_memory_MiB
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain
-from cranktopo.design.goal.balance_moved import balance_moved
+from cranktopo.design.goal.balance_moved import MovedBalance, balance_moved
 from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.load_type import load_type
 from cranktopo.engine.plan.planning import left_off
 from cranktopo.tasks.density.problem import Assessment, DensityProblem, model_error_percent
@@ -64,7 +66,7 @@ def run_metrics(
     The density is the physical one of the web's layers; result and original are on the same grid.
     """
     scene, domain = prepared.scene, prepared.domain
-    moved = balance_moved(scene, result.quantities, original.quantities)
+    moved = _balance_moved(scene, result.quantities, original.quantities)
     remarks = (
         moved.told if moved else "",
         "" if scene.goal else _other_mass(scene, domain, state.last.volume_fraction, result, original),
@@ -92,6 +94,18 @@ def run_metrics(
         notices=[*prepared.notices, *filter(None, remarks)],
         balance=moved,
         **others,
+    )
+
+
+def _balance_moved(
+    scene: Scene, result: Mapping[str, float], original: Mapping[str, float]
+) -> MovedBalance | None:
+    """Return what `balance_moved` does, of cells brought to what `balance` tells of the original."""
+    own = throw_balance(scene)
+    exact = {"balance_factor": own.balance_factor_percent, "unbalance": own.throw_unbalance_kg_mm}
+    known = {name: value for name, value in exact.items() if value is not None and name in original}
+    return balance_moved(
+        scene, {name: result[name] + value - original[name] for name, value in known.items()}, known
     )
 
 
