@@ -479,3 +479,16 @@ def test_room_that_nothing_tells_is_not_a_yes(capsys, tmp_path, weighted_vee):
     assert "Room for the counterweight: not known, as [envelope.clearance]" in out
     assert "neither piston skirt nor crankcase" in page.read_text()
     assert room_words(load_scene("car-diesel")).endswith("mm to the crankcase")
+
+
+def test_no_place_is_not_a_counterweight_that_lies_within_the_web(capsys, tmp_path):
+    """A racing twin's design space ends just below the web: what reaches beyond the web has no place."""
+    design = tmp_path / "twin.toml"
+    size = "--bore-mm 100 --stroke-mm 63.6 --speed-rpm 11500 --peak-pressure-MPa 9 --rod-length-mm 118"
+    assert main(["designs", "new", str(design), "--layout", "V", "--cylinders", "2", *size.split()]) == 0
+    capsys.readouterr()
+    code, _, err = run(capsys, str(design), "--propose", "50%")
+    assert code == 3
+    assert "no counterweight has a place" in err
+    assert "reaches beyond the design space" in err
+    assert "adds nothing" not in err

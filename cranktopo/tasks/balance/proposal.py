@@ -9,6 +9,7 @@ import numpy as np
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.base.root import root
+from cranktopo.bodies.volume import counterweight_mass
 from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.clearance import pin_in_the_way, room_words
 from cranktopo.design.crank_throws import refuse_split_pins
@@ -29,6 +30,8 @@ _OF_A_CUBE = 1e-7
 """Share of the cube of the least radius to which that of the found one is known."""
 _PROBES = 4
 """Radii at which it is asked for what refuses any counterweight."""
+_ADDS = 1e-6
+"""Mass of a counterweight that reaches beyond the web, over that of the throw."""
 _LARGEST = 3.0
 """Largest outer radius that is looked at, over the throw radius."""
 
@@ -177,16 +180,21 @@ def _no_radius(scene: Scene, percent: float, angle_deg: float) -> CranktopoError
 
 
 def _barred(scene: Scene) -> CranktopoError | None:
-    """Return what refuses a counterweight of every size that is looked at; None where one of them fits."""
+    """Return what refuses a counterweight of every size that is looked at; None where one of them fits.
+
+    That is the refusal of the smallest that reaches beyond the web.
+    """
     least, most = scene.throw.main_journal.radius_mm, _LARGEST * scene.throw.radius_mm
     first, last, _ = OTHER_ANGLES_DEG
     refusal: CranktopoError | None = None
     for angle_deg in (_HALF_ANGLE_DEG, last, first):
         for radius_mm in np.geomspace(least, most, _PROBES + 2)[1:-1].tolist():
-            error = _error(_weighted(scene, radius_mm, angle_deg))
+            weighted = _weighted(scene, round(radius_mm, _DIGITS), angle_deg)
+            error = _error(weighted)
             if error is None:
                 return None
-            refusal = refusal or error
+            if counterweight_mass(weighted).volume > _ADDS * throw_balance(scene).mass_kg:
+                refusal = refusal or error
     return refusal
 
 
