@@ -11,6 +11,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import as_path, write_json
 from cranktopo.base.notes import Pace, note
 from cranktopo.design.assumed import Assumption, filter_by_table
+from cranktopo.design.opened_fillets import bore_remarks
 from cranktopo.design.strength import note_strength
 from cranktopo.engine.histories import HistoryKind
 from cranktopo.engine.judged_speeds import barred_remarks
@@ -106,6 +107,8 @@ def assess_by_methods(
     for target in resolved:
         note_left_off(target.name, safety_left_off(target.scene))
         note_strength(target.name, target.scene, strengths_of(methods))
+        for remark in bore_remarks(target.scene):
+            note(f"{target.name}: {remark}")
         note_pressure(target.name, target.scene)
         spectrum = target.scene.fatigue.spectrum
         if spectrum and (pressure := pressure_words(target.scene, [step.rpm for step in spectrum.step])):

@@ -7,6 +7,7 @@ from cranktopo.design.assumed import ENVELOPE, GOAL, LOADS, SUPPORTS, THROW, VIB
 from cranktopo.design.checks.engine import shaft_warnings
 from cranktopo.design.goal.outcome import stated_goal
 from cranktopo.design.goal.scene_goal import goal_of
+from cranktopo.design.opened_fillets import bore_remarks
 from cranktopo.design.schema import Scene
 from cranktopo.design.strength import strength_remarks
 from cranktopo.engine.performance import pressure_warnings
@@ -30,7 +31,7 @@ def design_plan(scene: Scene) -> DesignPlan:
 
 
 def plan_warnings(scene: Scene) -> list[str]:
-    """Return what a user should know of material, pressure and shaft before anything is solved."""
+    """Return what a user should know of material, bores, pressure and shaft before anything is solved."""
     material = [f"material: {remark}" for remark in strength_remarks(scene)]
     shaft = [*shaft_warnings(scene), *tip_remarks(scene)] if scene.shaft else []
-    return [*material, *pressure_warnings(scene), *shaft]
+    return [*material, *bore_remarks(scene), *pressure_warnings(scene), *shaft]
