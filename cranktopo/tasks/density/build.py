@@ -10,8 +10,6 @@ import numpy as np
 
 from cranktopo.base.errors import invalid
 from cranktopo.bodies.cells.domain import Domain
-from cranktopo.bodies.volume import bolted_mass
-from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.goal.constraint import Constraint, minimum_scale, scale_of
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.quantities import quantity_named
@@ -35,7 +33,7 @@ from cranktopo.tasks.density.problem import (
 from cranktopo.tasks.density.proposals import by_moving_asymptotes, by_optimality_criteria
 from cranktopo.tasks.density.responses import (
     Response,
-    quantities,
+    quantities_of,
     relative_compliance,
     volume,
     weighted_compliance,
@@ -61,7 +59,7 @@ def build_problem(
         if goal is None or original is None
         else _of_goal(
             goal,
-            quantities(model, scene.material.density_kg_m3, bolted_mass(scene), rods_kg_mm(scene)),
+            quantities_of(scene, model),
             original.quantities,
         )
     )

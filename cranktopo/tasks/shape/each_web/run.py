@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
-from cranktopo.base.files import as_path, write_json
+from cranktopo.base.files import write_json
 from cranktopo.base.notes import Pace, indented, note
-from cranktopo.base.progress import Json, StageCache, StageMemory
+from cranktopo.base.progress import Json, resumable_memory
 from cranktopo.design.assumed import assumptions, stored_assumptions
 from cranktopo.design.crank_throws import throw_count
 from cranktopo.design.free_dimensions import DIMENSIONS, free_range_mm, is_of_counterweight
@@ -78,9 +78,8 @@ def shape_each_web(
     Raises:
         CranktopoError: bad input, no web that keeps the limits, or interruption (exit code 130).
     """
-    out = as_path(out)
     scene = balance_kept(_without_free_journals(as_scene(scene)))
-    check_destination(out)
+    out = check_destination(out)
     check_device()
     _check(scene)
     settings = settings or shape_settings(scene)
@@ -177,7 +176,7 @@ def _without_free_journals(scene: Scene) -> Scene:
 def _worked(run: RunStore, scene: Scene, settings: ShapeSettings) -> EachWebRun:
     began = time.perf_counter()
     with working_in(run, "finished searches are kept") as check:
-        work, goal = StageMemory(StageCache(run.path / WORK), check), shape_goal(scene)
+        work, goal = resumable_memory(run.path / WORK, check), shape_goal(scene)
         limit = _safety_limit(scene, goal)
         original = LoadedShaft.of_json(work.once("design", lambda: _design_shaft(scene, settings)))
         required = limit.required(original.figures.safety)
