@@ -47,7 +47,7 @@ from cranktopo.tasks.optimise.evaluated_goal import enforce_limits_by_fea, evalu
 from cranktopo.tasks.optimise.result import OptimisedRun
 
 if TYPE_CHECKING:
-    from cranktopo.tasks.optimise.finalise import Ahead
+    from cranktopo.tasks.optimise.finalise import Prefetched
 
 EVALUATIONS = "checkpoint/evaluations.json"
 """Evaluations of a goal's limits, kept so that a resumed run does not repeat them."""
@@ -197,17 +197,17 @@ def _compiled(problem: DensityProblem) -> None:
             compile_optimality_criteria(problem)
 
 
-def _ready_for_the_end(job: _Job) -> Ahead:
+def _ready_for_the_end(job: _Job) -> Prefetched:
     """Find what the end needs, and load the libraries that surfaces, pictures and pages take."""
-    from cranktopo.tasks.optimise.finalise import ready_ahead
+    from cranktopo.tasks.optimise.finalise import prefetched
 
-    ahead = ready_ahead(job.run, job.prepared, job.problem)
+    ahead = prefetched(job.run, job.prepared, job.problem)
     for name in _LIBRARIES:
         import_module(name)
     return ahead
 
 
-def _checked(progress: Progress, check: Callable[[], None], end: LazyFuture[Ahead]) -> Progress:
+def _checked(progress: Progress, check: Callable[[], None], end: LazyFuture[Prefetched]) -> Progress:
     """Return progress after which a run may be interrupted; after the first design the end is got ready."""
 
     def show(problem: DensityProblem, state: State) -> None:

@@ -42,8 +42,9 @@ from cranktopo.tasks.fatigue.result import (
 )
 from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
 from cranktopo.tasks.fatigue.rule_tables import acceptability_table, quality_table, size_table
+from cranktopo.tasks.fatigue.rule_text import outlet_table, rule_remarks, rule_table
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
-from cranktopo.tasks.fatigue.text import compare_fatigue, outlet_table, rule_remarks, rule_table
+from cranktopo.tasks.fatigue.text import compare_fatigue
 from cranktopo.tasks.fatigue.throw_verdict import throw_verdict
 from cranktopo.tasks.fatigue.verdicts import verdicts
 from cranktopo.tasks.fea.targets import Target
