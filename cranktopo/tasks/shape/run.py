@@ -70,10 +70,11 @@ from cranktopo.tasks.refit.stage import remodel_run
 from cranktopo.tasks.shape.assembled import assembled
 from cranktopo.tasks.shape.in_shaft import asks_for_shaft, left_alone, search_in_shaft
 from cranktopo.tasks.shape.loads_told import note_loads
+from cranktopo.tasks.shape.optimum import ShapeOptimum, ShapeSettings
 from cranktopo.tasks.shape.page import shape_page
 from cranktopo.tasks.shape.reachable import check_reachable
 from cranktopo.tasks.shape.result import ShapeFiles, ShapeResult
-from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape, stresses_in
+from cranktopo.tasks.shape.stage import optimise_shape, stresses_in
 from cranktopo.tasks.shape.start import scene_start
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLimits
 

@@ -42,6 +42,7 @@ from cranktopo.tasks.shape.each_web.page import each_web_page
 from cranktopo.tasks.shape.each_web.result import EachWebResult
 from cranktopo.tasks.shape.each_web.rounds import CrankSearch
 from cranktopo.tasks.shape.loads_told import loads_left_off, note_loads
+from cranktopo.tasks.shape.optimum import ShapeSettings
 from cranktopo.tasks.shape.run import (
     TABLES,
     kept_settings,
@@ -49,7 +50,6 @@ from cranktopo.tasks.shape.run import (
     shape_goal,
     shape_settings,
 )
-from cranktopo.tasks.shape.stage import ShapeSettings
 
 _ONE, _OWN = "one-web", "own-webs"
 
