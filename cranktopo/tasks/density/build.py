@@ -23,6 +23,7 @@ from cranktopo.tasks.density.manufacturing import designable, filter_radius_mm, 
 from cranktopo.tasks.density.material import Block, MaterialInterpolation, build_interpolation
 from cranktopo.tasks.density.model import ThrowModel, build_model
 from cranktopo.tasks.density.problem import (
+    USUAL_SOLVING,
     DensityProblem,
     Objective,
     OptimisationProblem,
@@ -44,10 +45,9 @@ _START = 0.5
 
 
 def build_problem(
-    scene: Scene, domain: Domain, cases: Sequence[LoadCase], solving: SolverSettings | None = None
+    scene: Scene, domain: Domain, cases: Sequence[LoadCase], solving: SolverSettings = USUAL_SOLVING
 ) -> DensityProblem:
     """Return the optimisation problem of a scene on a domain; call inside `double_precision()`."""
-    solving = solving or SolverSettings()
     settings = scene.optimise
     model = build_model(scene, domain, cases, incompatible_modes=solving.incompatible_modes)
     density_chain = build_chain(scene, domain)
@@ -64,9 +64,7 @@ def build_problem(
         )
     )
     start = settings.volume_fraction if goal is None else _START
-    schedule = Schedule(
-        settings.projection_first, settings.projection_last, settings.stage_iterations, settings.move
-    )
+    schedule = _schedule(settings)
     check_start(density_chain, start, schedule)
     simple = goal is None and settings.combine == "sum" and settings.method != "moving_asymptotes"
     return DensityProblem(
@@ -81,6 +79,12 @@ def build_problem(
         solving=solving,
         schedule=schedule,
         original=original,
+    )
+
+
+def _schedule(settings: Optimise) -> Schedule:
+    return Schedule(
+        settings.projection_first, settings.projection_last, settings.stage_iterations, settings.move
     )
 
 

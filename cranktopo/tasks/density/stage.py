@@ -39,7 +39,7 @@ from cranktopo.tasks.density.manufacturing import (
     length_notice,
     unreachable_share,
 )
-from cranktopo.tasks.density.problem import DensityProblem, Progress, SolverSettings
+from cranktopo.tasks.density.problem import USUAL_SOLVING, DensityProblem, Progress, SolverSettings
 from cranktopo.tasks.density.state import CoarseStart, State
 
 # Below so many cells the programs of a second grid take longer to compile than they save.
@@ -149,7 +149,7 @@ class Optimum:
 
 
 def optimise_density(
-    prepared: Prepared, solving: SolverSettings | None = None, progress: Progress = lambda *_: None
+    prepared: Prepared, solving: SolverSettings = USUAL_SOLVING, progress: Progress = lambda *_: None
 ) -> Optimum:
     """Optimise the web of a prepared scene in memory; call inside `double_precision()`.
 
