@@ -87,3 +87,8 @@ class StageCache(MutableMapping[str, Json]):
 
     def __len__(self) -> int:
         return len(self._data)
+
+
+def resumable_memory(path: Path, check: Callable[[], None]) -> StageMemory:
+    """Return the memory of a long work that keeps its parts in a file."""
+    return StageMemory(StageCache(path), check)

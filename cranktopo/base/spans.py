@@ -113,6 +113,12 @@ def _crossings(start: Array, end: Array, places: Array) -> tuple[Index, Index]:
     return edge, order[first[edge] + within]
 
 
+def polygon_area(corners: Array) -> float:
+    """Return the area of a closed polygon (n, 2); negative where it runs clockwise, as a hole does."""
+    x, y = corners.T
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
+
+
 def self_intersection(points: Array) -> tuple[float, float] | None:
     """Return where a closed polygon (n, 2) crosses, touches or runs back along itself; None where nowhere."""
     ends = np.roll(points, -1, axis=0)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
-from cranktopo.base.spans import Section, polygon_section
+from cranktopo.base.spans import Section, polygon_area, polygon_section
 from cranktopo.bodies.solid.step import STEP_SUFFIXES, step_surface
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.files import read_stl
@@ -165,12 +165,7 @@ def _holes(scene: Scene, z_mm: float) -> list[Array]:
     if envelope is None or envelope.stl_file is None or not envelope.stl_file.is_file():
         return []
     contours = section(envelope.stl_file, z_mm, not envelope.asymmetry)
-    return [contour for contour in contours if _area(contour) < 0]
-
-
-def _area(contour: Array) -> float:
-    x, y = contour.T
-    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
+    return [contour for contour in contours if polygon_area(contour) < 0]
 
 
 def _region(contours: list[Array]) -> CrossSection:

@@ -6,7 +6,7 @@ import math
 
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.machine import addresses_left_MiB, addresses_of_threads_MiB, container_memory_left_MiB
-from cranktopo.bodies.cells.domain import throw_ranges_mm
+from cranktopo.bodies.cells.domain import laterally_symmetric, throw_ranges_mm
 from cranktopo.bodies.cells.layers import GridContent
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.halves import halves, may_mirror, web_asymmetry
@@ -24,9 +24,7 @@ Measured with the threads of two cores: 1050 (evaluate) to 2130 (fatigue)."""
 _RAISE = "Close other programs, or allow more memory (container, ulimit -v)."
 
 
-def check_resolution(
-    scene: Scene, resolution_mm: float, quarter: bool, cases: int, available_MiB: float
-) -> None:
+def check_resolution(scene: Scene, resolution_mm: float, cases: int, available_MiB: float) -> None:
     """Check a cell size against the thinnest wall and the memory; the error names what would do."""
     key = "optimise.resolution_mm"
     wall = thinnest_wall_mm(scene)
@@ -37,6 +35,7 @@ def check_resolution(
             f"too coarse: the thinnest journal wall is {wall:g} mm and needs {WALL_CELLS} cells",
             f"Use at most {wall / WALL_CELLS:g} mm.",
         )
+    quarter = laterally_symmetric(scene, "envelope")
     needed = optimiser_memory_MiB(scene, resolution_mm, quarter, cases)
     _check_base("cells of any size", _BASE_MIB, available_MiB)
     if needed > available_MiB:

@@ -12,6 +12,7 @@ import numpy as np
 from manifold3d import CrossSection, FillRule, Manifold
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.spans import polygon_area
 from cranktopo.bodies.prisms import drillings
 from cranktopo.design.schema import Scene
 from cranktopo.throw.feature import Body
@@ -85,13 +86,10 @@ def _swept(contour: Array, path: Array) -> Manifold:
     height = abs(float(path[across]))
     frame = _turned_to(np.sign(path[across]) * np.eye(3)[across])
     flat = (contour - contour[0]) @ frame[:, :2]
-    prism = CrossSection([flat], FillRule.NonZero if _area(flat) > 0 else FillRule.Negative).extrude(height)
+    prism = CrossSection([flat], FillRule.NonZero if polygon_area(flat) > 0 else FillRule.Negative).extrude(
+        height
+    )
     return prism.transform(np.column_stack([frame[:, :2], path / height, contour[0]]))
-
-
-def _area(points: Array) -> float:
-    x, y = points.T
-    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
 
 
 def _onward(contour: Sequence[Curve]) -> Iterator[Curve]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError
@@ -139,11 +139,6 @@ def assumed_text(entries: Sequence[Assumption]) -> str:
         lines += [" "] if len(lines[-1] + piece) > _WIDTH else []
         lines[-1] += piece
     return "\n".join(lines)
-
-
-def assumed_json(entries: Sequence[Assumption]) -> list[dict[str, Any]]:
-    """Return the entries of `assumed` in metrics.json."""
-    return [asdict(item) for item in entries]
 
 
 def _seat(scene: Scene) -> Iterator[Assumption]:

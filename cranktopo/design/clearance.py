@@ -37,7 +37,7 @@ class ClearanceLimit:
         angle = np.arctan2(np.abs(x_mm), y_mm)
         return np.asarray(np.hypot(x_mm, y_mm) - np.interp(angle, self.angle_rad, self.radius_mm))
 
-    def slopes(self, x_mm: Array, y_mm: Array) -> Array:
+    def gradients(self, x_mm: Array, y_mm: Array) -> Array:
         """Derivatives of `outside_mm` by x and y at points with x >= 0, (n, 2)."""
         away = np.maximum(np.hypot(x_mm, y_mm), 1e-9)
         rise = np.gradient(self.radius_mm, self.angle_rad)

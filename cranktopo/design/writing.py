@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import as_path, write_text
-from cranktopo.design.assumed import Assumption, assumed_json
+from cranktopo.design.assumed import Assumption
 from cranktopo.design.halves import halves
 from cranktopo.design.idle_keys import without_idle_keys
 from cranktopo.design.loading import (
@@ -100,7 +101,7 @@ def new_run(
         options=dict(options),
         command=command,
         inputs=input_files(scene),
-        assumed=assumed_json(assumed),
+        assumed=[asdict(item) for item in assumed],
         out=out,
     )
 

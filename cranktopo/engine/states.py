@@ -38,7 +38,7 @@ def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState,
     scene = all_firing(scene)
     analyses = tuple(analyse(at, enabled) for at in at_extreme_speeds(scene, enabled))
     throw = ThrowLoads(scene, analyses, _at_top_speed(scene, analyses[0], enabled), enabled)
-    return _mark_redundant(tuple(state for kind in kinds for state in kind.states(throw)), enabled)
+    return _mark_redundant(tuple(state for kind in kinds for state in kind.states(throw)))
 
 
 def _at_top_speed(scene: Scene, rated: LoadAnalysis, enabled: frozenset[str]) -> LoadAnalysis:
@@ -52,7 +52,7 @@ def _at_top_speed(scene: Scene, rated: LoadAnalysis, enabled: frozenset[str]) ->
     return analyse(at_speed(scene, overspeed), enabled - {"torsional_vibration"})
 
 
-def _mark_redundant(states: tuple[ExtremeState, ...], enabled: frozenset[str]) -> tuple[ExtremeState, ...]:
+def _mark_redundant(states: tuple[ExtremeState, ...]) -> tuple[ExtremeState, ...]:
     """Keep the largest state of each kind as the load case; the others are multiples of it."""
     marked = []
     for state in states:

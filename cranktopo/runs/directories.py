@@ -15,6 +15,7 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError, quoted, suggest
 from cranktopo.base.files import (
+    as_path,
     no_link,
     read_json,
     read_text_file,
@@ -136,14 +137,16 @@ class RunStore:
         write_json(self.path / _METRICS, metrics)
 
 
-def check_destination(out: Path | None, root: Path = RUNS) -> None:
-    """Check, writing nothing, that a run can be made in `out` or anew under `root`: call it before long work.
+def check_destination(out: Path | str | None, root: Path = RUNS) -> Path | None:
+    """Return `out` as a path if a run can be made in it or anew under `root`: call it before long work.
 
-    Raises CranktopoError where `out` is a file or holds files, or its parent is not writable.
+    Writes nothing. Raises CranktopoError where `out` is a file or holds files, or its parent is not writable.
     """
+    out = as_path(out)
     if out is not None and out.exists():
         _check_empty(out)
     check_folder(out or root)
+    return out
 
 
 def create_run(

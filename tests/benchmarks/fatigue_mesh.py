@@ -12,7 +12,7 @@ import subprocess
 import sys
 
 from cranktopo.tasks.fatigue.m53 import concentration_factors, dimensions, outside_validity
-from cranktopo.tasks.fatigue.rule_check import element_factors
+from cranktopo.tasks.fatigue.rule_fillets import element_factors
 from cranktopo.tasks.fatigue.stress_model import solve_stresses
 from cranktopo.tasks.fea.targets import Target
 from tests.studies.example_throws import rule_throws

@@ -14,8 +14,8 @@ from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.shape import run as shape_run
+from cranktopo.tasks.shape.optimum import ShapeSettings
 from cranktopo.tasks.shape.run import resume_shape, shape_design
-from cranktopo.tasks.shape.stage import ShapeSettings
 
 COARSE = ShapeSettings(cell_mm=9.0, mesh_mm=16.0, rounds=3, element_size_mm=14.0)
 

@@ -19,9 +19,9 @@ from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.tasks.shape import evaluated_web, in_shaft, run
 from cranktopo.tasks.shape.evaluated_web import Judging, web_safety
 from cranktopo.tasks.shape.in_shaft import search_in_shaft
+from cranktopo.tasks.shape.optimum import ShapeSettings
 from cranktopo.tasks.shape.result import SafetyInShaft
 from cranktopo.tasks.shape.run import shape_design, shape_goal, shape_settings
-from cranktopo.tasks.shape.stage import ShapeSettings
 from tests.shaft_stand_in import told_shaft
 
 SAFETIES = (1.5, 1.9, 1.6, 1.9, 1.9, 1.9, 1.9, 1.45)

@@ -182,7 +182,7 @@ def strength(scene: Scene) -> Iterator[Any]:
     from cranktopo.tasks.fatigue.criteria import LOCAL_METHODS, criterion
     from cranktopo.tasks.fatigue.hardened_layer import layers
     from cranktopo.tasks.fatigue.m53 import concentration_factors, dimensions, nominal_stresses
-    from cranktopo.tasks.fatigue.rule_check import fillet_checks
+    from cranktopo.tasks.fatigue.rule_fillets import fillet_checks
 
     stress = LocalStress(np.array([200.0]), np.array([60.0]), np.array([0.7]))
     yield strength_notes(scene), strength_remarks(scene)

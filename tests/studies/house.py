@@ -17,6 +17,7 @@ from pathlib import Path
 from statistics import median
 from typing import TypeVar
 
+from tests.studies import walk
 from tests.studies.house_arrows import PACKAGE, Trees, arrows, circles, floors, folder, read, room, upward
 
 REPORT = {"report", "page", "pages", "text", "table", "tables", "figures", "plot", "plots", "picture"}
@@ -181,9 +182,14 @@ def counts(root: Path) -> Counts:
     return sizes(sources, trees) | names(trees) | style(trees) | imports(trees) | topics(trees)
 
 
+def walked(root: Path) -> Counts:
+    """Return the length of a reader's way through `optimise_design`, two calls deep."""
+    return {f"{walk.START}: {label}": f"{count}" for label, count in walk.counts(root).items()}
+
+
 def main(roots: list[Path]) -> None:
     """Print a line for each count, and where the files of each topic are."""
-    columns = {root: counts(root) for root in roots}
+    columns = {root: counts(root) | walked(root) for root in roots}
     for label in dict.fromkeys(label for column in columns.values() for label in column):
         values = [column.get(label, "-") for column in columns.values()]
         if label.endswith("where"):

@@ -45,9 +45,6 @@ def principal_stresses(stress: Array) -> Array:
     return np.asarray(np.linalg.eigvalsh(tensor)[..., ::-1], dtype=np.float64)
 
 
-_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
-
-
 @dataclass(frozen=True)
 class NodalStress:
     """Stresses brought from quadrature points to the nodes.
@@ -121,7 +118,7 @@ def nodes_from_points(points: Array) -> Array:
 
 
 def tensor_strain(slopes: Array) -> Array:
-    """Return tensor strains (..., 6), last axis as `_COMPONENTS`, of displacement gradients (..., 3, 3)."""
+    """Return tensor strains (..., 6), xx, yy, zz, xy, yz, zx, of displacement gradients (..., 3, 3)."""
     strain = (slopes + slopes.swapaxes(-1, -2)) / 2
     return np.asarray(strain[..., (0, 1, 2, 0, 1, 2), (0, 1, 2, 1, 2, 0)])
 

@@ -280,7 +280,7 @@ def _choices(scene: Scene, measured: StoredStudy | None) -> list[CellChoice]:
     usable = [cell for cell in sizes if optimiser_memory_MiB(simulated, cell, quarter, cases) <= available]
     if not usable:
         nearest = sizes[0] if sizes else scene.optimise.resolution_mm
-        check_resolution(simulated, nearest, quarter, cases, available)
+        check_resolution(simulated, nearest, cases, available)
     found, todo = [], effort(simulated)
     for cell in usable:
         cells = estimated_cells(simulated, cell, quarter)

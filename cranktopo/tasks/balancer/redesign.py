@@ -134,17 +134,17 @@ class _Task:
 
         of = remembered(judged)
 
-        def slopes(shares: Array) -> Array:
+        def gradients(shares: Array) -> Array:
             return central_difference(of, low + shares * (high - low), _STEP_MM) * (high - low)
 
         def objective(shares: Array) -> tuple[float, Array]:
-            return float(of(low + shares * (high - low))[0]), slopes(shares)[0]
+            return float(of(low + shares * (high - low))[0]), gradients(shares)[0]
 
         ends, middle = (0 * low, 0 * low + 1), 0 * low + 0.5  # a bore has no slope where there is none yet
-        changing = 1 + np.flatnonzero(np.abs(slopes(middle)[1:]).max(axis=1) > _CHANGING)
+        changing = 1 + np.flatnonzero(np.abs(gradients(middle)[1:]).max(axis=1) > _CHANGING)
 
         def constraints(shares: Array) -> tuple[Array, Array]:
-            return of(low + shares * (high - low))[changing], slopes(shares)[changing]
+            return of(low + shares * (high - low))[changing], gradients(shares)[changing]
 
         with at_work("searching a balancer shaft"):
             best = minimise(objective, constraints, ends, middle, _END, _EVALUATIONS)

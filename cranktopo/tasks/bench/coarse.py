@@ -6,8 +6,6 @@ from typing import Any
 
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.cells.fractions import QUICK
-from cranktopo.bodies.volume import bolted_mass
-from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.halves import difference, usual_scale
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
@@ -15,7 +13,7 @@ from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.states import main_load_cases
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.density.model import build_model
-from cranktopo.tasks.density.responses import quantities
+from cranktopo.tasks.density.responses import quantities_of
 from cranktopo.tasks.shape.web_model import solved_design
 
 _CELL_MM = 4.0
@@ -36,6 +34,6 @@ def _on_cells(scene: Scene) -> dict[str, float]:
     with double_precision():
         domain = build_domain(scene, _CELL_MM / usual_scale(scene), "web", tolerance=QUICK)
         model = build_model(scene, domain, main_load_cases(scene, plan(scene).enabled))
-        known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene), rods_kg_mm(scene))
+        known = quantities_of(scene, model)
         solved = solved_design(model, domain.passive_fraction, domain.passive_fraction, _TOLERANCE)
         return {name: float(known[name].value(solved)) for name in SHOWN}

@@ -41,7 +41,7 @@ from cranktopo.tasks.fatigue.m53 import (
 )
 from cranktopo.tasks.fatigue.m53_material import process_remark, uncovered_material
 from cranktopo.tasks.fatigue.needs import load_kinds
-from cranktopo.tasks.fatigue.rule_check import fillet_checks
+from cranktopo.tasks.fatigue.rule_fillets import fillet_checks
 from cranktopo.tasks.shaft.stage import of_stiffness
 
 _SOFT = "live, closed-form stiffness: a throw is up to 36 % too soft"

@@ -15,17 +15,19 @@ from pathlib import Path
 from typing import Any
 
 from pydantic import Field
+from pydantic_core import PydanticCustomError
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import is_inside, read_text_file, write_json, write_text
 from cranktopo.base.result import Result
 from cranktopo.design.edits import changed_text, difference_words
+from cranktopo.design.goal.limit import read_limits
+from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.scene_files import with_resolved_files
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.design.writing import design_name
 from cranktopo.runs.destination import locked
 from cranktopo.tasks.bench.design_files import changed_files, check_files_inside
-from cranktopo.tasks.bench.limits import gauge_limits
 
 _BEGINNINGS = ("cranktopo designs new ", "cranktopo import ")
 """Commands that make the design that a session began with."""
@@ -333,3 +335,26 @@ def file_in(folder: Path, name: str, suffixes: tuple[str, ...]) -> Path:
     if path.suffix.lower() not in suffixes:
         raise CranktopoError(f"file '{name[:80]}': must end with {', '.join(suffixes)}.")
     return path
+
+
+def gauge_limits(data: Mapping[str, Any]) -> dict[str, list[dict[str, Any]]]:
+    """Return the limits of `[goal.limits]` by quantity, two for a range; none that cannot be read.
+
+    Each has its text as it is written, `sense`, and `value` in the internal unit of the quantity, or in
+    percent of the original where `percent` is true.
+    """
+    table = (data.get("goal") or {}).get("limits") or {}
+    found = {name: _readable_limits(name, table[name]) for name in QUANTITIES if name in table}
+    return {name: limits for name, limits in found.items() if limits}
+
+
+def _readable_limits(name: Any, value: Any) -> list[dict[str, Any]]:
+    texts = value if isinstance(value, list | tuple) else [value]
+    try:
+        limits = read_limits(QUANTITIES[name], value)
+    except PydanticCustomError:
+        return []  # the form says what is wrong with it
+    return [
+        {"text": text.strip(), "sense": limit.sense, "value": limit.value, "percent": limit.percent}
+        for text, limit in zip(texts, limits, strict=False)
+    ]

@@ -9,7 +9,6 @@ import numpy as np
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import note
-from cranktopo.bodies.cells.domain import laterally_symmetric
 from cranktopo.bodies.memory import available_memory_MiB, check_resolution
 from cranktopo.design.assumed import ENVELOPE, GOAL, SUPPORTS, THROW, Assumption, assumed_text, assumptions
 from cranktopo.design.free_dimensions import is_of_counterweight, move_journals
@@ -59,7 +58,7 @@ def bound_of(scene: DesignLike, resolution_mm: float | None = None) -> BoundResu
     goal, assumed = require_goal(scene, "bound", "torsion"), assumptions(scene, _TABLES)
     note(assumed_text(assumed))
     cell_mm = resolution_mm or scene.optimise.resolution_mm
-    check_resolution(scene, cell_mm, laterally_symmetric(scene, "envelope"), _CASES, available_memory_MiB())
+    check_resolution(scene, cell_mm, _CASES, available_memory_MiB())
     with double_precision():
         model = bound_model(scene, cell_mm, goal)
         start = None

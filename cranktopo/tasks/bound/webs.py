@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.bodies.cells.domain import Domain
-from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.quantities import QUANTITIES, STIFFNESS_OF, QuantityName
@@ -30,7 +29,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.filters.processes import Parting
 from cranktopo.tasks.density.manufacturing import designable, is_manufactured, parting_of, pull_axis
 from cranktopo.tasks.density.model import ThrowModel
-from cranktopo.tasks.density.responses import Design, Response, quantities
+from cranktopo.tasks.density.responses import Design, Response, quantities_of
 
 LINEAR = ("mass", "inertia", "unbalance")
 STIFFNESSES: tuple[QuantityName, ...] = ("torsion", "bending")
@@ -218,7 +217,7 @@ def webs_of(scene: Scene, domain: Domain, model: ThrowModel) -> AdmissibleDensit
     """Return the webs of a scene's envelope, as it is simulated; call inside `double_precision()`."""
     layers = slice(*domain.web_layers)
     design = np.asarray(designable(scene, domain))
-    known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene))
+    known = quantities_of(scene, model)
     sums = {name: known[name] for name in LINEAR}
     values, slopes = _values_and_slopes(tuple(sums.values()), domain.passive_fraction)
     return AdmissibleDensities(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.spans import polygon_area
 from cranktopo.bodies.drill_tool import segments
 from cranktopo.design.schema import Scene
 from cranktopo.throw.web import web_bodies
@@ -45,12 +46,7 @@ def apart_mm(one: CrossSection, other: CrossSection) -> tuple[float, float]:
 
 def outer_edge(section: CrossSection) -> Array:
     """Return the corners (n, 2) of the largest contour of a section."""
-    return max((np.asarray(c) for c in section.to_polygons()), key=lambda c: abs(_area(c)))
-
-
-def _area(points: Array) -> float:
-    x, y = points.T
-    return float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum() / 2)
+    return max((np.asarray(c) for c in section.to_polygons()), key=lambda c: abs(polygon_area(c)))
 
 
 def _dense(section: CrossSection) -> Array:

@@ -13,13 +13,12 @@ from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.volume import bolted_mass
-from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.density.material import MaterialInterpolation, relative_moduli, solid_fraction
 from cranktopo.tasks.density.model import ThrowModel, case_forces
 from cranktopo.tasks.density.problem import Assessment, CaseResult, DensityProblem, ResponseConstraint
 from cranktopo.tasks.density.response import compliances, solve, stiffness
-from cranktopo.tasks.density.responses import Design, quantities, values_of
+from cranktopo.tasks.density.responses import Design, quantities_of, values_of
 
 TOLERANCE = 1e-8
 
@@ -76,7 +75,7 @@ def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, soli
     kg *= density_kg_per_mm3(scene.material.density_kg_m3)
     first, last = domain.web_layers
     design = Design(jnp.asarray(moduli), jnp.asarray(solid), found, found, solution.displacements)
-    known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene), rods_kg_mm(scene))
+    known = quantities_of(scene, model)
     values = values_of(tuple(response.value for response in known.values()), design)
     bolted = bolted_mass(scene).volume
     web_kg = float(kg[:, :, first:last].sum()) / 2

@@ -10,8 +10,6 @@ import numpy as np
 
 from cranktopo.base.errors import invalid
 from cranktopo.bodies.cells.domain import Domain
-from cranktopo.bodies.volume import bolted_mass
-from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.goal.constraint import Constraint, minimum_scale, scale_of
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.quantities import quantity_named
@@ -25,6 +23,7 @@ from cranktopo.tasks.density.manufacturing import designable, filter_radius_mm, 
 from cranktopo.tasks.density.material import Block, MaterialInterpolation, build_interpolation
 from cranktopo.tasks.density.model import ThrowModel, build_model
 from cranktopo.tasks.density.problem import (
+    USUAL_SOLVING,
     DensityProblem,
     Objective,
     OptimisationProblem,
@@ -35,7 +34,7 @@ from cranktopo.tasks.density.problem import (
 from cranktopo.tasks.density.proposals import by_moving_asymptotes, by_optimality_criteria
 from cranktopo.tasks.density.responses import (
     Response,
-    quantities,
+    quantities_of,
     relative_compliance,
     volume,
     weighted_compliance,
@@ -46,10 +45,9 @@ _START = 0.5
 
 
 def build_problem(
-    scene: Scene, domain: Domain, cases: Sequence[LoadCase], solving: SolverSettings | None = None
+    scene: Scene, domain: Domain, cases: Sequence[LoadCase], solving: SolverSettings = USUAL_SOLVING
 ) -> DensityProblem:
     """Return the optimisation problem of a scene on a domain; call inside `double_precision()`."""
-    solving = solving or SolverSettings()
     settings = scene.optimise
     model = build_model(scene, domain, cases, incompatible_modes=solving.incompatible_modes)
     density_chain = build_chain(scene, domain)
@@ -61,14 +59,12 @@ def build_problem(
         if goal is None or original is None
         else _of_goal(
             goal,
-            quantities(model, scene.material.density_kg_m3, bolted_mass(scene), rods_kg_mm(scene)),
+            quantities_of(scene, model),
             original.quantities,
         )
     )
     start = settings.volume_fraction if goal is None else _START
-    schedule = Schedule(
-        settings.projection_first, settings.projection_last, settings.stage_iterations, settings.move
-    )
+    schedule = _schedule(settings)
     check_start(density_chain, start, schedule)
     simple = goal is None and settings.combine == "sum" and settings.method != "moving_asymptotes"
     return DensityProblem(
@@ -83,6 +79,12 @@ def build_problem(
         solving=solving,
         schedule=schedule,
         original=original,
+    )
+
+
+def _schedule(settings: Optimise) -> Schedule:
+    return Schedule(
+        settings.projection_first, settings.projection_last, settings.stage_iterations, settings.move
     )
 
 

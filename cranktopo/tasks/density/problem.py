@@ -177,6 +177,9 @@ class SolverSettings:
     incompatible_modes: bool = True
 
 
+USUAL_SOLVING = SolverSettings()
+
+
 @dataclass(frozen=True)
 class Schedule:
     """Schedule of projection and steps.
@@ -219,7 +222,7 @@ class DensityProblem:
     optimisation: OptimisationProblem
     method: Method
     start: float
-    solving: SolverSettings = SolverSettings()
+    solving: SolverSettings = USUAL_SOLVING
     schedule: Schedule = Schedule()
     original: Assessment | None = None
 

@@ -18,7 +18,10 @@ import jax
 import jax.numpy as jnp
 
 from cranktopo.base.units import NMM_PER_NM
+from cranktopo.bodies.volume import bolted_mass
+from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.goal.quantities import MOTIONS
+from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.load_type import load_type
 from cranktopo.tasks.density.material import MaterialInterpolation
@@ -97,6 +100,11 @@ def volume(density_chain: MaterialInterpolation) -> Response:
         return (jnp.sum(design.solid[:, :, first:last]) - fixed) / total
 
     return Response("volume fraction", "", value, needs_solve=False)
+
+
+def quantities_of(scene: Scene, model: ThrowModel) -> dict[str, Response]:
+    """Return `quantities` of a scene's throw: with what is bolted to its webs, and its rods."""
+    return quantities(model, scene.material.density_kg_m3, bolted_mass(scene), rods_kg_mm(scene))
 
 
 def quantities(

@@ -14,18 +14,20 @@ from pathlib import Path
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.notes import at_work
-from cranktopo.bodies.cells.domain import Domain, build_domain, laterally_symmetric, on_cells
+from cranktopo.base.notes import at_work, note
+from cranktopo.bodies.cells.domain import Domain, build_domain, on_cells
 from cranktopo.bodies.cells.outside import outside_envelope, outside_words
 from cranktopo.bodies.envelope_file import symmetrised
 from cranktopo.bodies.memory import WALL_CELLS, available_memory_MiB, check_resolution, thinnest_wall_mm
+from cranktopo.design.goal.limit import goal_text
 from cranktopo.design.goal.scene_goal import check_known, goal_of
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.load_type import load_type
+from cranktopo.engine.performance import note_pressure
 from cranktopo.engine.plan.effect import PhysicsPlan
-from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.plan.planning import left_off, note_left_off, plan
 from cranktopo.engine.plan.simulated import apply_physics_plan
 from cranktopo.engine.states import load_cases
 from cranktopo.tasks.density import loop
@@ -37,7 +39,7 @@ from cranktopo.tasks.density.manufacturing import (
     length_notice,
     unreachable_share,
 )
-from cranktopo.tasks.density.problem import DensityProblem, Progress, SolverSettings
+from cranktopo.tasks.density.problem import USUAL_SOLVING, DensityProblem, Progress, SolverSettings
 from cranktopo.tasks.density.state import CoarseStart, State
 
 # Below so many cells the programs of a second grid take longer to compile than they save.
@@ -129,10 +131,9 @@ def prepare(scene: DesignLike) -> Prepared:
         check_known(goal, "density")
     effects = plan(scene, goal=goal)
     scene = apply_physics_plan(scene, effects)
-    quarter = laterally_symmetric(scene, "envelope")
     cases = load_cases(scene, effects.enabled)
     resolution = scene.optimise.resolution_mm
-    check_resolution(scene, resolution, quarter, len(cases), available_memory_MiB())
+    check_resolution(scene, resolution, len(cases), available_memory_MiB())
     check_lengths(scene)
     domain = build_domain(scene, resolution)
     return Prepared(scene, effects, cases, domain, notices(scene, domain))
@@ -148,7 +149,7 @@ class Optimum:
 
 
 def optimise_density(
-    prepared: Prepared, solving: SolverSettings | None = None, progress: Progress = lambda *_: None
+    prepared: Prepared, solving: SolverSettings = USUAL_SOLVING, progress: Progress = lambda *_: None
 ) -> Optimum:
     """Optimise the web of a prepared scene in memory; call inside `double_precision()`.
 
@@ -170,7 +171,20 @@ def iterate(problem: DensityProblem, state: State, progress: Progress = lambda *
     return state
 
 
-def describe(prepared: Prepared) -> str:
+def note_model(prepared: Prepared) -> None:
+    """Pass on what is going to be solved, for what goal, and what a user may not expect of it."""
+    scene = prepared.scene
+    note(_model_text(prepared))
+    goal = goal_of(scene)
+    if goal is not None:
+        note(goal_text(goal, "density"))
+    note_left_off(scene.name, left_off(scene, prepared.plan))
+    note_pressure(scene.name, scene)
+    for notice in prepared.notices:
+        note(f"note: {notice}.")
+
+
+def _model_text(prepared: Prepared) -> str:
     """Return one line about the model: cells, cell size, padding, symmetry, load cases."""
     grid = prepared.domain.grid
     sizes = " x ".join(f"{step.max():.3g}" for step in grid.steps_mm)

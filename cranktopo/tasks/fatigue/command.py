@@ -122,6 +122,7 @@ def command(
 
 def _text(assessment: FatigueAssessment) -> str:
     from cranktopo.report.result_table import terminal
+    from cranktopo.tasks.fatigue import rule_text
     from cranktopo.tasks.fatigue import text as tables
     from cranktopo.tasks.fatigue.verdicts import verdicts
 
@@ -136,13 +137,13 @@ def _text(assessment: FatigueAssessment) -> str:
             for check in assessment.checks
             if check.outside
         )
-        remarks = tables.rule_remarks(assessment.checks)
+        remarks = rule_text.rule_remarks(assessment.checks)
         parts = [
             *(["\n".join(remarks)] if remarks else []),
-            terminal(tables.rule_table(assessment.checks, baseline)),
-            terminal(tables.factor_table(assessment.checks)) + outside,
+            terminal(rule_text.rule_table(assessment.checks, baseline)),
+            terminal(rule_text.factor_table(assessment.checks)) + outside,
         ]
         if any(check.outlets for check in assessment.checks):
-            parts.append(terminal(tables.outlet_table(assessment.checks)))
+            parts.append(terminal(rule_text.outlet_table(assessment.checks)))
     sentences = [] if baseline is None else verdicts(assessment.results, baseline)
     return "\n\n".join([*parts, *(["\n".join(sentences)] if sentences else [])])

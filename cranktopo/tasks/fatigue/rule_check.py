@@ -16,9 +16,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.histories import HistoryKind, radial_amplitude_N, torque_amplitude_Nm
 from cranktopo.engine.throw_compliance import web_lever_mm
-from cranktopo.numerics.tetrahedra.stress import principal_stresses, von_mises
 from cranktopo.tasks.fatigue.criteria import check_method
-from cranktopo.tasks.fatigue.hardened_layer import layers
 from cranktopo.tasks.fatigue.m53 import (
     LEAST_FACTOR,
     ConcentrationFactors,
@@ -27,13 +25,9 @@ from cranktopo.tasks.fatigue.m53 import (
     Nominal,
     concentration_factors,
     dimensions,
-    fatigue_strength_MPa,
-    journal_equivalent_MPa,
     nominal_stresses,
     outside_validity,
-    pin_equivalent_MPa,
 )
-from cranktopo.tasks.fatigue.m53_hardening import journal_stresses, pin_stresses, treated_check
 from cranktopo.tasks.fatigue.m53_material import process_remark, uncovered_material
 from cranktopo.tasks.fatigue.m53_outlet import (
     GoverningFactors,
@@ -46,7 +40,8 @@ from cranktopo.tasks.fatigue.mesh_quality import RuleQuality
 from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.outlet_elements import off_plane
 from cranktopo.tasks.fatigue.result import AlternatingLoads
-from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, solve_stresses
+from cranktopo.tasks.fatigue.rule_fillets import element_factors, fillet_checks
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, solve_stresses
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind
 
@@ -357,57 +352,3 @@ def _held_by_rule(target: Target) -> Target:
     """The target on the bearings of Appendix III, which let the journals tilt, whatever the scene has."""
     supports = target.scene.supports.model_copy(update={"bending": "pinned", "torsion": "free"})
     return replace(target, scene=target.scene.model_copy(update={"supports": supports}))
-
-
-def element_factors(model: StressModel) -> ConcentrationFactors:
-    """Concentration factors from unit stresses, as Appendix III of the rule defines them.
-
-    Bending: largest von Mises stress in a fillet under a pure moment; torsion: half the largest difference of
-    principal stresses; shear: what three-point bending adds to the journal fillet over its moment.
-
-    Args:
-        model: with the fields "moment", "bending" and "torsion"; of a whole throw the first web counts.
-    """
-    size = dimensions(model.scene)
-    moment, radial, twist = (
-        model.stress.stress_MPa[model.kinds.index(kind)] for kind in ("moment", "bending", "torsion")
-    )
-    lever = web_lever_mm(model.scene)
-    pure, three = nominal_stresses(size, 1.0, 0.0, 1.0), nominal_stresses(size, lever / 2, 0.5, 0.0)
-    principal = principal_stresses(twist)
-    shear = (principal[:, 0] - principal[:, 2]) / 2
-    pin, journal = (on & ~model.on_second for on in (model.on_pin, model.on_journal))
-    beta = float(von_mises(moment[journal]).max() / pure.bending_MPa)
-    remainder = float(von_mises(radial[journal]).max()) - beta * three.bending_MPa
-    return ConcentrationFactors(
-        alpha_bending=float(von_mises(moment[pin]).max() / pure.bending_MPa),
-        alpha_torsion=float(shear[pin].max() / pure.pin_torsion_MPa),
-        beta_bending=beta,
-        beta_shear=remainder / three.shear_MPa,
-        beta_torsion=float(shear[journal].max() / pure.journal_torsion_MPa),
-    )
-
-
-def fillet_checks(
-    scene: Scene, size: Dimensions, factors: ConcentrationFactors, nominal: Nominal
-) -> dict[str, FilletCheck]:
-    """Return both fillets against the rule with a set of factors; it needs a tensile strength."""
-    settings, ultimate = scene.fatigue, scene.material.ultimate_MPa or 0.0
-    process = settings.process_factor * settings.surface_treatment_factor
-    added = settings.additional_stress_MPa
-    plain = {
-        "pin": FilletCheck(
-            pin_equivalent_MPa(factors, nominal, added),
-            fatigue_strength_MPa(size.pin, size.pin_fillet, ultimate, process),
-        ),
-        "journal": FilletCheck(
-            journal_equivalent_MPa(factors, nominal, added),
-            fatigue_strength_MPa(size.journal, size.journal_fillet, ultimate, process),
-        ),
-    }
-    treated = layers(scene)
-    loads = {"pin": pin_stresses, "journal": journal_stresses}
-    return plain | {
-        fillet: treated_check(plain[fillet], layer, loads[fillet](size, factors, nominal), added)
-        for fillet, layer in treated.items()
-    }

@@ -9,7 +9,7 @@ from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
 from cranktopo.tasks.fatigue.m53 import Dimensions, FilletCheck, Ratio, ratios
 from cranktopo.tasks.fatigue.m53_outlet import OutletCheck
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
-from cranktopo.tasks.fatigue.text import outlet_table
+from cranktopo.tasks.fatigue.rule_text import outlet_table
 
 _SYMBOLS = (
     ("D", "crankpin diameter", "pin"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cranktopo.base.errors import invalid
 from cranktopo.bodies.cells.domain import laterally_symmetric
@@ -11,6 +12,9 @@ from cranktopo.bodies.prisms import journal_halves, web_bores, web_region
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
 from cranktopo.tasks.importing.imported_body import half_throw_surface
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
 
 _KEY = "original.file"
 _SIDES = 5e-4
@@ -27,7 +31,7 @@ def check_original(scene: Scene) -> None:
     path = original_file(scene)
     if path is None:
         return
-    share = mirror_difference(solid_of(half_throw_surface(path, scene), f"{_KEY} = '{path}'"))
+    share = mirror_difference(_body(path, scene))
     if share > _SIDES and scene.envelope is not None and laterally_symmetric(scene, "envelope"):
         raise invalid(
             _KEY,
@@ -42,7 +46,10 @@ def without_its_fillets(path: Path, scene: Scene) -> SurfaceMesh:
 
     Its web stays; journals and bores are those of the scene, which has the fillets and bores of the body.
     """
-    name = f"{_KEY} = '{path}'"
-    web = web_region(solid_of(half_throw_surface(path, scene), name), scene)
+    web = web_region(_body(path, scene), scene)
     main, pin = journal_halves(scene)
     return mesh_of(web + main + pin - web_bores(scene))
+
+
+def _body(path: Path, scene: Scene) -> Manifold:
+    return solid_of(half_throw_surface(path, scene), f"{_KEY} = '{path}'")

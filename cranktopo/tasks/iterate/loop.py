@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import as_path, write_json, write_text
+from cranktopo.base.files import write_json, write_text
 from cranktopo.base.near_ties import first_of_the_best
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import assumptions, stored_assumptions
@@ -71,9 +71,8 @@ def start_loop(
     Raises:
         CranktopoError: bad input (nothing is written), a failed stage, or interruption (exit code 130).
     """
-    out = as_path(out)
     scene = as_scene(scene, whole=False)
-    check_destination(out)
+    out = check_destination(out)
     settings = settings or loop_settings(scene)
     _check_goal(scene, settings)
     check_original(scene)

@@ -40,7 +40,7 @@ from cranktopo.tasks.optimise.run_record import read_run_stress, record_of, snap
 _SURFACE, _PICTURE, _DENSITY = "web.stl", "result.png", "density.vtu"
 
 
-class Ahead(NamedTuple):
+class Prefetched(NamedTuple):
     """Things that the end of a run needs and that no design decides.
 
     Attributes:
@@ -52,10 +52,10 @@ class Ahead(NamedTuple):
     original: Array | None
 
 
-def ready_ahead(run: RunStore, prepared: Prepared, problem: DensityProblem) -> Ahead:
+def prefetched(run: RunStore, prepared: Prepared, problem: DensityProblem) -> Prefetched:
     """Return what the end needs and no design decides, found beside the iterations; the cells in a thread."""
     cells = cells_of_bound(run, prepared)
-    return Ahead(cells, own_web(prepared.scene, prepared.domain) if problem.original is None else None)
+    return Prefetched(cells, own_web(prepared.scene, prepared.domain) if problem.original is None else None)
 
 
 def cells_of_bound(run: RunStore, prepared: Prepared) -> Cells | None:
@@ -77,7 +77,7 @@ def finalise_run(
     clock: CompileClock,
     case: EvaluatedGoal | None,
     failure: str,
-    ahead: Ahead,
+    ahead: Prefetched,
 ) -> OptimisedRun:
     """Judge the final design, make and measure its surface meanwhile, and write every file.
 
@@ -140,7 +140,7 @@ def _judged(
     problem: DensityProblem,
     state: State,
     density: Array,
-    ahead: Ahead,
+    ahead: Prefetched,
 ) -> _Judgement:
     """Judge the physical density (nx, ny, nw) that a state ended with, in any thread."""
     scene, domain = prepared.scene, prepared.domain

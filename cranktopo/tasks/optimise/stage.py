@@ -9,9 +9,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cranktopo.base.files import as_path
 from cranktopo.base.notes import note
-from cranktopo.base.progress import StageCache, StageMemory
+from cranktopo.base.progress import resumable_memory
 from cranktopo.base.side_by_side import LazyFuture, OneBehind
 from cranktopo.design.assumed import (
     ENVELOPE,
@@ -26,13 +25,9 @@ from cranktopo.design.assumed import (
     assumptions,
     stored_assumptions,
 )
-from cranktopo.design.goal.limit import goal_text
-from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, new_run
-from cranktopo.engine.performance import note_pressure
-from cranktopo.engine.plan.planning import left_off, note_left_off
 from cranktopo.numerics.kernels.registry import compile_kernels
 from cranktopo.numerics.precision import CompileClock, check_device, double_precision
 from cranktopo.runs.checkpoint import load_checkpoint, save_checkpoint, save_iteration
@@ -44,7 +39,7 @@ from cranktopo.tasks.density.build import build_problem
 from cranktopo.tasks.density.loop import check_fits, with_limit
 from cranktopo.tasks.density.problem import DensityProblem, Progress
 from cranktopo.tasks.density.proposals import by_optimality_criteria, compile_optimality_criteria
-from cranktopo.tasks.density.stage import Prepared, describe, first_state, iterate, prepare
+from cranktopo.tasks.density.stage import Prepared, first_state, iterate, note_model, prepare
 from cranktopo.tasks.density.state import State, from_checkpoint, to_checkpoint
 from cranktopo.tasks.fea.studies import OPTIMISER, load_study
 from cranktopo.tasks.importing.original import check_original
@@ -52,7 +47,7 @@ from cranktopo.tasks.optimise.evaluated_goal import enforce_limits_by_fea, evalu
 from cranktopo.tasks.optimise.result import OptimisedRun
 
 if TYPE_CHECKING:
-    from cranktopo.tasks.optimise.finalise import Ahead
+    from cranktopo.tasks.optimise.finalise import Prefetched
 
 EVALUATIONS = "checkpoint/evaluations.json"
 """Evaluations of a goal's limits, kept so that a resumed run does not repeat them."""
@@ -104,10 +99,9 @@ def optimise_design(
     Raises:
         CranktopoError: bad input, solver failure, or interruption (exit code 130, checkpoint saved).
     """
-    out = as_path(out)
     scene = as_scene(scene, whole=False)
     began = time.perf_counter() if began is None else began
-    check_destination(out)
+    out = check_destination(out)
     check_device()
     check_original(scene)
     LazyFuture(compile_kernels).begin()
@@ -124,14 +118,7 @@ def optimise_design(
 
 def announce(prepared: Prepared, assumed: Sequence[Assumption]) -> None:
     """Pass on what is going to be solved, what a user may not expect of it, and what is assumed."""
-    note(describe(prepared))
-    goal = goal_of(prepared.scene)
-    if goal is not None:
-        note(goal_text(goal, "density"))
-    note_left_off(prepared.scene.name, left_off(prepared.scene, prepared.plan))
-    note_pressure(prepared.scene.name, prepared.scene)
-    for notice in prepared.notices:
-        note(f"note: {notice}.")
+    note_model(prepared)
     if assumed:
         note(assumed_text(assumed))
 
@@ -178,7 +165,7 @@ def _optimise(job: _Job, resume: bool = False) -> OptimisedRun:
         end = LazyFuture(lambda: _ready_for_the_end(job))
         progress = _checked(job.progress, check, end)
         kept = _kept(run, progress, saving)
-        prepared, work = job.prepared, StageMemory(StageCache(run.path / EVALUATIONS), check)
+        prepared, work = job.prepared, resumable_memory(run.path / EVALUATIONS, check)
         state = (_saved_state(job) if resume else None) or first_state(
             problem, prepared.scene, prepared.domain, prepared.cases, progress
         )
@@ -210,17 +197,17 @@ def _compiled(problem: DensityProblem) -> None:
             compile_optimality_criteria(problem)
 
 
-def _ready_for_the_end(job: _Job) -> Ahead:
+def _ready_for_the_end(job: _Job) -> Prefetched:
     """Find what the end needs, and load the libraries that surfaces, pictures and pages take."""
-    from cranktopo.tasks.optimise.finalise import ready_ahead
+    from cranktopo.tasks.optimise.finalise import prefetched
 
-    ahead = ready_ahead(job.run, job.prepared, job.problem)
+    ahead = prefetched(job.run, job.prepared, job.problem)
     for name in _LIBRARIES:
         import_module(name)
     return ahead
 
 
-def _checked(progress: Progress, check: Callable[[], None], end: LazyFuture[Ahead]) -> Progress:
+def _checked(progress: Progress, check: Callable[[], None], end: LazyFuture[Prefetched]) -> Progress:
     """Return progress after which a run may be interrupted; after the first design the end is got ready."""
 
     def show(problem: DensityProblem, state: State) -> None:

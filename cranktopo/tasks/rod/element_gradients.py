@@ -173,7 +173,7 @@ class RodGradients:
             solved = model.equations.solver(group.held, _RESIDUAL)(np.ascontiguousarray(forces))
             adjoints = solved.T.reshape(len(found), -1, len(solved))
             by_nodes -= sums_of_work_slopes(model, *fields.elastic, fields.displacement_mm[which], adjoints)
-            by_nodes += np.stack([loads.slopes(group, one.T) for one in adjoints])
+            by_nodes += np.stack([loads.gradients(group, one.T) for one in adjoints])
         return list(
             np.einsum("kin,inp->kp", by_nodes, self._motion) + np.stack([one.by_loads for one in found])
         )

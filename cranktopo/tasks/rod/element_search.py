@@ -258,7 +258,7 @@ def _ratio_slopes(search: RodSearch, own: JudgedRod, at: JudgedRod) -> dict[Quan
         return np.log([found[key] for key in near])
 
     by_closed = central_difference(closed, np.log(at.values), _STEP)
-    by_elements, sizes_mm = at.judged.slopes(search.names, near), at.values * search.start_mm
+    by_elements, sizes_mm = at.judged.gradients(search.names, near), at.values * search.start_mm
     return {
         key: by_elements[key] * sizes_mm - exponents for key, exponents in zip(near, by_closed, strict=True)
     }

@@ -28,7 +28,7 @@ class RodOnElements:
     stress: ElementStress
     motions: tuple[RodMotion, ...]
 
-    def slopes(self, names: Sequence[str], quantities: Collection[Quantity]) -> dict[Quantity, Array]:
+    def gradients(self, names: Sequence[str], quantities: Collection[Quantity]) -> dict[Quantity, Array]:
         """Return the derivatives of logarithms of quantities by dimensions of some names, (names,), 1/mm.
 
         Raises:

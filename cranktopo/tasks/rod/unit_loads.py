@@ -183,7 +183,7 @@ class RodLoads:
         small, big = (float(force[1::3].sum()) * copies(self._model) for force in self._of_both_ends(1))
         return small, big
 
-    def slopes(self, group: LoadGroup, adjoint: Array) -> Array:
+    def gradients(self, group: LoadGroup, adjoint: Array) -> Array:
         """Return the derivative of sum(adjoint * forces) by the nodes, (3, nodes), while bores stand still.
 
         Of every load of `ALONG`, `ACROSS` or both, as the group has them; adjoint (unknowns, k).

@@ -10,6 +10,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import Loads, loads_name
 from cranktopo.tasks.refit.family import parameter_unit
 from cranktopo.tasks.shape.loads_told import loads_left_off
+from cranktopo.tasks.shape.optimum import ShapeOptimum
 from cranktopo.tasks.shape.result import (
     LimitPrice,
     RoundValues,
@@ -24,7 +25,7 @@ from cranktopo.tasks.shape.result import (
 from cranktopo.tasks.shape.rules import rule_unit, rules_at
 from cranktopo.tasks.shape.search_goal import quantity_on_cells
 from cranktopo.tasks.shape.sensitivities import active_constraints, dimension_sensitivities, sensitivity_table
-from cranktopo.tasks.shape.stage import ShapeOptimum, stresses_in
+from cranktopo.tasks.shape.stage import stresses_in
 from cranktopo.tasks.shape.text import QUANTITIES_TOLD
 
 _PER_UNIT = {"mm": 1.0, "deg": 1.0, "%": 100.0}

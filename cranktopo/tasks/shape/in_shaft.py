@@ -20,8 +20,9 @@ from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.shape.each_web.groups import WebGroup
 from cranktopo.tasks.shape.each_web.loaded_shaft import LoadedShaft, loaded_shaft
 from cranktopo.tasks.shape.evaluated_web import Judging, kept_safety
+from cranktopo.tasks.shape.optimum import ShapeSettings
 from cranktopo.tasks.shape.result import SafetyInShaft
-from cranktopo.tasks.shape.stage import ShapeSettings, stresses_in
+from cranktopo.tasks.shape.stage import stresses_in
 
 _EFFECT = "continuous_shaft"
 _NEAR = 1.1

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from cranktopo.bodies.cells.domain import build_domain
-from cranktopo.bodies.volume import bolted_mass
-from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
@@ -14,7 +12,7 @@ from cranktopo.tasks.density.assess import assess_original, check_reach
 from cranktopo.tasks.density.build import build_chain, response_constraint
 from cranktopo.tasks.density.model import build_model
 from cranktopo.tasks.density.problem import model_error_percent
-from cranktopo.tasks.density.responses import quantities
+from cranktopo.tasks.density.responses import quantities_of
 from cranktopo.tasks.refit.family import free_dimensions
 
 
@@ -32,7 +30,7 @@ def check_reachable(scene: Scene, goal: Goal, cell_mm: float) -> None:
     with double_precision():
         domain = build_domain(scene, cell_mm)
         model = build_model(scene, domain, main_load_cases(scene, plan(scene).enabled))
-        known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene), rods_kg_mm(scene))
+        known = quantities_of(scene, model)
         own = assess_original(model, scene, domain).quantities
         limits = [
             response_constraint(one, known[one.quantity], own) for one in open_limits if one.quantity in known

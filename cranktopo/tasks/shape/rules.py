@@ -70,7 +70,7 @@ class EnvelopeClearance:
         if self._limit is not None:
             x, y = points.T
             outside = np.vstack([outside, self._limit.outside_mm(x, y)])
-            by_points = np.concatenate([by_points, self._limit.slopes(x, y)[None]])
+            by_points = np.concatenate([by_points, self._limit.gradients(x, y)[None]])
         gradients = np.zeros((outside.size, count))
         by_own = np.einsum("cnk,nkp->cnp", by_points, by_values)
         gradients[:, : by_values.shape[2]] = by_own.reshape(outside.size, -1)

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
-from cranktopo.base.files import as_path, write_json, write_text
+from cranktopo.base.files import write_json, write_text
 from cranktopo.base.notes import note
-from cranktopo.base.progress import StageCache, StageMemory
+from cranktopo.base.progress import StageMemory, resumable_memory
 from cranktopo.bodies.prisms import with_bolted
 from cranktopo.bodies.seat import warn_of_cut_seat
 from cranktopo.bodies.solid.bolted import threads_mm3
@@ -70,17 +70,16 @@ from cranktopo.tasks.refit.stage import remodel_run
 from cranktopo.tasks.shape.assembled import assembled
 from cranktopo.tasks.shape.in_shaft import asks_for_shaft, left_alone, search_in_shaft
 from cranktopo.tasks.shape.loads_told import note_loads
+from cranktopo.tasks.shape.optimum import ShapeOptimum, ShapeSettings
 from cranktopo.tasks.shape.page import shape_page
 from cranktopo.tasks.shape.reachable import check_reachable
 from cranktopo.tasks.shape.result import ShapeFiles, ShapeResult
-from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape, stresses_in
+from cranktopo.tasks.shape.stage import optimise_shape, stresses_in
 from cranktopo.tasks.shape.start import scene_start
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLimits
 
 TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, SEAT, FATIGUE)
 """Tables of a scene that a shape optimisation uses."""
-_METHODS = ("lsa",)
-"""Methods of the fatigue safety that it uses."""
 _BEGUN = "begun"
 """Key of the scene whose web the search began with, among the manifest's options."""
 _FILES = ShapeFiles()
@@ -127,9 +126,8 @@ def shape_design(
     Raises:
         CranktopoError: bad input, no web that keeps the limits, or interruption (exit code 130).
     """
-    out = as_path(out)
     scene = as_scene(scene, whole=False)
-    check_destination(out)
+    out = check_destination(out)
     check_device()
     check_original(scene)
     scene = balance_kept(scene)
@@ -233,7 +231,7 @@ def shape_goal(scene: Scene) -> Goal:
 def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead) -> ShapedRun:
     began, goal = time.perf_counter(), shape_goal(scene)
     with working_in(run, "finished searches are kept") as check, double_precision():
-        work = StageMemory(StageCache(run.path / WORK), check)
+        work = resumable_memory(run.path / WORK, check)
         if shaft := search_in_shaft(scene, goal, settings, work):
             settings = replace(settings, loads=shaft.loads)
         optimum = optimise_shape(scene, goal, settings, work, start)

@@ -8,7 +8,7 @@ limits, and each finish is a short search beside the evaluated web, by the gradi
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,20 +19,15 @@ from cranktopo.base.notes import Pace, note
 from cranktopo.base.progress import StageMemory
 from cranktopo.base.result import Result
 from cranktopo.base.side_by_side import LazyFuture
-from cranktopo.design.goal.constraint import TOLERANCE
 from cranktopo.design.goal.limit import Goal, goal_text
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.histories import Loads, WebLoads
-from cranktopo.numerics.optimisers.gradient_search import Multipliers
-from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
+from cranktopo.engine.histories import WebLoads
 from cranktopo.tasks.refit.family import Layout, with_free
-from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.shape.evaluated_web import (
     EvaluatedWeb,
-    Judging,
     coarse_shares,
     evaluated_original,
     evaluated_web,
@@ -40,6 +35,7 @@ from cranktopo.tasks.shape.evaluated_web import (
 from cranktopo.tasks.shape.feature_selection import FeatureSelection
 from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
 from cranktopo.tasks.shape.nearest_web import nearest_of, nearest_web, search_with_corrections
+from cranktopo.tasks.shape.optimum import ShapeOptimum, ShapeRound, ShapeSettings
 from cranktopo.tasks.shape.refining import SHORTER, CorrectedSurrogate, Step, merit, stepped
 from cranktopo.tasks.shape.result import FeatureTrial
 from cranktopo.tasks.shape.search import HELD, SearchBudget, prices_of, shaped_scene, worst_violation
@@ -47,7 +43,6 @@ from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal, goal_on_ce
 from cranktopo.tasks.shape.start import first_on_cells, not_on_cells, scene_start
 from cranktopo.tasks.shape.text import TOLD_FIRST
 from cranktopo.tasks.shape.web_model import WebModel, web_model
-from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 _SETTLED = 2e-3
 """Gain in the goal, over the original's, that is worth an evaluation beside a web that keeps the limits."""
@@ -72,95 +67,6 @@ _FIRST = {True: "web of the cells", False: "web of the start"}
 """The web that finishes begin with, by whether features were sought."""
 _SCATTER = 5e-3
 """The same of safety and stress: those of nearly equal webs scatter by half a percent from mesh to mesh."""
-
-
-@dataclass(frozen=True)
-class ShapeSettings:
-    """Settings of a shape optimisation.
-
-    Attributes:
-        cell_mm: cells on which features are chosen.
-        mesh_mm: elements on which trials are judged and gradients taken.
-        rounds: most finishes; three times as many with free dimensions.
-        element_size_mm: of the evaluation; by default that of `evaluate`.
-        loads: load states over which fatigue safety and stress are judged, as `cranktopo fatigue --loads`, or
-            of webs in their shaft the safety.
-        fillet_fraction: element size in a fillet over its radius where these are evaluated.
-        features: whether outline and features are sought on cells before the finishes; else these begin with
-            the web of the start, whose features stay.
-    """
-
-    cell_mm: float = 4.0
-    mesh_mm: float = 8.0
-    rounds: int = 4
-    element_size_mm: float | None = None
-    limits: ManufacturingLimits = field(default_factory=ManufacturingLimits)
-    loads: Loads = "extremes"
-    fillet_fraction: float = RULE_FRACTION
-    features: bool = True
-
-    @property
-    def judging(self) -> Judging:
-        """Return what evaluates stresses."""
-        return Judging(self.loads, self.fillet_fraction)
-
-
-@dataclass(frozen=True)
-class ShapeRound:
-    """A web that was found, and its evaluation.
-
-    Attributes:
-        excess_percent: how far each limit of the goal is missed by the evaluation, %; 0 or less is kept.
-        evaluations: webs solved to find it.
-    """
-
-    web: EvaluatedWeb
-    values: Array
-    excess_percent: tuple[float, ...]
-    evaluations: int
-
-    @property
-    def violation(self) -> float:
-        """Violation of the worst limit by the evaluation, as a part; 0 or less is kept."""
-        return max(self.excess_percent, default=0.0) / 100
-
-    @property
-    def held(self) -> bool:
-        """True where every limit is kept by the evaluation."""
-        return self.violation <= HELD
-
-    @property
-    def met(self) -> bool:
-        """True where every limit counts as satisfied."""
-        return self.violation <= TOLERANCE
-
-
-@dataclass(frozen=True)
-class ShapeOptimum:
-    """The best web found.
-
-    Attributes:
-        stated: the goal in the units of the evaluation.
-        rounds: webs that were evaluated, in their order; the first is that of the cells.
-        responses: quantities of the best web as the evaluation tells them, with their exact gradients.
-        unfinished: whether it misses a limit and was the last of the finishes that were allowed.
-    """
-
-    goal: Goal
-    stated: SearchGoal
-    original: EvaluatedWeb
-    web: ParametricWeb
-    rounds: tuple[ShapeRound, ...]
-    best: int
-    trials: tuple[FeatureTrial, ...]
-    responses: MeshResponses
-    multipliers: Multipliers
-    unfinished: bool
-
-    @property
-    def result(self) -> ShapeRound:
-        """The best round."""
-        return self.rounds[self.best]
 
 
 def optimise_shape(

@@ -15,8 +15,6 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.bodies.cells.domain import Domain, build_domain, centres_mm
-from cranktopo.bodies.volume import bolted_mass
-from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.free_dimensions import (
     DimensionName,
     free_range_mm,
@@ -31,7 +29,7 @@ from cranktopo.engine.states import main_load_cases
 from cranktopo.tasks.density.material import CONTRAST
 from cranktopo.tasks.density.model import ThrowModel, build_model
 from cranktopo.tasks.density.response import compliances, solve
-from cranktopo.tasks.density.responses import Design, Response, gradients, quantities
+from cranktopo.tasks.density.responses import Design, Response, gradients, quantities_of
 from cranktopo.tasks.refit.family import Layout, free_dimensions, scene_at
 from cranktopo.tasks.refit.model_fill import smooth_step
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
@@ -149,7 +147,7 @@ def web_model(scene: Scene, limits: ManufacturingLimits, resolution_mm: float) -
     """
     domain = _domain_without_free_bores(scene, resolution_mm)
     model = build_model(scene, domain, main_load_cases(scene, plan(scene).enabled))
-    known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene), rods_kg_mm(scene))
+    known = quantities_of(scene, model)
     own = build_domain(scene, resolution_mm, "web", domain.extent, domain.grid).passive_fraction
     solved = solved_design(model, own, own, _TOLERANCE_ORIGINAL)
     original = {name: float(response.value(solved)) for name, response in known.items()}

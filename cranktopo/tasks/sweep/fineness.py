@@ -13,7 +13,7 @@ from cranktopo.tasks.fea.levels import ErrorTarget, evaluate_to
 from cranktopo.tasks.fea.targets import Target
 
 if TYPE_CHECKING:
-    from cranktopo.tasks.shape.stage import ShapeSettings
+    from cranktopo.tasks.shape.optimum import ShapeSettings
 
 _COARSER = 1.5
 """Elements and cells of a first look over those of full accuracy: the error bounds of differences are

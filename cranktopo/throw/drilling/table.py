@@ -153,11 +153,11 @@ def _across(angle_deg: float) -> float:
 
 def drill_bores(scene: ThrowView) -> tuple[DrillBore, ...]:
     """Return the drillings of the half throw as bodies; none for most throws."""
-    return _bores(scene.throw, scene.web_z_mm, scene.pitch_mm) if scene.throw.drilling else ()
+    return _bores(scene.throw, scene.pitch_mm) if scene.throw.drilling else ()
 
 
 @lru_cache(maxsize=16)
-def _bores(throw: JournalsView, web_z_mm: tuple[float, float], pitch_mm: float) -> tuple[DrillBore, ...]:
+def _bores(throw: JournalsView, pitch_mm: float) -> tuple[DrillBore, ...]:
     return tuple(
         _bore(throw, pitch_mm, drilling, f"throw.drilling[{index}]")
         for index, drilling in enumerate(throw.drilling)

@@ -18,7 +18,7 @@ from cranktopo.tasks.fatigue.m53_outlet import (
     pin_outlets,
 )
 from cranktopo.tasks.fatigue.outlet_elements import element_outlet_factors
-from cranktopo.tasks.fatigue.rule_check import element_factors
+from cranktopo.tasks.fatigue.rule_fillets import element_factors
 from cranktopo.tasks.fatigue.stress_model import solve_stresses
 from cranktopo.tasks.fea.condense import plane_nodes
 from cranktopo.tasks.fea.targets import Target

@@ -42,7 +42,7 @@ class Told(RodOnElements):
     scene: Scene
     share_of_place: Callable[[Scene], Callable[[str], float]]
 
-    def slopes(self, names, quantities):
+    def gradients(self, names, quantities):
         def logs(values):
             there = told(resized(self.scene, names, values), self.share_of_place)
             found = element_search.JudgedRod(self.scene, values, there).by_elements

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from cranktopo.tasks.bench.limits import gauge_limits
+from cranktopo.tasks.bench.project import gauge_limits
 
 
 def told(**limits: Any) -> dict[str, Any]:

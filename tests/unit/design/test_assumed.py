@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 import pytest
 
 from cranktopo.design.assumed import (
@@ -10,7 +12,6 @@ from cranktopo.design.assumed import (
     LOADS,
     SUPPORTS,
     THROW,
-    assumed_json,
     assumed_text,
     assumptions,
     filter_by_table,
@@ -87,7 +88,7 @@ def test_the_line_says_what_the_number_means() -> None:
 
 
 def test_json_has_key_value_and_meaning() -> None:
-    entries = assumed_json(assumptions(scene_with(), (THROW, FATIGUE)))
+    entries = [asdict(item) for item in assumptions(scene_with(), (THROW, FATIGUE))]
     assert entries[0] == {"key": "throw.main_journal.fillet_mm", "value": 0.0, "meaning": "sharp"}
     assert all(isinstance(entry["value"], (int, float, str)) for entry in entries)
 

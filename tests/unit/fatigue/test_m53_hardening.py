@@ -29,7 +29,7 @@ from cranktopo.tasks.fatigue.m53_hardening import (
     transition_strength_MPa,
     treated_check,
 )
-from cranktopo.tasks.fatigue.rule_check import fillet_checks
+from cranktopo.tasks.fatigue.rule_fillets import fillet_checks
 from tests.unit.fatigue.hardened_layers import INDUCTION, NITRIDED
 
 

@@ -17,6 +17,7 @@ from cranktopo.app.main import cli as group
 TASKS = Path(cranktopo.__file__).parent / "tasks"
 REACHED_BY = {
     "fatigue/text.py": ("fatigue", "compare"),
+    "fatigue/rule_text.py": ("fatigue", "compare"),
     "fatigue/verdicts.py": ("fatigue", "compare"),
     "fatigue/remarks.py": ("fatigue", "compare", "shaft"),
     "accuracy/optimiser_levels.py": ("optimise",),

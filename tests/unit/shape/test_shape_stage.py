@@ -22,9 +22,10 @@ from cranktopo.engine.histories import HistoryKind, WebLoads
 from cranktopo.engine.states import load_cases
 from cranktopo.tasks.shape import stage
 from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
+from cranktopo.tasks.shape.optimum import ShapeOptimum, ShapeSettings
 from cranktopo.tasks.shape.refining import Step
 from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
-from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape
+from cranktopo.tasks.shape.stage import optimise_shape
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 ORIGINAL = {"mass": 1.6, "torsion": 140e3, "bending": 220e3, "fatigue_safety": 2.0}
@@ -270,7 +271,7 @@ def test_a_finish_keeps_the_balance_that_closed_forms_tell_of_its_web(
     scene = load_scene("mikron-iiic-plain")
     cells = SimpleNamespace(scene=scene, webs=lambda: None)
     found = SimpleNamespace(values={}, excess_percent=())
-    finish = stage._LocalRefinement(cells, goal, None, web, stage.ShapeSettings(), StageMemory())
+    finish = stage._LocalRefinement(cells, goal, None, web, ShapeSettings(), StageMemory())
     monkeypatch.setattr(finish, "anchored", lambda _: None)
     monkeypatch.setattr(finish, "_evaluated", lambda values, number, solved: (found, solved))
     assert finish._finished(before, 1, stage._FINISH, 0.0) == (found, 3 * 5 + 1)

@@ -71,7 +71,7 @@ def test_slopes_of_the_limit(clear: Scene) -> None:
     limit = clearance_limit(clear)
     assert limit is not None
     x, y = np.array([20.0, 55.0, 40.0]), np.array([-40.0, -20.0, 60.0])
-    slopes = limit.slopes(x, y)
+    slopes = limit.gradients(x, y)
     for axis in range(2):
         step = 1e-3 * np.eye(2)[axis]
         change = limit.outside_mm(x + step[0], y + step[1]) - limit.outside_mm(x - step[0], y - step[1])

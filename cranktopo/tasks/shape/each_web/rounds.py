@@ -23,9 +23,9 @@ from cranktopo.tasks.shape.each_web.groups import WebGroup
 from cranktopo.tasks.shape.each_web.loaded_shaft import LoadedShaft, loaded_shaft
 from cranktopo.tasks.shape.each_web.result import CrankRound, CrankVariant, GroupSearch, is_safe
 from cranktopo.tasks.shape.evaluated_web import Judging, kept_safety
+from cranktopo.tasks.shape.optimum import ShapeSettings
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.run import shape_in
-from cranktopo.tasks.shape.stage import ShapeSettings
 
 _ROUNDS = 2
 _ROOM = 0.05

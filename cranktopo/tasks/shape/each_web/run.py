@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
-from cranktopo.base.files import as_path, write_json
+from cranktopo.base.files import write_json
 from cranktopo.base.notes import Pace, indented, note
-from cranktopo.base.progress import Json, StageCache, StageMemory
+from cranktopo.base.progress import Json, resumable_memory
 from cranktopo.design.assumed import assumptions, stored_assumptions
 from cranktopo.design.crank_throws import throw_count
 from cranktopo.design.free_dimensions import DIMENSIONS, free_range_mm, is_of_counterweight
@@ -42,6 +42,7 @@ from cranktopo.tasks.shape.each_web.page import each_web_page
 from cranktopo.tasks.shape.each_web.result import EachWebResult
 from cranktopo.tasks.shape.each_web.rounds import CrankSearch
 from cranktopo.tasks.shape.loads_told import loads_left_off, note_loads
+from cranktopo.tasks.shape.optimum import ShapeSettings
 from cranktopo.tasks.shape.run import (
     TABLES,
     kept_settings,
@@ -49,7 +50,6 @@ from cranktopo.tasks.shape.run import (
     shape_goal,
     shape_settings,
 )
-from cranktopo.tasks.shape.stage import ShapeSettings
 
 _ONE, _OWN = "one-web", "own-webs"
 
@@ -78,9 +78,8 @@ def shape_each_web(
     Raises:
         CranktopoError: bad input, no web that keeps the limits, or interruption (exit code 130).
     """
-    out = as_path(out)
     scene = balance_kept(_without_free_journals(as_scene(scene)))
-    check_destination(out)
+    out = check_destination(out)
     check_device()
     _check(scene)
     settings = settings or shape_settings(scene)
@@ -177,7 +176,7 @@ def _without_free_journals(scene: Scene) -> Scene:
 def _worked(run: RunStore, scene: Scene, settings: ShapeSettings) -> EachWebRun:
     began = time.perf_counter()
     with working_in(run, "finished searches are kept") as check:
-        work, goal = StageMemory(StageCache(run.path / WORK), check), shape_goal(scene)
+        work, goal = resumable_memory(run.path / WORK, check), shape_goal(scene)
         limit = _safety_limit(scene, goal)
         original = LoadedShaft.of_json(work.once("design", lambda: _design_shaft(scene, settings)))
         required = limit.required(original.figures.safety)
