@@ -3,28 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from cranktopo.base.frames import about_z_deg
-from cranktopo.bodies.crank_drillings import crank_crossings, taken_beyond
+from cranktopo.bodies.crank_drillings import taken_beyond
 from cranktopo.bodies.crank_ends import SIDES, EndPiece, crank_end, main_journal_places_mm
 from cranktopo.bodies.solid.checked import ClosedForm, check_body, check_no_hollow
-from cranktopo.bodies.solid.shapes import add_all, cut, fused
+from cranktopo.bodies.solid.drilled import drilled
+from cranktopo.bodies.solid.shapes import cut, fused
 from cranktopo.bodies.solid.step import import_solid
 from cranktopo.bodies.solid.throw import add_full_throw, throw_form
 from cranktopo.design.crank import Side
 from cranktopo.design.crank_throws import refuse_split_pins, throw_scenes
+from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import DimTags
 from cranktopo.throw.crank_end import BodyStep
+from cranktopo.throw.drilling.bore import DrillBore
+from cranktopo.throw.drilling.table import Drilling, drill_bores
 
 
 def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
     """Return throws, turned by firing order, and ends of a crank as one checked body, journal 0 at z = 0."""
     pieces = [piece for side in SIDES for piece in crank_end(scene, side)]
-    bodies = [*placed_throws(occ, scene, add_full_throw), *(_add_piece(occ, piece) for piece in pieces)]
-    body = cut(occ, fused(occ, bodies), _crossing_tools(occ, scene))
+    throws = placed_throws(occ, scene, lambda occ, throw: add_full_throw(occ, _without_crossing(throw)))
+    body = fused(occ, [*throws, *(_add_piece(occ, piece) for piece in pieces)])
+    body = _drilled(occ, scene, body)
     forms = [throw_form(throw) for throw in throw_scenes(scene)]
     volume = sum(form.volume_mm3 for form in forms) + sum(piece.moments.volume for piece in pieces)
     volume -= taken_beyond(scene).volume
@@ -33,12 +38,43 @@ def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
     return body
 
 
-def _crossing_tools(occ: Any, scene: Scene) -> DimTags:
-    """Return the drillings that go on in a neighbour of their throw, each in its place along the crank."""
-    tools: DimTags = []
-    for one in crank_crossings(scene):
-        tools += _in_place(occ, add_all(occ, [one.bore]), one.angle_deg, one.z_mm)
-    return tools
+def _drilled(occ: Any, scene: Scene, body: DimTags) -> DimTags:
+    """Return a crank with the drillings that cross the middle of a main journal, throw by throw.
+
+    Cut into the whole crank: the middle would halve an outlet, and the kernel leaves crumbs where a rounding
+    of its own ends there and meets a tool of the same surface from the other side.
+    """
+    places = zip(throw_scenes(scene), scene.shaft_angles_deg, main_journal_places_mm(scene), strict=False)
+    for throw, angle, z in places:
+        bores = _crossing_bores(throw)
+        if bores:
+            occ.translate(body, 0, 0, -z)
+            body = drilled(occ, _in_place(occ, body, -angle, 0.0), bores)
+            _in_place(occ, body, angle, z)
+    return body
+
+
+def _crossing_bores(throw: Scene) -> list[DrillBore]:
+    """Return the drillings of a throw that cross the middle of a main journal, in its frame."""
+    first, second = halves(throw)
+    crossing = _crossing(throw)
+    own = [bore for one, bore in _with_bores(first) if one in crossing]
+    other = (bore for one, bore in _with_bores(second) if one in crossing)
+    return own + [bore.in_second_half(throw.pitch_mm) for bore in other]
+
+
+def _crossing(throw: Scene) -> list[Drilling]:
+    return [one for half in halves(throw) for one, bore in _with_bores(half) if bore.crosses_middle]
+
+
+def _with_bores(half: Scene) -> Iterable[tuple[Drilling, DrillBore]]:
+    return zip(half.throw.drilling, drill_bores(half), strict=True)
+
+
+def _without_crossing(throw: Scene) -> Scene:
+    """Return a throw without drillings that cross the middle of a main journal."""
+    kept = tuple(one for one in throw.throw.drilling if one not in _crossing(throw))
+    return throw.model_copy(update={"throw": throw.throw.model_copy(update={"drilling": kept})})
 
 
 def _in_place(occ: Any, body: DimTags, angle_deg: float, z_mm: float) -> DimTags:

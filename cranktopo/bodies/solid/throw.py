@@ -14,7 +14,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid.checked import ClosedForm, check_body, misfit
 from cranktopo.bodies.solid.culprit import culprit
 from cranktopo.bodies.solid.drilled import drilled
-from cranktopo.bodies.solid.shapes import add_all, add_bodies, add_solid, cut, turned_half
+from cranktopo.bodies.solid.shapes import add_bodies, add_solid, cut, turned_half
 from cranktopo.bodies.volume import half_throw_volume_mm3, outlet_roundings_mm3, throw_volume_mm3
 from cranktopo.design.checks.scene import check_solid
 from cranktopo.design.crank_throws import refuse_split_pins
@@ -107,10 +107,10 @@ def add_full_throw(occ: Any, scene: Scene, *, by_tools: bool = False) -> DimTags
     first, second = halves(scene)
     half = _add_half(occ, _without_late(first, scene), by_tools)
     other = _add_second(occ, scene, second, by_tools)
-    tools, more = (_add_late(occ, own, scene) for own in (first, mirror_image(second)))
-    turned_half(occ, [*other, *more], scene.pitch_mm)
+    turned_half(occ, other, scene.pitch_mm)
     body, _ = occ.fuse(half, other)
-    body = _without_crumbs(occ, cut(occ, body, [*tools, *more]), throw_form(scene))
+    late = _late_bores(first, scene) + [b.in_second_half(scene.pitch_mm) for b in _late_bores(second, scene)]
+    body = _without_crumbs(occ, drilled(occ, list(body), late, by_tools=by_tools), throw_form(scene))
     check_body(occ, body, throw_form(scene), "full throw")
     return list(body)
 
@@ -144,8 +144,8 @@ def _without_late(half: Scene, scene: Scene) -> Scene:
     return half.model_copy(update={"throw": half.throw.model_copy(update={"drilling": kept})})
 
 
-def _add_late(occ: Any, half: Scene, scene: Scene) -> DimTags:
-    return add_all(occ, [bore for bore in drill_bores(half) if _late(bore, half, scene)])
+def _late_bores(half: Scene, scene: Scene) -> list[DrillBore]:
+    return [bore for bore in drill_bores(half) if _late(bore, half, scene)]
 
 
 def _late(bore: DrillBore, half: Scene, scene: Scene) -> bool:
