@@ -9,7 +9,7 @@ general tolerances are those of ISO 2768.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import partial
 from pathlib import Path
@@ -49,7 +49,8 @@ _SHOWN = {
     "second": "second half, sheet 2 of 2",
 }
 _REDUCED = " on A3; reduced on this page, not to scale"
-_TURNED = "Half a turn about the throw from where sheet 1 is drawn."
+_TURNED = "Half a turn about the throw from where sheet 1 is drawn: x of the design runs to the left."
+_IMAGE = "The other half is the mirror image beyond the middle of the crankpin."
 
 
 @dataclass(frozen=True)
@@ -126,7 +127,7 @@ def pages_figure(pages: Sequence[SheetPage], written: datetime, reduced: bool = 
 
 
 def _page(sheet: Sheet, balance: ThrowBalance) -> SheetPage:
-    scene, symmetric = sheet.scene, ["Web symmetric in x."] * (not web_asymmetry(sheet.scene))
+    scene = sheet.scene
     return SheetPage(
         rooms=sheet.rooms,
         views=tuple(
@@ -139,8 +140,8 @@ def _page(sheet: Sheet, balance: ThrowBalance) -> SheetPage:
         notes=[
             *surface_notes(scene.drawing),
             *strength_notes(scene),
-            *symmetric,
-            *[_TURNED] * (sheet.half == "second"),
+            *(["Web symmetric in x."] if not web_asymmetry(scene) else [_IMAGE] * (sheet.half is None)),
+            *[_TURNED] * sheet.turned,
         ],
         ghost="" if sheet.body is None else "body that was re-modelled",
     )
@@ -217,8 +218,9 @@ def _table(paper: Any, lines: Sequence[str]) -> None:
 
 def table_lines(sheet: Sheet) -> list[str]:
     """Return the lines of the table of dimensions: journals, throw, outline, features."""
-    lines = [*_journal_lines(sheet), *_outline_lines(sheet.scene)]
-    return lines + [line for feature in sheet.features for line in feature.lines]
+    told = replace(sheet, scene=mirror_image(sheet.scene)) if sheet.turned else sheet  # x of the design
+    lines = [*_journal_lines(told), *_outline_lines(told.scene)]
+    return lines + [line for feature in told.features for line in feature.lines]
 
 
 def _journal_lines(sheet: Sheet) -> list[str]:

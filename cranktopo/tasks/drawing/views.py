@@ -21,6 +21,7 @@ from cranktopo.report.drafting import (
     INK,
     TEXT_SIZE,
     THIN,
+    axis_mark,
     circle,
     dimension,
     finish,
@@ -91,6 +92,11 @@ class Sheet:
     body: Manifold | None = None
     half: Literal["first", "second"] | None = None
     placed: bool = False
+
+    @property
+    def turned(self) -> bool:
+        """Whether it shows the second of two halves, seen from the crankpin too: x runs to the left."""
+        return self.half == "second"
 
     @cached_property
     def features(self) -> list[FeatureDrawing]:
@@ -206,7 +212,9 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
     else:
         taken = texts_about(axes, named, gap)
     across = beside + _TEXT_MM / scale if isinstance(web, ProfileWeb) else beside
-    running_dimensions(axes, sheet.places, (across, sheet.y_range_mm[1]), 1 / scale, taken)
+    corner = across, sheet.y_range_mm[1]
+    running_dimensions(axes, sheet.places, corner, 1 / scale, taken, -1 if sheet.turned else 1)
+    axis_mark(axes, (-beside - gap - 0.8 * line, under - 1.8 * gap), -1 if sheet.turned else 1, 1 / scale)
     finish(axes, "Front, from the crankpin side")
 
 

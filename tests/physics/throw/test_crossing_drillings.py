@@ -1,4 +1,4 @@
-"""Crank of one throw whose drilling crosses, or touches, the middle of a main journal, where its throw ends."""
+"""Crank of one throw with a drilling that crosses the middle of a main journal, where its throw ends."""
 
 from __future__ import annotations
 
