@@ -158,9 +158,9 @@ def centre_line(axes: Any, start: _Flat, end: _Flat) -> None:
 
 
 def axis_mark(axes: Any, corner: _Flat, x_way: int, mm: float) -> None:
-    """Draw arrows along +x, to the right or by -1 to the left, and +y, from a corner; `mm` is one of paper."""
+    """Draw arrows along +x, right or by -1 left, and along +y from a corner; `mm` is one of paper."""
     for letter, way in (("x", (x_way, 0.0)), ("y", (0.0, 1.0))):
-        end, name = (np.array(corner) + length * mm * np.array(way) for length in (7.0, 8.6))
+        end, name = (np.array(corner) + length * mm * np.array(way) for length in (5.0, 7.6))
         arrow = {"arrowstyle": "-|>", "lw": 0.5, "color": THIN, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", end, corner, arrowprops=arrow)
         axes.text(*name, letter, fontsize=TEXT_SIZE, ha="center", va="center", color=THIN)

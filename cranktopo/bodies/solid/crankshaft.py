@@ -10,12 +10,12 @@ from cranktopo.base.frames import about_z_deg
 from cranktopo.bodies.crank_drillings import taken_beyond
 from cranktopo.bodies.crank_ends import SIDES, EndPiece, crank_end, main_journal_places_mm
 from cranktopo.bodies.solid.checked import ClosedForm, check_body, check_no_hollow
-from cranktopo.bodies.solid.drilled import drilled
-from cranktopo.bodies.solid.shapes import cut, fused
+from cranktopo.bodies.solid.drilled import drilled_at
+from cranktopo.bodies.solid.shapes import cut, fused, turned
 from cranktopo.bodies.solid.step import import_solid
 from cranktopo.bodies.solid.throw import add_full_throw, throw_form
 from cranktopo.design.crank import Side
-from cranktopo.design.crank_throws import refuse_split_pins, throw_scenes
+from cranktopo.design.crank_throws import half_turns_deg, throw_scenes
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import DimTags
@@ -47,20 +47,19 @@ def _drilled(occ: Any, scene: Scene, body: DimTags) -> DimTags:
     places = zip(throw_scenes(scene), scene.shaft_angles_deg, main_journal_places_mm(scene), strict=False)
     for throw, angle, z in places:
         bores = _crossing_bores(throw)
-        if bores:
+        if any(bores):
             occ.translate(body, 0, 0, -z)
-            body = drilled(occ, _in_place(occ, body, -angle, 0.0), bores)
-            _in_place(occ, body, angle, z)
+            first, second = half_turns_deg(throw)
+            body = drilled_at(occ, body, bores, (angle + first, angle + second))
+            occ.translate(body, 0, 0, z)
     return body
 
 
-def _crossing_bores(throw: Scene) -> list[DrillBore]:
-    """Return the drillings of a throw that cross the middle of a main journal, in its frame."""
-    first, second = halves(throw)
+def _crossing_bores(throw: Scene) -> tuple[list[DrillBore], list[DrillBore]]:
+    """Return the drillings of both halves that cross the middle of a main journal, in a throw's frame."""
     crossing = _crossing(throw)
-    own = [bore for one, bore in _with_bores(first) if one in crossing]
-    other = (bore for one, bore in _with_bores(second) if one in crossing)
-    return own + [bore.in_second_half(throw.pitch_mm) for bore in other]
+    own, other = ([bore for one, bore in _with_bores(half) if one in crossing] for half in halves(throw))
+    return own, [bore.in_second_half(throw.pitch_mm) for bore in other]
 
 
 def _crossing(throw: Scene) -> list[Drilling]:
@@ -77,18 +76,8 @@ def _without_crossing(throw: Scene) -> Scene:
     return throw.model_copy(update={"throw": throw.throw.model_copy(update={"drilling": kept})})
 
 
-def _in_place(occ: Any, body: DimTags, angle_deg: float, z_mm: float) -> DimTags:
-    """Turn a body of a throw, which may be nothing, by the angle of that, and move it along the crank."""
-    if not body:
-        return body
-    occ.rotate(body, 0, 0, 0, 0, 0, 1, math.radians(about_z_deg(angle_deg)))
-    occ.translate(body, 0, 0, z_mm)
-    return body
-
-
 def placed_throws(occ: Any, scene: Scene, add: Callable[[Any, Scene], DimTags]) -> list[DimTags]:
     """Return the throws of a crank, each made once by `add`, turned by firing order and in its place."""
-    refuse_split_pins(scene)
     bodies: list[DimTags] = []
     by_name: dict[str, DimTags] = {}
     places = zip(throw_scenes(scene), scene.shaft_angles_deg, main_journal_places_mm(scene), strict=False)
@@ -96,7 +85,8 @@ def placed_throws(occ: Any, scene: Scene, add: Callable[[Any, Scene], DimTags]) 
         if throw.name not in by_name:
             by_name[throw.name] = add(occ, throw)
         own = by_name[throw.name]
-        bodies.append(_in_place(occ, occ.copy(own) if own else [], angle, z))
+        bodies.append(turned(occ, occ.copy(own) if own else [], angle))
+        occ.translate(bodies[-1], 0, 0, z)
     for throw_body in filter(None, by_name.values()):
         occ.remove(throw_body, recursive=True)
     return bodies

@@ -15,6 +15,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import solver_error
+from cranktopo.base.frames import about_z_deg
 from cranktopo.numerics.gmsh_session import DimTags
 from cranktopo.throw.feature import Body
 from cranktopo.throw.primitives import (
@@ -237,6 +238,13 @@ def add_bodies(occ: Any, bodies: Sequence[Body]) -> DimTags:
 def cut(occ: Any, material: DimTags, tools: DimTags) -> DimTags:
     """Take solids away from material; the material itself where there are none."""
     return list(occ.cut(material, tools)[0]) if tools else material
+
+
+def turned(occ: Any, bodies: DimTags, angle_deg: float) -> DimTags:
+    """Turn bodies, which may be none, about the crank axis in the sense of rotation; return them."""
+    if bodies and angle_deg:
+        occ.rotate(bodies, 0, 0, 0, 0, 0, 1, math.radians(about_z_deg(angle_deg)))
+    return bodies
 
 
 def turned_half(occ: Any, bodies: DimTags, pitch_mm: float) -> DimTags:

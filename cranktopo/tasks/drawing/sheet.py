@@ -20,6 +20,7 @@ from cranktopo.base.reproducible import time_of_writing
 from cranktopo.base.units import MM_PER_INCH
 from cranktopo.bodies.prisms import thread_holes
 from cranktopo.bodies.solid.files import cut_in_halves, kernel_surface_of
+from cranktopo.design.crank_throws import refuse_split_pins
 from cranktopo.design.drawing import surface_notes
 from cranktopo.design.halves import difference, halves, mirror_image, web_asymmetry
 from cranktopo.design.schema import Scene
@@ -305,6 +306,7 @@ def throw_sheets(scene: Scene, half: SurfaceMesh | None = None, throw: Manifold 
     at hand. The second half is turned half a turn about the throw direction, so that it too has its main
     journal on the left and is seen from the crankpin.
     """
+    refuse_split_pins(scene)
     if not difference(scene):
         solid = solid_of(half or kernel_surface_of(scene, "half"), "half throw")
         return [Sheet(scene, solid - thread_holes(scene))]
