@@ -38,6 +38,7 @@ from cranktopo.throw.primitives import (
 _PIECE = 2.5
 """Radius of the piece of a cylinder over that of the outlet with its rounding."""
 _ON_EDGE_MM = 1e-3
+_UNIFY = "Geometry.OCCUnionUnify"
 _ROUND_MM = 1e-9
 """Sides of a rounded rectangle that are shorter are none."""
 
@@ -254,10 +255,23 @@ def turned_half(occ: Any, bodies: DimTags, pitch_mm: float) -> DimTags:
     return bodies
 
 
-def fused(occ: Any, bodies: Sequence[DimTags]) -> DimTags:
-    """Return the union of bodies."""
+def fused(occ: Any, bodies: Sequence[DimTags], *, one_face: bool = True) -> DimTags:
+    """Return the union of bodies.
+
+    Args:
+        one_face: make one face of those that go on in each other. Cylinders whose seams lie at different
+            angles, as of throws that are turned, make one that the kernel cannot cut a hole across.
+    """
+    import gmsh
+
     first, *more = bodies
-    return list(occ.fuse(first, [pair for body in more for pair in body])[0]) if more else first
+    if not more:
+        return first
+    gmsh.option.setNumber(_UNIFY, one_face)
+    try:
+        return list(occ.fuse(first, [pair for body in more for pair in body])[0])
+    finally:
+        gmsh.option.setNumber(_UNIFY, True)
 
 
 def add_all(occ: Any, bodies: Sequence[Body]) -> DimTags:

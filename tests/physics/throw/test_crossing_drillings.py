@@ -84,3 +84,17 @@ def test_a_throw_that_halves_a_wide_outlet() -> None:
         found = volume_mm3(gmsh.model.occ, add_full_throw(gmsh.model.occ, scene))
     form = throw_form(scene)
     assert found == pytest.approx(form.volume_mm3, abs=0.03 * form.roundings_mm3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rounding_mm", [0.0, 1.0])
+@pytest.mark.parametrize("place_mm", [0.0, 3.0])
+def test_drillings_across_all_journals_of_a_six(place_mm: float, rounding_mm: float) -> None:
+    """Journals of throws that are turned were one face, and the kernel lost bodies when it cut holes there."""
+    data = drilled_twin(place_mm, rounding_mm, "both").model_dump(
+        mode="json", exclude_none=True, by_alias=True
+    )
+    data["engine"] |= {"cylinders": 6, "firing_order": [1, 5, 3, 6, 2, 4]}
+    scene = scene_from_dict(data, "six", whole=True)
+    with cad_session("six") as gmsh:
+        assert len(add_crankshaft(gmsh.model.occ, scene)) == 1  # checked against the closed form there
