@@ -10,6 +10,7 @@ import pytest
 from cranktopo.base.arrays import Array
 from cranktopo.bodies.solid.files import kernel_surface_of
 from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import solid_of
 from cranktopo.tasks.crank_drawing.crank_shape import crank_shape
@@ -80,3 +81,13 @@ def test_the_sheet_of_the_crank_counts_x_as_the_design(monkeypatch: pytest.Monke
 @pytest.mark.parametrize("view", [_FROM_SIDE, _FROM_FREE_END])
 def test_views_of_the_crank_mirror_nothing(view: Array) -> None:
     assert np.linalg.det(view) == 1.0
+
+
+def test_edges_of_a_side_pocket_end_at_the_outline() -> None:
+    """They ran on as far as the web is wide, out of the ellipse."""
+    scene = load_scene("opposed-piston-variant-2")
+    strokes = [s for _, one in scene.web.features() for s in one.drawing(scene).front]
+    assert len(strokes) > 4
+    points = np.array([point for stroke in strokes for point in stroke.points])  # type: ignore[union-attr]
+    outline = scene.web.half_width_mm(scene.throw.radius_mm, points[:, 1])
+    assert (np.abs(points[:, 0]) <= outline + 1e-6).all()

@@ -90,7 +90,7 @@ def test_a_throw_that_halves_a_wide_outlet() -> None:
 @pytest.mark.parametrize("rounding_mm", [0.0, 1.0])
 @pytest.mark.parametrize("place_mm", [0.0, 3.0])
 def test_drillings_across_all_journals_of_a_six(place_mm: float, rounding_mm: float) -> None:
-    """Journals of throws that are turned were one face, and the kernel lost bodies when it cut holes there."""
+    """Journals of turned throws were made one face, and the kernel lost bodies where it cut holes there."""
     data = drilled_twin(place_mm, rounding_mm, "both").model_dump(
         mode="json", exclude_none=True, by_alias=True
     )
