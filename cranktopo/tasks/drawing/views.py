@@ -97,7 +97,7 @@ class Sheet:
 
     @property
     def turned(self) -> bool:
-        """Whether it shows the second of two halves, seen from the crankpin too: x runs to the left."""
+        """True of the second of two halves, which is seen from the crankpin too: x runs to the left."""
         return self.half == "second"
 
     @cached_property
