@@ -16,7 +16,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import about_z_deg
 from cranktopo.bodies.crank_ends import crank_end, main_journal_places_mm
-from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.crank_throws import half_turns_deg, throw_scenes
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.bore import DrillBore
@@ -35,7 +35,7 @@ class Crossing:
 
     Attributes:
         bore: in the frame of the throw.
-        angle_deg, z_mm: of the throw, and the middle of its first main journal along the crank.
+        angle_deg, z_mm: of its half of the throw, and the middle of its first main journal along the crank.
         plane_mm: the middle that it crosses.
         outward: 1 where it goes on toward the output, else -1.
         journal: that it crosses.
@@ -104,7 +104,8 @@ def _crossings(scene: Scene) -> Iterator[Crossing]:
                     own = bore.in_second_half(throw.pitch_mm) if far else bore
                     place = places[index], places[index + far], 2 * far - 1
                     taken = beyond_middle(half, bore), beyond_middle(half, bore, weighted=True)
-                    yield Crossing(own, angle, *place, half.throw.main_journal, *taken)
+                    turn = angle + half_turns_deg(throw)[far]
+                    yield Crossing(own, turn, *place, half.throw.main_journal, *taken)
 
 
 def _goes_on(scene: Scene, journal: int, throws: int) -> bool:

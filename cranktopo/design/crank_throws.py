@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from math import asin, degrees, radians, sin
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +21,8 @@ from cranktopo.throw.journal import Journal
 _OTHERS_KEYS = ("crankpin", "second_crankpin_length_mm", "drilling")
 """Keys of [throw] that a crank takes from another design."""
 _TAKEN_BY = (
-    "Taken by loads, plan, balance and film, by vibration with shaft.throw_stiffness_Nm_per_rad; "
-    "without this key the pin is straight."
+    "Taken by loads, plan, balance and film, by vibration with shaft.throw_stiffness_Nm_per_rad, by export "
+    "to .step and .stl of throw, crankshaft and web; without this key the pin is straight."
 )
 
 
@@ -88,8 +89,29 @@ def carried(scene: Scene) -> tuple[int, ...]:
     return bearings or tuple(range(throw_count(scene) + 1))
 
 
+def half_turns_deg(scene: Scene) -> tuple[float, float]:
+    """Return by how much both halves of a throw are ahead of its own angle, deg; none of a straight pin."""
+    half = (scene.engine.arranged.pin_splay_deg or 0.0) / 2 if scene.engine else 0.0
+    return -half, half
+
+
+def check_half_pins_overlap(scene: Scene) -> None:
+    """Refuse half pins whose circles do not overlap: nothing would join the halves of their throw."""
+    diameter = scene.throw.crankpin.outer_diameter_mm
+    apart = 2 * scene.throw.radius_mm * abs(sin(radians(half_turns_deg(scene)[1])))
+    if apart >= diameter:
+        splay = degrees(2 * asin(min(1.0, diameter / (2 * scene.throw.radius_mm))))
+        raise invalid(
+            "engine.arrangement.pin_splay_deg",
+            2 * half_turns_deg(scene)[1],
+            f"must be within +-{splay:.4g} deg, where the half pins, ⌀{diameter:g}, still overlap",
+            f"Their axes are {apart:.4g} mm apart. A web between them is not modelled: "
+            "enlarge throw.crankpin.outer_diameter_mm, or splay them less.",
+        )
+
+
 def refuse_split_pins(
-    scene: Scene, why: str = "split pins are not modelled as a body", instead: str = _TAKEN_BY
+    scene: Scene, why: str = "split pins are not modelled here", instead: str = _TAKEN_BY
 ) -> None:
     """Refuse split pins, for what models a throw with a straight pin."""
     splay = scene.engine.arranged.pin_splay_deg if scene.engine else None

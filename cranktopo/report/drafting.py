@@ -157,6 +157,15 @@ def centre_line(axes: Any, start: _Flat, end: _Flat) -> None:
     axes.plot(*zip(start, end, strict=True), color=THIN, lw=0.6, ls="-.")
 
 
+def axis_mark(axes: Any, corner: _Flat, x_way: int, mm: float) -> None:
+    """Draw arrows along +x, right or by -1 left, and along +y from a corner; `mm` is one of paper."""
+    for letter, way in (("x", (x_way, 0.0)), ("y", (0.0, 1.0))):
+        end, name = (np.array(corner) + length * mm * np.array(way) for length in (5.0, 7.6))
+        arrow = {"arrowstyle": "-|>", "lw": 0.5, "color": THIN, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", end, corner, arrowprops=arrow)
+        axes.text(*name, letter, fontsize=TEXT_SIZE, ha="center", va="center", color=THIN)
+
+
 def tolerance_frame(axes: Any, x: float, y: float, cells: Sequence[str], mm: float) -> None:
     """Draw a tolerance frame (ISO 1101) with its lower left corner at (x, y); `mm` is one of paper."""
     for text in cells:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 from pydantic import Field
 from typing_extensions import override
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.table import Length, LengthOrZero, Place
 from cranktopo.throw.bevel import height_range_mm
@@ -18,6 +20,9 @@ from cranktopo.throw.floor_rounding import FloorRounding, check_floor_corners, c
 from cranktopo.throw.hole import check_corners, check_cut, check_depth
 from cranktopo.throw.primitives import DimensionLine, FeatureDrawing, Polyline, number_lines
 from cranktopo.throw.side_slots import BEYOND_MM, SideSlots
+
+_DRAWN, _ON_MM = 400, 1e-6
+"""Points at which an edge of the drawing is looked at; distance that counts as none."""
 
 
 class SidePocket(Feature):
@@ -101,9 +106,11 @@ class SidePocket(Feature):
         floor, half, more = widest - self.depth_mm, self.length_mm / 2, self.slope * self.depth_mm
         y = np.clip(self.y_mm + np.array([-half - more, -half, half, half + more]), *ends)
         x = (widest, floor, floor, widest)
+        edges = _within(scene, np.column_stack([x, y]))
         front = tuple(
-            Polyline(tuple((side * a, float(b)) for a, b in zip(x, y, strict=True)), hidden=True)
+            Polyline(tuple((side * float(a), float(b)) for a, b in edge), hidden=True)
             for side in (1, -1)
+            for edge in edges
         )
         groove = self.length_mm > ends[1] - ends[0]
         title = "GROOVE on both sides, through both ends" if groove else "POCKET side"
@@ -131,6 +138,18 @@ class SidePocket(Feature):
         z_mm = (middle - tall, middle + tall)
         radii = self.corner_radius_mm, self.floor_radius_mm
         return SideSlots(key, z_mm, floor, outer, *size, self.slope, *radii)
+
+
+def _within(scene: ThrowView, corners: Array) -> list[Array]:
+    """Return the edges between corners (n, 2) of a slot, each cut off where it leaves the outline."""
+    share = np.linspace(0.0, 1.0, _DRAWN)[:, None]
+    found = []
+    for start, end in pairwise(corners):
+        edge = start + share * (end - start)
+        within = edge[edge[:, 0] <= scene.web.half_width_mm(scene.throw.radius_mm, edge[:, 1]) + _ON_MM]
+        if len(within) > 1:
+            found.append(within[[0, -1]])
+    return found
 
 
 def _check_bevels(scene: ThrowView, slots: SideSlots) -> None:

@@ -14,7 +14,7 @@ from cranktopo.base.frames import Parity, Span
 from cranktopo.bodies.solid.checked import SolidProperties, check_parts, solid_properties, volume_mm3
 from cranktopo.bodies.solid.throw import add_full_throw, add_half_throw
 from cranktopo.bodies.volume import web_volume_mm3
-from cranktopo.design.crank_throws import refuse_flying_web
+from cranktopo.design.crank_throws import refuse_flying_web, refuse_split_pins
 from cranktopo.design.halves import difference, halves, may_mirror, usual_scale, web_asymmetry
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import body_session
@@ -82,6 +82,7 @@ def mesh_throw(
         regular: with Netgen's optimiser, for stresses that are not those of fitted polynomials.
     """
     refuse_flying_web(scene)
+    refuse_split_pins(scene)
     whole = full or bool(difference(scene))
     mirrored = quarter and may_mirror(scene, web_asymmetry(scene))
 

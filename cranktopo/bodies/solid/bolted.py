@@ -6,9 +6,10 @@ from typing import Any
 
 from cranktopo.bodies.bolt_masses import holes_in_web
 from cranktopo.bodies.solid.checked import ClosedForm, check_body
-from cranktopo.bodies.solid.shapes import add_all, add_solid, cut, turned_half
+from cranktopo.bodies.solid.shapes import add_all, add_solid, cut, turned, turned_half
 from cranktopo.bodies.volume import bolted_volume_mm3
 from cranktopo.design.bolt_holes import bolt_holes, far_mm
+from cranktopo.design.crank_throws import half_turns_deg
 from cranktopo.design.halves import halves, mirror_image
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import DimTags
@@ -20,8 +21,9 @@ def add_bolted(occ: Any, scene: Scene) -> DimTags:
 
     A web without one has none.
     """
-    first, second = halves(scene)
-    return [*_weight(occ, first), *turned_half(occ, _weight(occ, mirror_image(second)), scene.pitch_mm)]
+    (first, second), turns = halves(scene), half_turns_deg(scene)
+    beyond = turned_half(occ, _weight(occ, mirror_image(second)), scene.pitch_mm)
+    return [*turned(occ, _weight(occ, first), turns[0]), *turned(occ, beyond, turns[1])]
 
 
 def bolted_names(scene: Scene) -> tuple[str, ...]:
@@ -36,9 +38,11 @@ def bolted_names(scene: Scene) -> tuple[str, ...]:
 
 def add_thread_tools(occ: Any, scene: Scene, *, half: bool = False) -> DimTags:
     """Return the core holes of bolts in both webs of a throw, or in that of its first half."""
-    first, second = halves(scene)
-    beyond = [] if half else turned_half(occ, _threads(occ, mirror_image(second)), scene.pitch_mm)
-    return [*_threads(occ, first), *beyond]
+    (first, second), turns = halves(scene), half_turns_deg(scene)
+    if half:
+        return _threads(occ, first)
+    beyond = turned_half(occ, _threads(occ, mirror_image(second)), scene.pitch_mm)
+    return [*turned(occ, _threads(occ, first), turns[0]), *turned(occ, beyond, turns[1])]
 
 
 def threads_mm3(scene: Scene, *, half: bool = False) -> float:

@@ -3,28 +3,35 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from cranktopo.base.frames import about_z_deg
-from cranktopo.bodies.crank_drillings import crank_crossings, taken_beyond
+from cranktopo.bodies.crank_drillings import taken_beyond
 from cranktopo.bodies.crank_ends import SIDES, EndPiece, crank_end, main_journal_places_mm
 from cranktopo.bodies.solid.checked import ClosedForm, check_body, check_no_hollow
-from cranktopo.bodies.solid.shapes import add_all, cut, fused
+from cranktopo.bodies.solid.drilled import drilled_at
+from cranktopo.bodies.solid.shapes import cut, fused, turned
 from cranktopo.bodies.solid.step import import_solid
 from cranktopo.bodies.solid.throw import add_full_throw, throw_form
 from cranktopo.design.crank import Side
-from cranktopo.design.crank_throws import refuse_split_pins, throw_scenes
+from cranktopo.design.crank_throws import half_turns_deg, throw_scenes
+from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import DimTags
 from cranktopo.throw.crank_end import BodyStep
+from cranktopo.throw.drilling.bore import DrillBore
+from cranktopo.throw.drilling.table import Drilling, drill_bores
 
 
 def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
     """Return throws, turned by firing order, and ends of a crank as one checked body, journal 0 at z = 0."""
     pieces = [piece for side in SIDES for piece in crank_end(scene, side)]
-    bodies = [*placed_throws(occ, scene, add_full_throw), *(_add_piece(occ, piece) for piece in pieces)]
-    body = cut(occ, fused(occ, bodies), _crossing_tools(occ, scene))
+    throws = placed_throws(occ, scene, lambda occ, throw: add_full_throw(occ, _without_crossing(throw)))
+    ends = [_add_piece(occ, piece) for piece in pieces]
+    across = any(map(_crossing, throw_scenes(scene)))
+    body = fused(occ, [*throws, *ends], one_face=not across)
+    body = _drilled(occ, scene, body)
     forms = [throw_form(throw) for throw in throw_scenes(scene)]
     volume = sum(form.volume_mm3 for form in forms) + sum(piece.moments.volume for piece in pieces)
     volume -= taken_beyond(scene).volume
@@ -33,26 +40,46 @@ def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
     return body
 
 
-def _crossing_tools(occ: Any, scene: Scene) -> DimTags:
-    """Return the drillings that go on in a neighbour of their throw, each in its place along the crank."""
-    tools: DimTags = []
-    for one in crank_crossings(scene):
-        tools += _in_place(occ, add_all(occ, [one.bore]), one.angle_deg, one.z_mm)
-    return tools
+def _drilled(occ: Any, scene: Scene, body: DimTags) -> DimTags:
+    """Return a crank with the drillings that cross the middle of a main journal, throw by throw.
 
-
-def _in_place(occ: Any, body: DimTags, angle_deg: float, z_mm: float) -> DimTags:
-    """Turn a body of a throw, which may be nothing, by the angle of that, and move it along the crank."""
-    if not body:
-        return body
-    occ.rotate(body, 0, 0, 0, 0, 0, 1, math.radians(about_z_deg(angle_deg)))
-    occ.translate(body, 0, 0, z_mm)
+    Cut into the whole crank: the middle would halve an outlet, and the kernel leaves crumbs where a rounding
+    of its own ends there and meets a tool of the same surface from the other side.
+    """
+    places = zip(throw_scenes(scene), scene.shaft_angles_deg, main_journal_places_mm(scene), strict=False)
+    for throw, angle, z in places:
+        bores = _crossing_bores(throw)
+        if any(bores):
+            occ.translate(body, 0, 0, -z)
+            first, second = half_turns_deg(throw)
+            body = drilled_at(occ, body, bores, (angle + first, angle + second))
+            occ.translate(body, 0, 0, z)
     return body
+
+
+def _crossing_bores(throw: Scene) -> tuple[list[DrillBore], list[DrillBore]]:
+    """Return the drillings of both halves that cross the middle of a main journal, in a throw's frame."""
+    crossing = _crossing(throw)
+    own, other = ([bore for one, bore in _with_bores(half) if one in crossing] for half in halves(throw))
+    return own, [bore.in_second_half(throw.pitch_mm) for bore in other]
+
+
+def _crossing(throw: Scene) -> list[Drilling]:
+    return [one for half in halves(throw) for one, bore in _with_bores(half) if bore.crosses_middle]
+
+
+def _with_bores(half: Scene) -> Iterable[tuple[Drilling, DrillBore]]:
+    return zip(half.throw.drilling, drill_bores(half), strict=True)
+
+
+def _without_crossing(throw: Scene) -> Scene:
+    """Return a throw without drillings that cross the middle of a main journal."""
+    kept = tuple(one for one in throw.throw.drilling if one not in _crossing(throw))
+    return throw.model_copy(update={"throw": throw.throw.model_copy(update={"drilling": kept})})
 
 
 def placed_throws(occ: Any, scene: Scene, add: Callable[[Any, Scene], DimTags]) -> list[DimTags]:
     """Return the throws of a crank, each made once by `add`, turned by firing order and in its place."""
-    refuse_split_pins(scene)
     bodies: list[DimTags] = []
     by_name: dict[str, DimTags] = {}
     places = zip(throw_scenes(scene), scene.shaft_angles_deg, main_journal_places_mm(scene), strict=False)
@@ -60,7 +87,8 @@ def placed_throws(occ: Any, scene: Scene, add: Callable[[Any, Scene], DimTags]) 
         if throw.name not in by_name:
             by_name[throw.name] = add(occ, throw)
         own = by_name[throw.name]
-        bodies.append(_in_place(occ, occ.copy(own) if own else [], angle, z))
+        bodies.append(turned(occ, occ.copy(own) if own else [], angle))
+        occ.translate(bodies[-1], 0, 0, z)
     for throw_body in filter(None, by_name.values()):
         occ.remove(throw_body, recursive=True)
     return bodies

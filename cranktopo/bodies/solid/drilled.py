@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from cranktopo.bodies.solid.checked import volume_mm3
-from cranktopo.bodies.solid.shapes import add_solid, cut, outlet_edges
+from cranktopo.bodies.solid.shapes import add_solid, cut, outlet_edges, turned
 from cranktopo.numerics.gmsh_session import DimTags
 from cranktopo.throw.feature import Body
 from cranktopo.throw.primitives import RoundedOutlet
@@ -36,6 +36,25 @@ def drilled(occ: Any, body: DimTags, bores: Sequence[Body], *, by_tools: bool = 
     rounded = _rounded(occ, body, edges)
     left = outlets if rounded is None else [outlet for outlet in outlets if outlet not in edges]
     return cut(occ, rounded or body, [pair for outlet in left for pair in add_solid(occ, outlet)])
+
+
+def drilled_at(
+    occ: Any,
+    body: DimTags,
+    bores: tuple[Sequence[Body], Sequence[Body]],
+    turns_deg: tuple[float, float],
+    *,
+    by_tools: bool = False,
+) -> DimTags:
+    """Return a body without the bores of two halves of a throw, each half turned by its angle.
+
+    In one call where both are turned alike, see `_rounded`.
+    """
+    alike = turns_deg[0] == turns_deg[1]
+    for own, turn in zip([[*bores[0], *bores[1]]] if alike else bores, turns_deg, strict=not alike):
+        if own:
+            body = turned(occ, drilled(occ, turned(occ, body, -turn), own, by_tools=by_tools), turn)
+    return body
 
 
 def _whole_edges(occ: Any, body: DimTags, outlets: Sequence[RoundedOutlet]) -> dict[RoundedOutlet, list[int]]:

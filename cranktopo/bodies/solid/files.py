@@ -36,7 +36,7 @@ from cranktopo.bodies.solid.throw import add_full_throw, add_half_throw, add_web
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.checks.scene import check_solid
 from cranktopo.design.crank import Side
-from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.crank_throws import refuse_split_pins, throw_scenes
 from cranktopo.design.halves import halves, mirror_image, usual_scale
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
@@ -226,6 +226,8 @@ def _part(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
             "raw_crankshaft": add_raw_crankshaft,
             "plugs": add_plugs,
         }[part]
+        if part not in ("throw", "crankshaft", "rod"):
+            refuse_split_pins(scene)
         body = add(occ, scene)
     return body
 

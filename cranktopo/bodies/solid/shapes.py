@@ -15,6 +15,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import solver_error
+from cranktopo.base.frames import about_z_deg
 from cranktopo.numerics.gmsh_session import DimTags
 from cranktopo.throw.feature import Body
 from cranktopo.throw.primitives import (
@@ -37,6 +38,7 @@ from cranktopo.throw.primitives import (
 _PIECE = 2.5
 """Radius of the piece of a cylinder over that of the outlet with its rounding."""
 _ON_EDGE_MM = 1e-3
+_UNIFY = "Geometry.OCCUnionUnify"
 _ROUND_MM = 1e-9
 """Sides of a rounded rectangle that are shorter are none."""
 
@@ -239,6 +241,13 @@ def cut(occ: Any, material: DimTags, tools: DimTags) -> DimTags:
     return list(occ.cut(material, tools)[0]) if tools else material
 
 
+def turned(occ: Any, bodies: DimTags, angle_deg: float) -> DimTags:
+    """Turn bodies, which may be none, about the crank axis in the sense of rotation; return them."""
+    if bodies and angle_deg:
+        occ.rotate(bodies, 0, 0, 0, 0, 0, 1, math.radians(about_z_deg(angle_deg)))
+    return bodies
+
+
 def turned_half(occ: Any, bodies: DimTags, pitch_mm: float) -> DimTags:
     """Turn bodies of the second half of a throw, in its own frame, into that of the throw; return them."""
     if bodies:
@@ -246,10 +255,23 @@ def turned_half(occ: Any, bodies: DimTags, pitch_mm: float) -> DimTags:
     return bodies
 
 
-def fused(occ: Any, bodies: Sequence[DimTags]) -> DimTags:
-    """Return the union of bodies."""
+def fused(occ: Any, bodies: Sequence[DimTags], *, one_face: bool = True) -> DimTags:
+    """Return the union of bodies.
+
+    Args:
+        one_face: make one face of those that go on in each other. Cylinders whose seams lie at different
+            angles, as of throws that are turned, make one that the kernel cannot cut a hole across.
+    """
+    import gmsh
+
     first, *more = bodies
-    return list(occ.fuse(first, [pair for body in more for pair in body])[0]) if more else first
+    if not more:
+        return first
+    gmsh.option.setNumber(_UNIFY, one_face)
+    try:
+        return list(occ.fuse(first, [pair for body in more for pair in body])[0])
+    finally:
+        gmsh.option.setNumber(_UNIFY, True)
 
 
 def add_all(occ: Any, bodies: Sequence[Body]) -> DimTags:

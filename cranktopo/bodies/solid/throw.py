@@ -13,11 +13,11 @@ from typing import Any
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid.checked import ClosedForm, check_body, misfit
 from cranktopo.bodies.solid.culprit import culprit
-from cranktopo.bodies.solid.drilled import drilled
-from cranktopo.bodies.solid.shapes import add_all, add_bodies, add_solid, cut, turned_half
+from cranktopo.bodies.solid.drilled import drilled, drilled_at
+from cranktopo.bodies.solid.shapes import add_bodies, add_solid, cut, turned, turned_half
 from cranktopo.bodies.volume import half_throw_volume_mm3, outlet_roundings_mm3, throw_volume_mm3
 from cranktopo.design.checks.scene import check_solid
-from cranktopo.design.crank_throws import refuse_split_pins
+from cranktopo.design.crank_throws import check_half_pins_overlap, half_turns_deg, refuse_split_pins
 from cranktopo.design.halves import (
     difference,
     halves,
@@ -43,11 +43,11 @@ def add_half_throw(occ: Any, scene: Scene, *, by_tools: bool = False) -> DimTags
         by_tools: as of `drilled`.
     """
     require_equal_halves(scene)
+    refuse_split_pins(scene)
     return _add_half(occ, scene, by_tools)
 
 
 def _add_half(occ: Any, scene: Scene, by_tools: bool) -> DimTags:
-    refuse_split_pins(scene)
     check_solid(scene)
     return built(occ, scene, "half throw", partial(_half, by_tools=by_tools), half_form)
 
@@ -100,17 +100,21 @@ def add_full_throw(occ: Any, scene: Scene, *, by_tools: bool = False) -> DimTags
     The second half is a half throw mirrored in x and turned half a revolution about the throw direction:
     gmsh's own mirror approximates every face by a spline and is 0.2 % off in volume. Drillings that reach
     into the other half, which has no mirror image of them, come last: two that end there leave a sliver.
+    Of a split pin each half is turned by its own angle: half pins overlap, without a web between them.
 
     Args:
         by_tools: as of `drilled`.
     """
+    check_half_pins_overlap(scene)
     first, second = halves(scene)
     half = _add_half(occ, _without_late(first, scene), by_tools)
     other = _add_second(occ, scene, second, by_tools)
-    tools, more = (_add_late(occ, own, scene) for own in (first, mirror_image(second)))
-    turned_half(occ, [*other, *more], scene.pitch_mm)
-    body, _ = occ.fuse(half, other)
-    body = _without_crumbs(occ, cut(occ, body, [*tools, *more]), throw_form(scene))
+    turned_half(occ, other, scene.pitch_mm)
+    turns = half_turns_deg(scene)
+    body, _ = occ.fuse(*(turned(occ, one, turn) for one, turn in zip((half, other), turns, strict=True)))
+    late = _late_bores(first, scene), [b.in_second_half(scene.pitch_mm) for b in _late_bores(second, scene)]
+    body = drilled_at(occ, list(body), late, turns, by_tools=by_tools)
+    body = _without_crumbs(occ, body, throw_form(scene))
     check_body(occ, body, throw_form(scene), "full throw")
     return list(body)
 
@@ -144,8 +148,8 @@ def _without_late(half: Scene, scene: Scene) -> Scene:
     return half.model_copy(update={"throw": half.throw.model_copy(update={"drilling": kept})})
 
 
-def _add_late(occ: Any, half: Scene, scene: Scene) -> DimTags:
-    return add_all(occ, [bore for bore in drill_bores(half) if _late(bore, half, scene)])
+def _late_bores(half: Scene, scene: Scene) -> list[DrillBore]:
+    return [bore for bore in drill_bores(half) if _late(bore, half, scene)]
 
 
 def _late(bore: DrillBore, half: Scene, scene: Scene) -> bool:

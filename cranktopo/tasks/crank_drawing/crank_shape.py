@@ -15,7 +15,7 @@ from cranktopo.bodies.crank_drillings import Crossing, crank_crossings
 from cranktopo.bodies.crank_ends import SIDES, EndPiece, crank_end, main_journal_places_mm
 from cranktopo.bodies.prisms import bolted_counterweight, thread_holes
 from cranktopo.bodies.solid.files import end_surface_of, kernel_surface_of
-from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.crank_throws import refuse_split_pins, throw_scenes
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
@@ -151,6 +151,7 @@ def _bolted(throw: PlacedThrow) -> list[Piece]:
 
 def crank_shape(scene: Scene) -> CrankShape:
     """Return the crank of a design: each throw at its angle of the shaft, and its ends."""
+    refuse_split_pins(scene)
     angles = (0.0,) if scene.engine is None else scene.shaft_angles_deg
     placed = zip(throw_scenes(scene), angles, main_journal_places_mm(scene), strict=False)
     shape = assembled(scene.name, [PlacedThrow(*one) for one in placed], _ends(scene))

@@ -43,6 +43,8 @@ from cranktopo.throw.journal import Journal
 
 _PIXEL_SHARE = 1 / 1600
 _GAP_MM, _LINE_MM, _CALLOUT_MM = 9.0, 7.0, (64.0, 21.0)
+_BALLOON_MM = 5.0
+"""Paper from the crank to the numbers of its throws."""
 _APART_MM = 0.4
 """Paper beside a number under its line."""
 _Span = tuple[float, float]
@@ -96,13 +98,16 @@ def draw_lengthwise(axes: Any, shape: CrankShape, view: Lengthwise, scale: float
     (start, end), (_, _, low, high) = shape.z_mm, shape.reach_mm
     centre_line(axes, (start - 4 * mm, 0.0), (end + 4 * mm, 0.0))
     for number, throw in enumerate(shape.throws, 1):
-        _pin_axis(axes, throw, number, high + 2.5 * mm, mm)
+        _pin_axis(axes, throw, number, low - _BALLOON_MM * mm, mm)
     for journal, letter in ((shape.journals[0], "A"), (shape.journals[-1], "B")):
         datum(axes, sum(journal.z_mm) / 2, -journal.journal.radius_mm, letter, mm)
     _lengths(axes, shape, low, mm)
     first = shape.throws[0]
     radius = f"{first.scene.throw.radius_mm:g} ±{first.scene.drawing.throw_radius_tolerance_mm:g}"
-    dimension(axes, (start, 0.0), (start, _pin_y(first)), (-1.5 * _GAP_MM * mm, 0.0), radius)
+    aside = 0.0 if fits(_pin_y(first), radius, mm) else -DROP_MM * mm
+    dimension(
+        axes, (start, 0.0), (start, _pin_y(first)), (-1.5 * _GAP_MM * mm, 0.0), radius, (aside, 0.0), mm
+    )
     _callouts(axes, shape, high + _GAP_MM * mm, mm)
     finish(axes, "Crank, upper half in section")
 
@@ -117,11 +122,12 @@ def _pin_z(throw: PlacedThrow) -> tuple[float, float]:
     return throw.z_mm + near.web_z_mm[1], throw.z_mm + throw.scene.pitch_mm - far.web_z_mm[1]
 
 
-def _pin_axis(axes: Any, throw: PlacedThrow, number: int, top: float, mm: float) -> None:
+def _pin_axis(axes: Any, throw: PlacedThrow, number: int, level: float, mm: float) -> None:
+    """Draw the axis of a crankpin, and the number of its throw below the crank: leaders are above it."""
     (a, b), y = _pin_z(throw), _pin_y(throw)
     centre_line(axes, (a - 4 * mm, y), (b + 4 * mm, y))
-    circle(axes, 2.6 * mm, top, "-", 0.6, x=(a + b) / 2)
-    axes.text((a + b) / 2, top, str(number), fontsize=TEXT_SIZE, ha="center", va="center")
+    circle(axes, 2.6 * mm, level, "-", 0.6, x=(a + b) / 2)
+    axes.text((a + b) / 2, level, str(number), fontsize=TEXT_SIZE, ha="center", va="center")
 
 
 def _lengths(axes: Any, shape: CrankShape, low: float, mm: float) -> None:
@@ -191,8 +197,10 @@ def _callouts(axes: Any, shape: CrankShape, bottom: float, mm: float) -> None:
     found = [*_distinct_mains(shape), *_distinct_pins(shape)]
     width = _CALLOUT_MM[0] * mm
     found.sort(key=lambda one: one[2][0])
+    end = max(shape.z_mm[1], shape.z_mm[0] + len(found) * width)
     x = shape.z_mm[0]
-    for journal, count, tip, pin in found:
+    for number, (journal, count, tip, pin) in enumerate(found):
+        x = min(max(x, tip[0] - 2 * mm), end - (len(found) - number) * width)  # a steep line crosses no web
         drawing = shape.throws[0].scene.drawing
         fit = drawing.crankpin_fit if pin else drawing.main_journal_fit
         words = [

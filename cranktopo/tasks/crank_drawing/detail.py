@@ -6,7 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from cranktopo.report.drafting import circle, finish, hatched, leader
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.report.drafting import circle, finish, hatched, leader, number_mm
 from cranktopo.tasks.drawing.views import Room, Sheet, section_x
 from cranktopo.throw.journal import Journal
 
@@ -75,4 +78,39 @@ def mark_detail(axes: Any, detail: Detail, scale: float) -> None:
     """Mark a detail in the section that it is taken from."""
     (z, y), radius = detail.at_mm, min(detail.radius_mm, 5.0 / scale)
     circle(axes, radius, y, "-", 0.6, x=z)
-    axes.text(z + 0.9 * radius, y + 0.9 * radius, detail.letter, fontsize=9, ha="left", va="bottom")
+    place = _letter_place(axes, detail, radius, 1 / scale)
+    white = {"fc": "white", "ec": "none", "pad": 0.4}
+    axes.text(*place, detail.letter, fontsize=9, ha="center", va="center", bbox=white)
+
+
+def _letter_place(axes: Any, detail: Detail, radius: float, mm: float) -> tuple[float, float]:
+    """Return the place of a letter beside the mark of a detail: off the body, else within it, not on an edge.
+
+    Places are taken in turn from the upper right one on, away from texts that are there.
+    """
+    from manifold3d import CrossSection, FillRule
+
+    body = CrossSection(section_x(detail.sheet.solid), FillRule.EvenOdd)
+    size = (2.0 * mm * len(detail.letter) + 1.2 * mm, 4.0 * mm)
+    letter = CrossSection.square(size, center=True)
+    turn = np.radians([45, 315, 135, 225, 0, 90, 180, 270])
+    places = np.array(detail.at_mm) + (radius + 2.6 * mm) * np.column_stack([np.cos(turn), np.sin(turn)])
+
+    def worst(place: Array) -> float:
+        share = (letter.translate(tuple(place)) ^ body).area() / letter.area()
+        on_edge = 1e-3 < share < 1 - 1e-3
+        return 4.0 * _on_text(axes, place, size, mm) + 2.0 * on_edge + (share > 0.5)
+
+    z, y = min(places, key=worst)
+    return float(z), float(y)
+
+
+def _on_text(axes: Any, place: Array, size: tuple[float, float], mm: float) -> bool:
+    """Tell whether a box of a size around a place lies over a text of the view."""
+    for text in axes.texts:
+        across, tall = number_mm(text.get_text()) * mm, 3.4 * mm
+        wide, high = (tall, across) if text.get_rotation() else (across, tall)
+        off = np.abs(np.subtract(text.get_position(), place))
+        if text.get_text() and off[0] < (wide + size[0]) / 2 and off[1] < (high + size[1]) / 2:
+            return True
+    return False

@@ -17,7 +17,7 @@ from cranktopo.base.reproducible import time_of_writing
 from cranktopo.base.units import stem_and_unit
 from cranktopo.bodies.crank_ends import SIDES
 from cranktopo.design.drawing import surface_notes
-from cranktopo.design.halves import difference
+from cranktopo.design.halves import difference, web_asymmetry
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.strength import strength_notes
@@ -212,6 +212,8 @@ def _notes(scene: Scene, shape: CrankShape) -> list[str]:
     ]
     notes += strength_notes(scene)
     notes += balancing_notes(scene, mass)
+    if any(web_asymmetry(throw.scene) and not difference(throw.scene) for throw in shape.throws):
+        notes.append("A web drawn for both of a throw is the first; the second is its mirror image.")
     if not shape.ends:
         notes.append("The shaft ends in the middle of its outer journals: the design has no ends.")
     return [*notes, *drawing.notes]

@@ -50,10 +50,12 @@ def running_dimensions(
     corner_mm: tuple[float, float],
     paper_mm: float,
     taken: Sequence[float],
+    x_way: int = 1,
 ) -> None:
     """Dimension points from both axes by running dimensions (ISO 129-1), beside and above the body.
 
-    They stand right of and above a corner, clear of texts at the `taken` heights.
+    They stand right of and above a corner, clear of texts at the `taken` heights. `x_way` is -1 in a view in
+    which x runs to the left.
     """
     if not places:
         return
@@ -71,7 +73,13 @@ def running_dimensions(
         start = max(at for across, at in places if round(across, 2) == x)
         axes.plot([x, x, level], [start, over, over + 2.5 * paper_mm], color=THIN, lw=0.4)
         axes.text(
-            level, over + 3 * paper_mm, f"{x:.2f}", fontsize=TEXT_SIZE, ha="center", va="bottom", rotation=90
+            level,
+            over + 3 * paper_mm,
+            f"{x_way * x:.2f}",
+            fontsize=TEXT_SIZE,
+            ha="center",
+            va="bottom",
+            rotation=90,
         )
     if beside:
         circle(axes, 0.8 * paper_mm, over, "-", 0.6, "white")

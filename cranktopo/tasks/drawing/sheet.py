@@ -9,7 +9,7 @@ general tolerances are those of ISO 2768.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import partial
 from pathlib import Path
@@ -20,6 +20,7 @@ from cranktopo.base.reproducible import time_of_writing
 from cranktopo.base.units import MM_PER_INCH
 from cranktopo.bodies.prisms import thread_holes
 from cranktopo.bodies.solid.files import cut_in_halves, kernel_surface_of
+from cranktopo.design.crank_throws import refuse_split_pins
 from cranktopo.design.drawing import surface_notes
 from cranktopo.design.halves import difference, halves, mirror_image, web_asymmetry
 from cranktopo.design.schema import Scene
@@ -49,7 +50,8 @@ _SHOWN = {
     "second": "second half, sheet 2 of 2",
 }
 _REDUCED = " on A3; reduced on this page, not to scale"
-_TURNED = "Half a turn about the throw from where sheet 1 is drawn."
+_TURNED = "Half a turn about the throw from where sheet 1 is drawn: x of the design runs to the left."
+_IMAGE = "The other half is the mirror image beyond the middle of the crankpin."
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,7 @@ def pages_figure(pages: Sequence[SheetPage], written: datetime, reduced: bool = 
 
 
 def _page(sheet: Sheet, balance: ThrowBalance) -> SheetPage:
-    scene, symmetric = sheet.scene, ["Web symmetric in x."] * (not web_asymmetry(sheet.scene))
+    scene = sheet.scene
     return SheetPage(
         rooms=sheet.rooms,
         views=tuple(
@@ -139,8 +141,8 @@ def _page(sheet: Sheet, balance: ThrowBalance) -> SheetPage:
         notes=[
             *surface_notes(scene.drawing),
             *strength_notes(scene),
-            *symmetric,
-            *[_TURNED] * (sheet.half == "second"),
+            *(["Web symmetric in x."] if not web_asymmetry(scene) else [_IMAGE] * (sheet.half is None)),
+            *[_TURNED] * sheet.turned,
         ],
         ghost="" if sheet.body is None else "body that was re-modelled",
     )
@@ -217,8 +219,9 @@ def _table(paper: Any, lines: Sequence[str]) -> None:
 
 def table_lines(sheet: Sheet) -> list[str]:
     """Return the lines of the table of dimensions: journals, throw, outline, features."""
-    lines = [*_journal_lines(sheet), *_outline_lines(sheet.scene)]
-    return lines + [line for feature in sheet.features for line in feature.lines]
+    told = replace(sheet, scene=mirror_image(sheet.scene)) if sheet.turned else sheet  # x of the design
+    lines = [*_journal_lines(told), *_outline_lines(told.scene)]
+    return lines + [line for feature in told.features for line in feature.lines]
 
 
 def _journal_lines(sheet: Sheet) -> list[str]:
@@ -303,6 +306,7 @@ def throw_sheets(scene: Scene, half: SurfaceMesh | None = None, throw: Manifold 
     at hand. The second half is turned half a turn about the throw direction, so that it too has its main
     journal on the left and is seen from the crankpin.
     """
+    refuse_split_pins(scene)
     if not difference(scene):
         solid = solid_of(half or kernel_surface_of(scene, "half"), "half throw")
         return [Sheet(scene, solid - thread_holes(scene))]

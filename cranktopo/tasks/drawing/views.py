@@ -21,6 +21,7 @@ from cranktopo.report.drafting import (
     INK,
     TEXT_SIZE,
     THIN,
+    axis_mark,
     circle,
     dimension,
     finish,
@@ -47,6 +48,8 @@ _Span = tuple[float, float]
 _POINTS = 400
 _GAP_MM, _LINE_MM = 8.0, 8.0
 """Paper from the body to the first dimension line, and from one line to the next."""
+_LABEL_MM = 5.0
+"""Least paper from the middle of the label of a fillet to the web."""
 _OUTLET_MM = 3.0
 """Paper from a journal to the dimension of an outlet along it."""
 _SLIT_MM = 1e-3
@@ -91,6 +94,11 @@ class Sheet:
     body: Manifold | None = None
     half: Literal["first", "second"] | None = None
     placed: bool = False
+
+    @property
+    def turned(self) -> bool:
+        """True of the second of two halves, which is seen from the crankpin too: x runs to the left."""
+        return self.half == "second"
 
     @cached_property
     def features(self) -> list[FeatureDrawing]:
@@ -206,7 +214,9 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
     else:
         taken = texts_about(axes, named, gap)
     across = beside + _TEXT_MM / scale if isinstance(web, ProfileWeb) else beside
-    running_dimensions(axes, sheet.places, (across, sheet.y_range_mm[1]), 1 / scale, taken)
+    corner = across, sheet.y_range_mm[1]
+    running_dimensions(axes, sheet.places, corner, 1 / scale, taken, -1 if sheet.turned else 1)
+    axis_mark(axes, (-beside - gap - 0.8 * line, under - 1.3 * gap), -1 if sheet.turned else 1, 1 / scale)
     finish(axes, "Front, from the crankpin side")
 
 
@@ -260,7 +270,8 @@ def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
             way = -side if _dimensioned(sheet, y + side * journal.radius_mm) else side
             up = y + way * (journal.radius_mm + 0.3 * journal.fillet_mm)
             away = 0.55 * gap if way == side else 0.9 * gap  # clear of the mark of a detail
-            at = across + side * 0.4 * journal.length_mm / 2, up + way * away
+            aside = max(0.4 * journal.length_mm / 2, _LABEL_MM / scale)
+            at = across + side * aside, up + way * away
             leader(axes, (across, up), at, str(journal.fillet))
     _dimensions(axes, own, ((-gap - 2 * line, end + gap + 2 * line), (low - gap, high + gap)), 1 / scale)
     for drilled in sheet.drilled:

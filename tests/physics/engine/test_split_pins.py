@@ -203,7 +203,7 @@ def test_what_is_left_out_is_told_and_bodies_are_refused() -> None:
     told = [str(one) for one in assumptions(scene, (LOADS,))]
     key = "engine.arrangement.pin_splay_deg"
     assert f"{key} = -30 (half pins overlap by {overlap:.4g} mm; a web between them is left out)" in told
-    with pytest.raises(CranktopoError, match=r"pin_splay_deg = -30\.0: split pins are not modelled"):
+    with pytest.raises(CranktopoError, match=r"pin_splay_deg = -30\.0: split pins are not modelled here"):
         mesh_throw(scene, 10.0)
     with pytest.raises(CranktopoError, match=r"--propose sizes .* of a throw with a straight pin"):
         propose_counterweight(scene, 50.0)
