@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.design.opened_fillets import opened_fillets
 from cranktopo.report.drafting import circle, finish, hatched, leader, number_mm
 from cranktopo.tasks.drawing.views import Room, Sheet, section_x
 from cranktopo.throw.journal import Journal
@@ -47,10 +48,17 @@ class Detail:
 
 
 def details(sheet: Sheet, letters: Sequence[str]) -> list[Detail]:
-    """Return the details of a half throw: the fillets of main journal and crankpin that it has."""
+    """Return the details of a half throw: the fillets of main journal and crankpin that it has.
+
+    Each is toward the other axis, or away from it where a bore opens it there.
+    """
     scene = sheet.scene
     (start, stop), (main, pin) = scene.web_z_mm, (scene.throw.main_journal, scene.throw.crankpin)
-    found = ((main, (start, main.radius_mm), -1.0), (pin, (stop, scene.throw.radius_mm - pin.radius_mm), 1.0))
+    at_main, at_pin = (-1.0 if is_open else 1.0 for is_open in opened_fillets(scene))
+    found = (
+        (main, (start, at_main * main.radius_mm), -1.0),
+        (pin, (stop, scene.throw.radius_mm - at_pin * pin.radius_mm), 1.0),
+    )
     return [
         Detail(letter, sheet, *one)
         for letter, one in zip(letters, [one for one in found if one[0].fillet_mm], strict=False)
@@ -66,7 +74,8 @@ def draw_detail(axes: Any, detail: Detail, scale: float) -> None:
     hatched(axes, (CrossSection(section_x(detail.sheet.solid), FillRule.EvenOdd) ^ window).to_polygons())
     circle(axes, radius, y, "-.", 0.5, x=z)
     fillet = detail.journal.fillet
-    outward = 1.0 if y > detail.sheet.scene.throw.radius_mm or detail.toward < 0 else -1.0
+    axis = 0.0 if detail.toward < 0 else detail.sheet.scene.throw.radius_mm
+    outward = float(np.sign(y - axis))
     tip = z + detail.toward * 0.3 * fillet.axial_mm, y + outward * 0.3 * fillet.radial_mm
     at = z + detail.toward * 0.62 * radius, y + outward * 0.66 * radius
     ra = f"Ra {detail.sheet.scene.drawing.fillet_roughness_um:g}"

@@ -15,6 +15,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.spans import polygon_section
 from cranktopo.bodies.prisms import bolted_counterweight, web_region
+from cranktopo.design.opened_fillets import opened_fillets
 from cranktopo.design.schema import Scene
 from cranktopo.report.drafting import (
     DROP_MM,
@@ -260,14 +261,16 @@ def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
     ):
         row = any(side * one.shift[1] > 0 for one in own)  # the first row is that of features
         dimension(axes, (a, edge), (b, edge), (0, side * (gap + row * line)), text)
-    for journal, y, z, side in ((main, 0.0, 0.0, -1), (pin, throw.radius_mm, end, 1)):
+    sides = (main, 0.0, 0.0, -1), (pin, throw.radius_mm, end, 1)
+    for (journal, y, z, side), is_open in zip(sides, opened_fillets(scene), strict=True):
         diameters = filter(None, (journal.bore_diameter_mm, journal.outer_diameter_mm))
         for number, diameter in enumerate(diameters):
             ends = (z, y - diameter / 2), (z, y + diameter / 2)
             dimension(axes, *ends, (side * (gap + number * line), 0), f"⌀{diameter:g}")
         if journal.fillet_mm:
             across = (start if side < 0 else stop) + side * 0.3 * journal.fillet.axial_mm
-            way = -side if _dimensioned(sheet, y + side * journal.radius_mm) else side
+            inward = _dimensioned(sheet, y + side * journal.radius_mm) and not is_open
+            way = -side if inward else side
             up = y + way * (journal.radius_mm + 0.3 * journal.fillet_mm)
             away = 0.55 * gap if way == side else 0.9 * gap  # clear of the mark of a detail
             aside = max(0.4 * journal.length_mm / 2, _LABEL_MM / scale)
