@@ -30,6 +30,7 @@ from cranktopo.tasks.balance.text import (
     free_table,
     inner_moment_table,
     order_table,
+    room_words,
     shaft_table,
     shafts_caption,
     share_words,
@@ -111,7 +112,7 @@ def _proposed(proposed: ProposedCounterweight | None) -> list[tuple[str, ResultT
         ("thickness of the web", f"{proposed.thickness_mm:g} mm"),
         ("engine.arrangement.balanced_oscillating_share", f"{proposed.share_percent / 100:g}"),
         ("balanced share of the oscillating mass", f"{proposed.balance_factor_percent:z.1f} %"),
-        ("room for it", proposed.refused or "yes"),
+        ("room for it", proposed.refused or room_words(proposed) or "yes"),
     ]
     if proposed.own_angle_refused:
         rows.append(("room with the half-angle of the web", proposed.own_angle_refused))

@@ -44,7 +44,9 @@ class ProposedCounterweight(Result):
     balance_factor_percent: float
     """Share that the throw balances with it."""
     refused: str | None
-    """Reason for which the scene has no place for it; null where it fits."""
+    """Reason for which the scene has no place for it; null where nothing that the scene tells is in its way."""
+    room_unknown: bool
+    """Neither an envelope nor its clearance limits it: whether the crankcase has the room is not known."""
     own_angle_refused: str | None = UNLESS_NONE
     """Why the web's own half-angle, or the usual 60 deg, was left for another one that fits."""
 
@@ -136,6 +138,7 @@ def _at_angle(scene: Scene, percent: float, angle_deg: float) -> ProposedCounter
         thickness_mm=weight.thickness_mm or scene.web.thickness_mm,
         balance_factor_percent=_factor_percent(found),
         refused=_refusal(found),
+        room_unknown=scene.envelope is None,
     )
 
 

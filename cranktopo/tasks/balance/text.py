@@ -174,6 +174,7 @@ def proposal_words(data: Balance) -> str:
     return "\n".join(
         [
             *_proposal_refusals(data, found),
+            *([f"Room for it: {room_words(found)}."] if found.room_unknown and not found.refused else []),
             f"Counterweight of each web, {found.thickness_mm:g} mm thick, for {share_words(found)}",
             f"(with it {found.balance_factor_percent:z.2f} %); other keys of these tables stay as they are:",
             "[web.counterweight]",
@@ -198,6 +199,11 @@ def proposal_refused(data: Balance) -> str:
     if found is None or not found.refused:
         return ""
     return f"The proposed counterweight does not fit: {found.refused}"
+
+
+def room_words(proposed: ProposedCounterweight) -> str:
+    """Return that nothing in the scene tells the room of a counterweight; empty where something does."""
+    return "not known: the scene has no [envelope] that limits it" if proposed.room_unknown else ""
 
 
 def _proposal_refusals(data: Balance, proposed: ProposedCounterweight) -> list[str]:
