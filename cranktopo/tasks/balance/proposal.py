@@ -44,7 +44,7 @@ class ProposedCounterweight(Result):
     balance_factor_percent: float
     """Share that the throw balances with it."""
     refused: str | None
-    """Reason for which the scene has no place for it; null where nothing that the scene tells is in its way."""
+    """Reason for which the scene has no place for it; null where nothing it tells is in the way."""
     room_unknown: bool
     """Neither an envelope nor its clearance limits it: whether the crankcase has the room is not known."""
     own_angle_refused: str | None = UNLESS_NONE
