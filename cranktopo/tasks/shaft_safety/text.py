@@ -53,8 +53,8 @@ def safety_text(shaft: ShaftSafety) -> list[str]:
         "\n".join(
             [
                 worst_sentence(shaft),
-                *([fill(f"The safety {short}.", WIDTH)] if short else []),
                 *(fill(line, WIDTH, break_on_hyphens=False) for line in unsure_words(shaft)),
+                *([fill(f"The safety {short}.", WIDTH)] if short else []),
             ]
         ),
     ]
