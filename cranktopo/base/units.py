@@ -64,8 +64,12 @@ def change_text(percent: float, error_percent: float = 0.0) -> str:
     """
     texts = (f"{percent:+z.{decimals}f}" for decimals in range(1, _DECIMALS))
     rounded = next(filter(float, texts), "+0.0")
-    error = f"{error_percent:.0f}" if error_percent >= 1 else f"{error_percent:.1g}"
-    return f"{rounded} +-{error} %" if error_percent else f"{rounded} %"
+    return f"{rounded} +-{error_text(error_percent)} %" if error_percent else f"{rounded} %"
+
+
+def error_text(error_percent: float) -> str:
+    """Return an error in percent as tables have it, with one decimal from 1 on: `2.2`, `2.0`, `0.04`."""
+    return f"{error_percent:.1f}" if error_percent >= 1 else f"{error_percent:.1g}"
 
 
 _DECIMALS = 5

@@ -1,61 +1,66 @@
-"""Rule of torsional vibration: what it does to the torque, by the disks of the shaft in closed form."""
+"""Rule of torsional vibration: what it does to the torque between load states."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cranktopo.base.units import frequency_text, signed_percent
-from cranktopo.design.checks.engine import is_damped, speed_range_rpm
+from cranktopo.design.checks.engine import is_damped
+from cranktopo.design.misfire import all_firing
 from cranktopo.design.schema import Scene
+from cranktopo.engine.forces import INERTIA_EFFECTS
+from cranktopo.engine.histories import load_history
+from cranktopo.engine.judged_speeds import rated_speeds, speeds_of_range
 from cranktopo.engine.plan.context import PlanningContext
 from cranktopo.engine.plan.effect import Estimate
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
-from cranktopo.engine.vibration.steady import critical_speeds, orders_to_solve, speeds_to_solve, vibration
-from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics, curve_of, torque_harmonics
+from cranktopo.engine.vibration.vibrating_shaft import vibrating_at, worst_speed_rpm
 
-_SPEEDS = 60
-"""Even steps over the range beside its critical speeds."""
+_OFF = frozenset(INERTIA_EFFECTS)
+_ON = _OFF | {"torsional_vibration"}
 
 
 @dataclass(frozen=True)
 class _Amplification:
-    """The largest torque amplitude ahead of or behind a throw over the range of speeds.
+    """Torque of the load states with the vibration against that without it.
 
     Attributes:
         frequency_Hz: first natural frequency.
-        order: the one with the largest share at that place.
-        percent: change against a shaft that does not twist at the speeds at which that is judged.
-        by_twist_percent: change against one over the same range.
-        judged_rpm: speed of those with the larger amplitude.
+        order: the one with the largest share where the shaft swings most.
+        speed_rpm: where it swings most, of the speeds at which the engine runs.
+        percent: change of the torque amplitude between the load states that strength is judged by.
+        speeds_percent: the same of a shaft that does not twist, by judging the speeds of the range as well.
+        twist_percent: change by the twist alone, both judged over the range.
     """
 
     frequency_Hz: float
     order: float
     speed_rpm: float
     percent: float
-    by_twist_percent: float
-    judged_rpm: float
+    speeds_percent: float
+    twist_percent: float
 
 
 def torsional_vibration(context: PlanningContext) -> Estimate:
-    """Torque amplitude of the vibrating shaft over its speeds against what is judged of a stiff one.
+    """Torque amplitude of the load states with the vibration against that without it.
 
-    A stiff shaft is judged at the engine's speed and its overspeed alone, so that the estimate is what
-    switching the effect on changes. Every mode and order is in it.
+    These are the states of `fatigue`: of the vibrating shaft the extremes over the range of speeds, barred
+    ones apart, of one that does not twist those at the engine's speed and its overspeed.
     """
     absent = _absent(context.scene)
     if absent:
         return Estimate(None, "", "nothing", absent=absent, impossible=absent)
-    found = _amplification(context.scene)
+    found = _amplification(context)
     shaft = context.scene.shaft
     has_stiffness = shaft is not None and shaft.gives_stiffness
     source = "" if has_stiffness else " (throws in closed form)"
     because = (
-        f"first natural frequency {frequency_text(found.frequency_Hz)}{source}, torque amplitude "
-        f"{signed_percent(found.percent, 3)} against a stiff shaft's at {found.judged_rpm:.0f} rpm "
-        f"({signed_percent(found.by_twist_percent, 3)} against its over all speeds), "
+        f"first natural frequency {frequency_text(found.frequency_Hz)}{source}, torque amplitude of the load "
+        f"states {signed_percent(found.percent, 3)} ({signed_percent(found.twist_percent, 3)} by the twist, "
+        f"{signed_percent(found.speeds_percent, 3)} as the whole range of speeds is judged with it), "
         f"worst at {found.speed_rpm:.0f} rpm by order {found.order:g}"
     )
     change = 100 * (1 / (1 + found.percent / 100) - 1)
@@ -78,32 +83,27 @@ def _absent(scene: Scene) -> str:
     return ""
 
 
-def _amplification(scene: Scene) -> _Amplification:
-    """Solve the shaft with its mean inertia: all orders, over the range of speeds but for barred ones."""
-    shaft, harmonics, limits = estimated_chain(scene), torque_harmonics(scene), speed_range_rpm(scene)
-    assert harmonics is not None
-    modes = shaft.chain.damped_modes()
-    orders = orders_to_solve(shaft, modes, harmonics, limits)
-    speeds = speeds_to_solve(limits, critical_speeds(shaft, modes, harmonics, limits, orders), _SPEEDS)
-    barred = (scene.shaft.barred_rpm if scene.shaft else None) or ()
-    ends = np.clip([end for ends in barred for end in ends], *limits)
-    found = replace(vibration(shaft, harmonics, np.union1d(speeds, ends), orders), barred_rpm=barred)
-    assert scene.engine is not None
-    judged = {rpm: _stiff_amplitude_Nm(harmonics, rpm) for rpm in scene.engine.own_speeds_rpm}
-    largest = max(judged, key=lambda rpm: judged[rpm])
-    running = found.speeds_rpm[found.running]
-    stiff = max(_stiff_amplitude_Nm(harmonics, float(speed)) for speed in running)
+def _amplification(context: PlanningContext) -> _Amplification:
+    """Find the load states with and without the vibration, and where it is worst."""
+    scene = all_firing(context.scene)
+    speed = worst_speed_rpm(scene, _ON)
+    off, on = _stiff_Nm(rated_speeds(scene, _OFF)), replace(context, vibrating=True).amplitudes[1]
+    over_the_range = _stiff_Nm(speeds_of_range(scene, _OFF), join=True)
     return _Amplification(
-        frequency_Hz=float(modes[0].frequency_Hz),
-        order=found.worst.order,
-        speed_rpm=float(found.speeds_rpm[found.worst.speed_index]),
-        percent=100 * (found.worst_Nm / judged[largest] - 1),
-        by_twist_percent=100 * (found.worst_Nm / stiff - 1),
-        judged_rpm=largest,
+        estimated_chain(scene).chain.damped_modes()[0].frequency_Hz,
+        vibrating_at(scene, _ON, speed).worst.order,
+        speed,
+        100 * (on / off - 1),
+        100 * (over_the_range / off - 1),
+        100 * (on / over_the_range - 1),
     )
 
 
-def _stiff_amplitude_Nm(harmonics: TorqueHarmonics, speed_rpm: float) -> float:
-    """Return the largest torque amplitude behind a throw of a shaft that does not twist."""
-    behind = np.cumsum(harmonics.of_throws_Nm(speed_rpm), axis=1).T
-    return float(np.ptp(curve_of(behind, 2 * behind.shape[1]), axis=1).max()) / 2
+def _stiff_Nm(speeds: Sequence[Scene], *, join: bool = False) -> float:
+    """Return the largest torque amplitude of a shaft that does not twist.
+
+    Args:
+        join: the largest torque of all speeds with the smallest of all, as those of a vibrating shaft are.
+    """
+    known = [load_history(at, "extremes", _OFF | {"torsion"}).torque_Nm for at in speeds]
+    return float(np.ptp(known) if join else max(map(np.ptp, known))) / 2

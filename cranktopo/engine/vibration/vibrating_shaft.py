@@ -110,6 +110,11 @@ def vibrating_torque(scene: Scene, enabled: frozenset[str]) -> ShaftTorque:
     return ShaftTorque(angle, curves[shaft.behind], np.vstack([free, ahead]))
 
 
+def vibrating_at(scene: Scene, enabled: frozenset[str], speed_rpm: float) -> Vibration:
+    """Return the steady response at one speed, that of the engine or not."""
+    return replace(_model(scene, enabled).at(np.array([speed_rpm])), barred_rpm=())
+
+
 def worst_speed_rpm(scene: Scene, enabled: frozenset[str]) -> float:
     """Return the speed in the scene's range at which the torque of the crankshaft swings most, rpm."""
     return _decisive_speeds(scene, enabled, trace_states(scene)).worst_rpm

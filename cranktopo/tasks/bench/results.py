@@ -11,6 +11,7 @@ from cranktopo.base.files import read_text_file
 from cranktopo.tasks.bench.jobs import BenchJob, own_command
 from cranktopo.tasks.bound.result import BoundResult, ProvenBound
 from cranktopo.tasks.evaluate.result import EvaluationList
+from cranktopo.tasks.fatigue.criteria import shortfall_words
 from cranktopo.tasks.fatigue.result import FatigueResult, FieldFatigue, OutletAcceptance
 from cranktopo.tasks.fatigue.text import load_words
 from cranktopo.tasks.fea.result import EvaluationResult
@@ -117,8 +118,9 @@ def _shaft_words(assessment: ShaftAssessment) -> list[str]:
 def _fatigue_words(fatigue: FatigueResult) -> list[str]:
     found = fatigue.fatigue[0]
     if isinstance(found, FieldFatigue):
-        fails = " is below 1, it fails" if found.safety < 1 else ""
-        return [f"least safety {found.safety:.3g} {load_words(fatigue)}{fails}: {found.critical.place}"]
+        short = shortfall_words(fatigue.method, found.safety)
+        lacks = f"; it {short}" if short else ""
+        return [f"least safety {found.safety:.3g} {load_words(fatigue)}: {found.critical.place}{lacks}"]
     ways = {"polynomials": found.fillets.closed_form, "elements": found.fillets.finite_elements}
     lines = [found.not_covered] if found.not_covered else []
     lines += [f"UR M53: {found.verdict}, {found.safety:.3g} of at least {found.least_acceptability:.3g}"]

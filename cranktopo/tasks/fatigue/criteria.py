@@ -33,6 +33,21 @@ def safety_method(name: str) -> SafetyMethod:
     return found
 
 
+def shortfall_words(method: str, safety: float) -> str:
+    """Return what a safety lacks by a method: below 1 it fails, below what that asks for it is not enough.
+
+    Empty where it lacks nothing. Every command that says so takes these words.
+    """
+    asked = safety_method(method)
+    if safety < 1:
+        return "is below 1: by this method it fails"
+    if safety < asked.asks:
+        return (
+            f"is below {asked.asks:g}, the least that {asked.title} asks for: by this method it is not enough"
+        )
+    return ""
+
+
 def strengths_of(methods: Iterable[str]) -> set[str]:
     """Return the keys of the material that some methods rest on.
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from cranktopo.engine.histories import LoadsName
 from cranktopo.engine.judged_histories import states_words
 from cranktopo.report.result_table import Column, ResultTable, tabulate
-from cranktopo.tasks.fatigue.criteria import safety_method
+from cranktopo.tasks.fatigue.criteria import safety_method, shortfall_words
 from cranktopo.tasks.fatigue.remarks import (
     deciding_speed_words,
     overspeed_words,
@@ -90,12 +90,12 @@ class FatigueComparison:
     @property
     def failing(self) -> dict[str, str]:
         """Targets that fail, with the reason: a safety below what is asked, or no acceptance by the rule."""
-        asked = safety_method(self.result.method).asks
         refused = {name: one.words for name, one in self.answers.items() if one.verdict != "accepted"}
+        method = self.result.method
         return refused | {
-            one.target: f"fails by {self.result.method}, safety {one.safety:.3f}, below {asked:g}"
+            one.target: f"by {method}: safety {one.safety:.3f} {words}"
             for one in self.result.fatigue
-            if isinstance(one, FieldFatigue) and one.safety < asked
+            if isinstance(one, FieldFatigue) and (words := shortfall_words(method, one.safety))
         }
 
 
@@ -174,12 +174,9 @@ def field_remarks(fields: Sequence[FatigueField]) -> list[str]:
 def _failures(fields: Sequence[FatigueField]) -> list[str]:
     """Return one line for each target that fails, or has less than the method asks for."""
     return [
-        f"{field.model.name}: safety {field.critical.safety:.3f} is below 1: by this method it fails."
-        if field.critical.safety < 1
-        else f"{field.model.name}: safety {field.critical.safety:.3f} is below {asked:g}, the least that "
-        f"{safety_method(field.method).title} asks for: by this method it is not enough."
+        f"{field.model.name}: safety {field.critical.safety:.3f} {words}."
         for field in fields
-        if field.critical.safety < (asked := safety_method(field.method).asks)
+        if (words := shortfall_words(field.method, field.critical.safety))
     ]
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cranktopo.base.units import change_text
+from cranktopo.base.units import change_text, error_text
 from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.fatigue.remarks import mesh_shortfall
 from cranktopo.tasks.fatigue.result import FatigueShare, JudgedAs
@@ -123,7 +123,7 @@ def _as_safe(ratio: float, one: Summary, base: Summary) -> str:
     if meshes and abs(ratio - 1) > SAME:
         return (
             f"not told apart from {base.name}: the mesh of {meshes} misses the rule's checks, and safeties "
-            f"scatter by up to {error:.2g} % then; a smaller --fillet-fraction of `fatigue` may help"
+            f"scatter by up to {error_text(error)} % then; a smaller --fillet-fraction of `fatigue` may help"
         )
     if one.error_percent or base.error_percent:
         return f"equal to {base.name} within their error: {_error_words(one)}, {_error_words(base)}"

@@ -27,6 +27,7 @@ from cranktopo.tasks.extraction.text import (
     released_text,
     required_lengths,
 )
+from cranktopo.tasks.fatigue.criteria import shortfall_words
 from cranktopo.tasks.fatigue.result import FatigueResult
 from cranktopo.tasks.fea.quantities import (
     MASS,
@@ -82,7 +83,9 @@ def fatigue_fact(fatigue: FatigueResult | None, otherwise: str) -> Fact:
     original = next((entry.safety for entry in entries if entry.target == baseline), None)
     note = f"least safety of {assessed.target}"
     note += "" if original is None else f"; {baseline} has {original:.2f}"
-    return Fact("Fatigue", f"{assessed.safety:.2f}", note, "good" if assessed.safety >= 1 else "bad")
+    short = shortfall_words(fatigue.method, assessed.safety) if fatigue else ""
+    note += f"; it {short}" if short else ""
+    return Fact("Fatigue", f"{assessed.safety:.2f}", note, "bad" if short else "good")
 
 
 def run_undercuts_fact(metrics: RunMetrics) -> Fact:

@@ -7,6 +7,7 @@ from cranktopo.bodies.crank_ends import main_journal_places_mm
 from cranktopo.design.schema import Scene
 from cranktopo.report.page import Fact, FactStatus, Page, Section, left_off_first
 from cranktopo.report.plot import Picture
+from cranktopo.tasks.fatigue.criteria import shortfall_words
 from cranktopo.tasks.film.permitted import film_words
 from cranktopo.tasks.shaft.result import ContinuousShaft
 from cranktopo.tasks.shaft_safety.dynamics_plots import dynamic_safety_pictures, dynamics_pictures
@@ -164,13 +165,15 @@ def _vibration_fact(shaft: ShaftAssessment, still: ShaftSafety) -> list[Fact]:
     if moving is None:
         return []
     at = f"web {moving.worst.web} at {moving.worst.speed_rpm:,.0f} rpm"
-    status: FactStatus = "bad" if moving.safety < 1 else "unknown" if still.mesh_shortfall else "good"
-    return [Fact("With its mass", f"{moving.safety:.3f}", at, status)]
+    short = shortfall_words(moving.method, moving.safety)
+    status: FactStatus = "bad" if short else "unknown" if still.mesh_shortfall else "good"
+    note = f"{at}; it {short}" if short else at
+    return [Fact("With its mass", f"{moving.safety:.3f}", note, status)]
 
 
 def _facts(shaft: ShaftAssessment, safety: ShaftSafety, carried: ContinuousShaft) -> tuple[Fact, ...]:
     safest = max(safety.webs, key=lambda web: web.safety)
-    bearing = carried.worst_bearing
+    bearing, short = carried.worst_bearing, shortfall_words(safety.method, safety.safety)
     return (
         Fact(
             "Least safety",
@@ -178,10 +181,11 @@ def _facts(shaft: ShaftAssessment, safety: ShaftSafety, carried: ContinuousShaft
             "; ".join(
                 [
                     f"web {safety.worst.web} at {safety.worst.speed_rpm:,.0f} rpm",
+                    *([f"it {short}"] if short else []),
                     *unsure_words(safety),
                 ]
             ),
-            "bad" if safety.safety < 1 else "unknown" if safety.mesh_shortfall else "good",
+            "bad" if short else "unknown" if safety.mesh_shortfall else "good",
         ),
         Fact("Safest web", f"{safest.safety:.3f}", f"web {safest.web}", "neutral"),
         Fact(

@@ -7,6 +7,7 @@ from textwrap import fill
 
 from cranktopo.base.units import N_PER_KN
 from cranktopo.report.result_table import WIDTH, ResultTable, Row, labelled, terminal
+from cranktopo.tasks.fatigue.criteria import shortfall_words
 from cranktopo.tasks.fatigue.least import PARTS
 from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftEvaluation
 from cranktopo.tasks.shaft_safety.dynamics_text import dynamic_safety_text, dynamics_text
@@ -44,7 +45,7 @@ def shaft_text(shaft: ShaftAssessment) -> str:
 
 def safety_text(shaft: ShaftSafety) -> list[str]:
     """Return what is told of the safety of a shaft, by paragraph."""
-    several = len(shaft.speeds) > 1
+    several, short = len(shaft.speeds) > 1, shortfall_words(shaft.method, shaft.safety)
     at_speeds = f"{len(shaft.speeds)} speeds" if several else f"{shaft.worst.speed_rpm:,.0f} rpm"
     paragraphs = [
         f"Least safety of each web by method {shaft.method!r}, over the cycle at {at_speeds}:",
@@ -53,6 +54,7 @@ def safety_text(shaft: ShaftSafety) -> list[str]:
             [
                 worst_sentence(shaft),
                 *(fill(line, WIDTH, break_on_hyphens=False) for line in unsure_words(shaft)),
+                *([fill(f"The safety {short}.", WIDTH)] if short else []),
             ]
         ),
     ]

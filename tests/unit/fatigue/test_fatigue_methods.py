@@ -15,6 +15,7 @@ from cranktopo.engine.analysis import at_extreme_speeds
 from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.engine.vibration.vibrating_shaft import extreme_speeds_rpm
 from cranktopo.tasks.fatigue import rule_check
+from cranktopo.tasks.fatigue.criteria import shortfall_words
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.fkm import FkmStrength, fkm
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
@@ -29,8 +30,10 @@ from cranktopo.tasks.fatigue.m53 import (
     outside_validity,
     pin_equivalent_MPa,
 )
-from cranktopo.tasks.fatigue.text import field_remarks, inclusions
+from cranktopo.tasks.fatigue.result import FatigueResult, FieldFatigue
+from cranktopo.tasks.fatigue.text import FatigueComparison, field_remarks, inclusions
 from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.optimise.text import fatigue_fact
 
 # J. Voparil, Brno University of Technology, 2011: amplitude, mean, related gradient of two crank webs.
 ORIGINAL, VARIANT_II = (241.08, 330.95, 0.228), (226.27, 309.58, 0.235)
@@ -215,3 +218,29 @@ def test_the_overspeed_that_decides_is_told_with_the_speeds_of_the_torques() -> 
     assert with_torques == f"{at}, with the vibrating shaft's largest and smallest torque, of {rpm} rpm."
     assert field_remarks([judged_field("a", on, angle)]) == [f"{at}."]
     assert field_remarks([judged_field("a", off, joined)]) == [f"{at}."]
+
+
+@pytest.mark.parametrize(
+    ("method", "safety", "words"),
+    [
+        ("lsa", 0.98, "is below 1: by this method it fails"),
+        ("lsa", 1.15, ""),
+        ("fkm", 0.98, "is below 1: by this method it fails"),
+        (
+            "fkm",
+            1.15,
+            "is below 1.2, the least that the FKM guideline asks for: by this method it is not enough",
+        ),
+        ("fkm", 1.2, ""),
+    ],
+)
+def test_every_command_has_the_same_words_for_a_safety(method: str, safety: float, words: str) -> None:
+    """`compare` said that 1.162 by FKM fails, `fatigue` that it is not enough, `shaft` nothing."""
+    assert shortfall_words(method, safety) == words
+    one = FieldFatigue.model_construct(target="mine", safety=safety)
+    judged = FatigueResult.model_construct(method=method, fatigue=(one,), baseline=None)
+    failing = FatigueComparison((safety,), (), judged).failing
+    assert failing == ({"mine": f"by {method}: safety {safety:.3f} {words}"} if words else {})
+    fact = fatigue_fact(judged, "")
+    assert fact.status == ("bad" if words else "good")
+    assert words in fact.note

@@ -113,9 +113,11 @@ def test_release(surface: dict[str, Any], value: str, status: str, words: str) -
 
 def test_fatigue_of_the_design_beside_its_baseline() -> None:
     entries = [{"target": "old", "safety": 1.31}, {"target": "web", "safety": 0.97}]
-    found: Any = SimpleNamespace(baseline="old", fatigue=[SimpleNamespace(**entry) for entry in entries])
+    told = [SimpleNamespace(**entry) for entry in entries]
+    found: Any = SimpleNamespace(baseline="old", fatigue=told, method="lsa")
     fact = fatigue_fact(found, "")
-    assert (fact.value, fact.status, fact.note) == ("0.97", "bad", "least safety of web; old has 1.31")
+    note = "least safety of web; old has 1.31; it is below 1: by this method it fails"
+    assert (fact.value, fact.status, fact.note) == ("0.97", "bad", note)
     found.baseline = None
     assert fatigue_fact(found, "").value == "1.31"
     assert fatigue_fact(None, "why not").note == "why not"

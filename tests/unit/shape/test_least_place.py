@@ -194,7 +194,7 @@ def test_every_form_of_a_comparison_names_the_load_states_and_either_web() -> No
     assert card.value == "no clear best"
     assert card.status == "bad", "both fail"
     assert card.note.endswith(f"by lsa, {states}")
-    assert "+0.2 +-2 %" in card.note
+    assert "+0.2 +-2.0 %" in card.note
 
 
 def test_a_card_names_no_winner_within_the_error_whose_column_has_no_star() -> None:
