@@ -97,7 +97,7 @@ def _by_speed(speeds: tuple[FilmsAtSpeed, ...]) -> str:
         ]
         rows.append([*cells, f"{at.friction_W:.0f}"])
     told = _by_method([one for at in speeds for one in at.bearings])
-    return f"least of each speed{told}\n{text_table('rrlrlr', header, rows)}"
+    return f"over the cycle at each speed{told}\n{text_table('rrlrlr', header, rows)}"
 
 
 def _by_method(films: Sequence[BearingFilm]) -> str:

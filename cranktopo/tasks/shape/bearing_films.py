@@ -1,8 +1,8 @@
 """Oil films of a web's bearings where a limit asks for them, and their slopes by free dimensions.
 
 A dimension takes width from a bearing (thickness, fillets) or changes its load (bores, counterweight).
-The web's outline changes the load as well, which the slopes leave out and the evaluation counts. An evaluated web
-is judged by the same film as in `film`, near a limit the mass-conserving one; the search beside that web
+The web's outline changes the load as well, which the slopes leave out and the evaluation counts. An evaluated
+web is judged by the same film as in `film`, near a limit the mass-conserving one; the search beside that web
 takes the ratio of that film to the mobility method's.
 """
 
