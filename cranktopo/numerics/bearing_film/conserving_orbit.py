@@ -23,6 +23,8 @@ _SAME = 2e-3
 """Part of the least film and of the largest pressure by which they may differ from the cycle before."""
 _FEEDS = 1e3
 """Conductance of hole or groove to a cell, dimensionless: films have less than a tenth of it."""
+_LEFT_OUT = 1e-8
+"""Most oil, over that of a full film, that the balance of a step may leave out; it is below 1e-10."""
 _PA_PER_MPA = 1e6
 
 
@@ -87,7 +89,7 @@ def conserved_orbit(
             the start needs them.
 
     Raises:
-        CranktopoError: one that does not become steady, or a film without balance.
+        CranktopoError: one that does not become steady, or a film or oil without balance.
     """
     share = float(start.film_mm.min()) / journal.bearing.clearance_mm
     case = _Case.of(journal, angle_deg, feed, tilt, cells or (_cells_around(share), _ALONG))
@@ -104,12 +106,23 @@ def conserved_orbit(
         table = np.roll(np.array(found), 1, axis=0)
         now = float(table[:, 1].real.min()), float(table[:, 2].real.max())
         if last is not None and all(abs(a - b) <= _SAME * b for a, b in zip(now, last, strict=True)):
-            return case.result(table, number)
+            return _kept(case.result(table, number))
         last = now
     raise solver_error(
         f"oil film: the mass-conserving film is not steady after {_CYCLES} cycles.",
         "Feed more oil (supply_pressure_MPa, feed_hole_mm, feed_hole_deg), or check load and viscosity.",
     )
+
+
+def _kept(found: ConservedOrbit) -> ConservedOrbit:
+    """Return a cycle that keeps its oil; raises CranktopoError for one that loses some."""
+    if found.left_out > _LEFT_OUT:
+        raise solver_error(
+            f"oil film: the mass-conserving film loses {found.left_out:.1e} of its oil in a step, above "
+            f"{_LEFT_OUT:g}.",
+            "Check clearance and viscosity; with ones of usual size, report this with the design.",
+        )
+    return found
 
 
 def _cells_around(share: float) -> int:

@@ -77,7 +77,7 @@ def settled_film(data: dict[str, Any]) -> dict[str, Any]:
     if scene.bearings is None:
         return {"gauges": {}}
     with silent():
-        films = [film for at_speed in oil_films(scene).speeds for film in at_speed.bearings]
+        films = [film for at_speed in oil_films(scene).speeds for film in at_speed.least_films]
     thinnest = min(film.film_um for film in films)
     return {"gauges": {"film": thinnest, "film_pressure": max(film.pressure_MPa for film in films)}}
 

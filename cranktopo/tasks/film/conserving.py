@@ -1,7 +1,8 @@
-"""Mass-conserving films of those bearings whose film by the mobility method is near what is permitted."""
+"""Mass-conserving films of those bearings whose film by the mobility method is near what it may be."""
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator, Sequence, Set
 from contextlib import contextmanager
@@ -14,7 +15,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note, warn
 from cranktopo.base.units import UM_PER_MM
 from cranktopo.design.assumed import Assumption
-from cranktopo.design.plain_bearings import PlainBearings
+from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.bearing_film.conserving import TouchingError
 from cranktopo.numerics.bearing_film.conserving_orbit import ConservedOrbit, OilFeed, conserved_orbit
@@ -23,18 +24,28 @@ from cranktopo.tasks.film.result import BearingFilm, ConservingFilm, EdgeFilm
 
 BIG_END = "big end"
 NEAR = 1.5
-"""A film below so many times the permitted thickness, or above the permitted pressure over it, is near it."""
+"""A film below so many times the least thickness it may have, or above the most pressure over it, is near."""
 HOLE_SHARE, PIN_HOLE_DEG = 0.1, 90.0
 """Diameter of a feed hole over that of its journal, and a pin's angle ahead of its throw, if not given."""
 _STEP_DEG = 2.0
 _MM3_PER_CM3 = 1e3
 
 
-def near_limit(table: PlainBearings, film: BearingFilm) -> bool:
-    """Tell whether a film of the mobility method is near what is permitted, or beyond it."""
-    least, most = table.permitted_film_um, table.permitted_pressure_MPa
-    thin = least is not None and film.film_um < NEAR * least
-    return thin or (most is not None and film.pressure_MPa > most / NEAR)
+def near_limit(scene: Scene, films: Sequence[BearingFilm]) -> list[bool]:
+    """Tell of each film of the mobility method whether it is near, or beyond, what it may be.
+
+    That is what `[bearings]` permits and what the goal limits. In percent of another web the goal tells no
+    thickness: then the least film, or the largest pressure, is at its limit.
+    """
+    assert scene.bearings is not None
+    goal, table = goal_of(scene), scene.bearings
+    limits = goal.limits if goal else ()
+    thinnest, hardest = min(one.film_um for one in films), max(one.pressure_MPa for one in films)
+    least = [thinnest if one.percent else one.value for one in limits if one.quantity == "oil_film"]
+    most = [hardest if one.percent else one.value for one in limits if one.quantity == "bearing_pressure"]
+    thin = NEAR * max((*least, table.permitted_film_um or 0.0))
+    hard = min((*most, table.permitted_pressure_MPa or math.inf)) / NEAR
+    return [one.film_um < thin or one.pressure_MPa > hard for one in films]
 
 
 def with_conserving(
@@ -51,10 +62,9 @@ def with_conserving(
 
     A film that does not become steady stays that of the mobility method, with a warning.
     """
-    assert scene.bearings is not None
-    start, every, done = time.perf_counter(), list(films), 0
+    start, every, done, near = time.perf_counter(), list(films), 0, near_limit(scene, films)
     for place, (film, journal, orbit, tilt) in enumerate(zip(films, journals, found, tilts, strict=True)):
-        if near_limit(scene.bearings, film):
+        if near[place]:
             feed = oil_feed(scene, film.bearing, orbit.angle_deg, journal.bearing.diameter_mm)
             every[place] = film.model_copy(
                 update={"conserving": _conserving(film, journal, orbit, feed, tilt)}
@@ -164,4 +174,5 @@ def _read(found: ConservedOrbit) -> ConservingFilm:
         pressure_deg=(float(found.angle_deg[hard]) - half) % cycle,
         least_filled=float(found.filled.min()),
         oil_cm3_per_s=float(found.fed_mm3_per_s.mean()) / _MM3_PER_CM3,
+        oil_left_out=found.left_out,
     )

@@ -33,6 +33,7 @@ class ConservingFilm(Result):
         pressure_MPa: largest pressure.
         least_filled: part of the room between journal and bearing that holds oil, where it is least.
         oil_cm3_per_s: mean flow into the bearing.
+        oil_left_out: most oil that the balance of a step does not account for, over that of a full film.
         edge: with the journal tilted as the shaft is bent; of a whole shaft.
     """
 
@@ -42,6 +43,7 @@ class ConservingFilm(Result):
     pressure_deg: float
     least_filled: float
     oil_cm3_per_s: float
+    oil_left_out: float
     edge: EdgeFilm | None = UNLESS_NONE
 
 
@@ -75,10 +77,14 @@ class BearingFilm(Result):
     friction_W: float
     conserving: ConservingFilm | None = UNLESS_NONE
 
+    @property
+    def judged(self) -> BearingFilm | ConservingFilm:
+        """The film that counts: the mass-conserving one where it is computed."""
+        return self.conserving or self
+
     def least(self, rpm: float) -> LeastFilm:
-        """Return film and pressure at a speed, of the mass-conserving film where it is computed."""
-        best = self.conserving or self
-        return LeastFilm(self.bearing, rpm, best.film_um, self.below_um, best.pressure_MPa)
+        """Return film and pressure at a speed, of the film that counts."""
+        return LeastFilm(self.bearing, rpm, self.judged.film_um, self.below_um, self.judged.pressure_MPa)
 
 
 class FilmsAtSpeed(Result):
@@ -89,8 +95,13 @@ class FilmsAtSpeed(Result):
 
     @property
     def thinnest(self) -> BearingFilm:
-        """The bearing of the least film, of equal ones the first."""
-        return min(self.bearings, key=lambda one: round(one.film_um, 6))
+        """The bearing of the least film, of equal ones the first; mass-conserving where computed."""
+        return min(self.bearings, key=lambda one: round(one.judged.film_um, 6))
+
+    @property
+    def hardest(self) -> BearingFilm:
+        """The bearing of the largest pressure, of equal ones the first; mass-conserving where computed."""
+        return max(self.bearings, key=lambda one: round(one.judged.pressure_MPa, 6))
 
     @property
     def conserving(self) -> list[BearingFilm]:
@@ -118,7 +129,8 @@ class FilmResult(Result):
         pressure: sentence on the pressure at speeds other than the engine's own.
         misfire: cylinders that do not fire, where there are any; the big end is of one that fires.
         permitted_film_um, permitted_pressure_MPa: null where the scene gives none.
-        near: films within so many times of what is permitted have a mass-conserving one beside.
+        near: films within so many times of what is permitted, or limited by the goal, have a mass-conserving
+            one beside, which is the one that counts.
         holds: whether all films are within what is permitted; null where nothing is.
     """
 

@@ -109,7 +109,8 @@ def film_change(before: Scene, after: Scene) -> str:
     """Return one line with the least films of a design beside those before; empty without `[bearings]`."""
     if before.bearings is None or before.engine is None or not before.engine.speed_rpm:
         return ""
-    (main, big), (old_main, old_big) = (_least_um(films) for films in films_at([after, before]))
+    every = films_at([after, before], conserving=True)
+    (main, big), (old_main, old_big) = (_least_um(films) for films in every)
     return (
         f"oil film at {before.engine.speed_rpm:g} rpm: main bearings {main:.2f} um at least "
         f"({old_main:.2f} before), big ends {big:.2f} um ({old_big:.2f})"
@@ -118,14 +119,14 @@ def film_change(before: Scene, after: Scene) -> str:
 
 def _least_um(films: Sequence[BearingFilm]) -> tuple[float, float]:
     """Least film of the main bearings, and of the big end."""
-    return min(one.film_um for one in films[:-1]), films[-1].film_um
+    return min(one.judged.film_um for one in films[:-1]), films[-1].judged.film_um
 
 
 def films_at(scenes: Sequence[Scene], *, conserving: bool = False) -> list[tuple[BearingFilm, ...]]:
     """Return the films of each scene at its speed: main bearings from the free end, then a big end.
 
     Args:
-        conserving: also the mass-conserving films of those near what is permitted.
+        conserving: also the mass-conserving films of those near what is permitted or limited.
     """
     cases = [(scene, *_loaded_bearings(scene)) for scene in scenes]
     return films_of(cases, conserving=conserving)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from textwrap import fill
 
 from cranktopo.design.misfire import silent_words
 from cranktopo.report.result_table import WIDTH, text_table
 from cranktopo.tasks.film.permitted import beyond_permitted, film_words
-from cranktopo.tasks.film.result import FilmResult, FilmsAtSpeed
+from cranktopo.tasks.film.result import BearingFilm, FilmResult, FilmsAtSpeed
 
 
 def film_text(result: FilmResult) -> str:
@@ -26,15 +27,15 @@ def film_text(result: FilmResult) -> str:
 
 def _conserving(result: FilmResult) -> str:
     """The mass-conserving films, with their difference from those of the mobility method."""
-    header = ["bearing", "speed\nrpm", "film\num", "at\ndeg", "than\nabove", "pressure\nMPa", "at\ndeg"]
-    header += ["than\nabove", "least\nfilled", "oil\ncm3/s"]
+    header = ["bearing", "speed\nrpm", "film\num", "than\nmobility", "pressure\nMPa"]
+    header += ["than\nmobility", "least\nfilled", "oil\ncm3/s"]
     rows = []
     for at in result.speeds:
         for one in at.conserving:
             assert one.conserving is not None
             own = one.conserving
-            cells = [one.bearing, f"{at.rpm:g}", film_words(own.film_um, one.below_um), f"{own.film_deg:g}"]
-            cells += [_more(own.film_um, one.film_um), f"{own.pressure_MPa:.1f}", f"{own.pressure_deg:g}"]
+            cells = [one.bearing, f"{at.rpm:g}", film_words(own.film_um, one.below_um)]
+            cells += [_more(own.film_um, one.film_um), f"{own.pressure_MPa:.1f}"]
             cells += [_more(own.pressure_MPa, one.pressure_MPa), f"{100 * own.least_filled:.0f} %"]
             rows.append([*cells, f"{own.oil_cm3_per_s:.2g}"])
     if not rows:
@@ -62,15 +63,17 @@ def _one_speed(at: FilmsAtSpeed) -> str:
             f"{'2 x ' if one.films == 2 else ''}{one.width_mm:.4g}",
             f"{one.max_N:.0f}",
             f"{one.deg:g}",
-            film_words(one.film_um, one.below_um),
-            f"{one.film_deg:g}",
-            f"{one.pressure_MPa:.1f}",
-            f"{one.pressure_deg:g}",
+            film_words(one.judged.film_um, one.below_um),
+            f"{one.judged.film_deg:g}",
+            f"{one.judged.pressure_MPa:.1f}",
+            f"{one.judged.pressure_deg:g}",
             f"{one.friction_W:.0f}",
         ]
         for one in at.bearings
     ]
-    return f"at {at.rpm:g} rpm, over the cycle\n" + text_table("l" + "r" * (len(header) - 1), header, rows)
+    return f"at {at.rpm:g} rpm, over the cycle{_by_method(at.bearings)}\n" + text_table(
+        "l" + "r" * (len(header) - 1), header, rows
+    )
 
 
 def _by_speed(speeds: tuple[FilmsAtSpeed, ...]) -> str:
@@ -84,13 +87,20 @@ def _by_speed(speeds: tuple[FilmsAtSpeed, ...]) -> str:
     ]
     rows = []
     for at in speeds:
-        thin, hard = at.thinnest, max(at.bearings, key=lambda one: round(one.pressure_MPa, 6))
+        thin, hard = at.thinnest, at.hardest
         cells = [
             f"{at.rpm:g}",
-            film_words(thin.film_um, thin.below_um),
+            film_words(thin.judged.film_um, thin.below_um),
             thin.bearing,
-            f"{hard.pressure_MPa:.1f}",
+            f"{hard.judged.pressure_MPa:.1f}",
             hard.bearing,
         ]
         rows.append([*cells, f"{at.friction_W:.0f}"])
-    return text_table("rrlrlr", header, rows)
+    told = _by_method([one for at in speeds for one in at.bearings])
+    return f"over the cycle at each speed{told}\n{text_table('rrlrlr', header, rows)}"
+
+
+def _by_method(films: Sequence[BearingFilm]) -> str:
+    """Return by which method films are told, as the rest of a heading."""
+    conserving = any(one.conserving for one in films)
+    return f"; mobility method{', or mass-conserving as below' if conserving else ''}"

@@ -1,7 +1,9 @@
 """Oil films of a web's bearings where a limit asks for them, and their slopes by free dimensions.
 
-A dimension takes width from a bearing (thickness, fillets) or changes its load (bores, counterweight). The
-web's outline changes the load as well, which the slopes leave out and the evaluation counts.
+A dimension takes width from a bearing (thickness, fillets) or changes its load (bores, counterweight).
+The web's outline changes the load as well, which the slopes leave out and the evaluation counts. An evaluated
+web is judged by the same film as in `film`, near a limit the mass-conserving one; the search beside that web
+takes the ratio of that film to the mobility method's.
 """
 
 from __future__ import annotations
@@ -30,11 +32,13 @@ def limits_films(scene: Scene) -> bool:
 
 def film_values(scene: Scene) -> dict[str, float]:
     """Return the least film, um, and the largest pressure, MPa, where a limit is of them; else nothing."""
-    return dict(zip(_NAMES, _films([scene])[0].tolist(), strict=True)) if limits_films(scene) else {}
+    if not limits_films(scene):
+        return {}
+    return dict(zip(_NAMES, _films([scene], conserving=True)[0].tolist(), strict=True))
 
 
 def film_slopes(scene: Scene, layout: Layout, values: Array) -> tuple[dict[str, float], dict[str, Array]]:
-    """Return film and pressure at a parameter vector, and their derivatives by all parameters.
+    """Return film and pressure by the mobility method at a parameter vector, and their derivatives.
 
     All films of the central differences are solved at once, in the time of two.
     """
@@ -45,8 +49,9 @@ def film_slopes(scene: Scene, layout: Layout, values: Array) -> tuple[dict[str, 
     return dict(zip(_NAMES, own.tolist(), strict=True)), dict(zip(_NAMES, slopes, strict=True))
 
 
-def _films(scenes: Sequence[Scene]) -> list[Array]:
+def _films(scenes: Sequence[Scene], *, conserving: bool = False) -> list[Array]:
+    judged = [[one.judged for one in every] for every in films_at(scenes, conserving=conserving)]
     return [
         np.array([min(one.film_um for one in every), max(one.pressure_MPa for one in every)])
-        for every in films_at(scenes)
+        for every in judged
     ]

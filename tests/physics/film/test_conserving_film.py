@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 from typing_extensions import override
 
 from cranktopo.base.arrays import Array, Complex
+from cranktopo.base.errors import CranktopoError
 from cranktopo.numerics.bearing_film import conserving_orbit
 from cranktopo.numerics.bearing_film.conserving import FilmState, FilmStep, Supply, TouchingError, advanced
 from cranktopo.numerics.bearing_film.conserving_orbit import ConservedOrbit, OilFeed, conserved_orbit
@@ -249,6 +250,16 @@ def pulsed(supply_MPa: float, hole_mm: float = 6.0) -> tuple[Orbit, ConservedOrb
     (mobility,) = orbits([journal], angle)
     feed = OilFeed(supply_MPa, hole_mm=hole_mm, hole_rad=np.full_like(angle, 2.0))
     return mobility, conserved_orbit(journal, angle, feed, mobility, None, (120, 6))
+
+
+@pytest.mark.slow
+def test_a_film_that_loses_oil_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    def leaking(cells: FilmCells, before: FilmState, step: FilmStep) -> FilmState:
+        return replace(advanced(cells, before, step), left_out=2e-8)
+
+    monkeypatch.setattr(conserving_orbit, "advanced", leaking)
+    with pytest.raises(CranktopoError, match=r"loses 2.0e-08 of its oil in a step, above 1e-08"):
+        pulsed(0.4)
 
 
 @pytest.mark.slow

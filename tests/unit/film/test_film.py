@@ -13,12 +13,13 @@ import pytest
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.bearing_room import big_end_room_mm
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import designs_folder, load_scene, parse_scene
 from cranktopo.design.named import with_values
 from cranktopo.design.plain_bearings import PlainBearings
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, engine_of
-from cranktopo.tasks.film.conserving import oil_feed
+from cranktopo.tasks.film.conserving import near_limit, oil_feed
 from cranktopo.tasks.film.stage import (
     _assumed,
     _loaded_big_end,
@@ -181,6 +182,9 @@ def test_a_film_near_the_permitted_one_keeps_its_oil() -> None:
     assert own.pressure_MPa == pytest.approx(one.pressure_MPa, rel=0.3)
     assert 0.1 < own.least_filled < 0.9
     assert 0.01 < own.oil_cm3_per_s < 10
+    assert own.oil_left_out < 1e-10
+    row = next(line for line in film_text(result).splitlines() if line.startswith("big end "))
+    assert f"{own.film_um:.2f}" in row.split(), "the table tells the film that is judged"
     lines = film_text(result).splitlines()
     assert lines[0] == f"below the permitted 1.7 um: big end {own.film_um:.2f} um at 2100 rpm"
     assert lines[1] == f"above the permitted 95 MPa: big end {own.pressure_MPa:.1f} MPa at 2100 rpm"
@@ -198,6 +202,28 @@ def test_a_film_far_from_the_permitted_one_is_left_to_the_mobility_method() -> N
     assert "mass-conserving" not in film_text(result)
     assert "near" not in result.as_json()
     assert "bearings.supply_pressure_MPa" not in {one.key for one in result.assumed}
+
+
+def test_a_limit_of_the_goal_counts_like_what_is_permitted() -> None:
+    """In um by itself; in percent of another web the least film and those within 1.5 times of it."""
+    (at,) = oil_films(scene(OIL + "permitted_film_um = 0.5")).speeds
+    told = ((3, 90), (2, 20), (4, 61), (6, 10), (2.9, 59), (9, 5))
+    films = [
+        one.model_copy(update={"film_um": film_um, "pressure_MPa": pressure_MPa})
+        for one, (film_um, pressure_MPa) in zip(at.bearings, told, strict=True)
+    ]
+
+    def near(*limits: str) -> list[int]:
+        limited = with_goal(scene(), minimise="mass", limits=limits)
+        return [place for place, close in enumerate(near_limit(limited, films)) if close]
+
+    assert near() == []
+    assert near("oil_film >= 1.9 um") == [1]
+    assert near("oil_film >= 1.95 um") == [1, 4]
+    assert near("oil_film >= 95 %") == [1, 4]
+    assert near("bearing_pressure <= 150 MPa") == []
+    assert near("bearing_pressure <= 90.5 MPa") == [0, 2]
+    assert near("bearing_pressure <= 105 %") == [0, 2]
 
 
 def test_where_the_oil_comes_from() -> None:
