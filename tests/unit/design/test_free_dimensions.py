@@ -121,16 +121,16 @@ def test_the_rules_of_the_thickness_are_the_same_at_every_thickness() -> None:
 @pytest.mark.parametrize(
     ("bearings", "free", "message"),
     [
-        ("width_mm = 34", "web_thickness_mm = [17, 24]", "web_thickness_mm = 24, .*at most 25 mm, the room"),
+        ("width_mm = 34", "web_thickness_mm = [17, 24]", "web_thickness_mm = 24, .*at most 25 mm, the journal"),
         (
             "width_mm = 34",
             "journal_fillet_mm = [2, 4.5]",
-            "journal_fillet_mm = 4.5, .*at most 31 mm, the room",
+            "journal_fillet_mm = 4.5, .*at most 31 mm, the journal",
         ),
         (
             "big_end_width_mm = 30",
             "pin_fillet_mm = [2, 4.5]",
-            "pin_fillet_mm = 4.5, .*at most 27 mm, the room",
+            "pin_fillet_mm = 4.5, .*at most 27 mm, the journal",
         ),
         (
             "groove_mm = 30",
