@@ -269,10 +269,12 @@ def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
             dimension(axes, *ends, (side * (gap + number * line), 0), f"⌀{diameter:g}")
         if journal.fillet_mm:
             across = (start if side < 0 else stop) + side * 0.3 * journal.fillet.axial_mm
-            inward = _dimensioned(sheet, y + side * journal.radius_mm) and not is_open
-            way = -side if inward else side
+            outlet = _dimensioned(sheet, y + side * journal.radius_mm)
+            way = -side if outlet and not is_open else side
             up = y + way * (journal.radius_mm + 0.3 * journal.fillet_mm)
             away = 0.55 * gap if way == side else 0.9 * gap  # clear of the mark of a detail
+            if outlet and is_open:
+                away = 1.5 * gap  # beyond the dimension of the outlet
             aside = max(0.4 * journal.length_mm / 2, _LABEL_MM / scale)
             at = across + side * aside, up + way * away
             leader(axes, (across, up), at, str(journal.fillet))
