@@ -130,9 +130,14 @@ class LoadAnalysis:
 
 
 def at_speed(scene: Scene, speed_rpm: float) -> Scene:
-    """Return the scene with its engine at another speed; gas pressures stay as they are."""
-    engine = engine_of(scene).model_copy(update={"speed_rpm": speed_rpm})
-    return scene.model_copy(update={"engine": engine})
+    """Return the scene with its engine at another speed, for which it has no rated power.
+
+    Gas pressures stay as they are.
+    """
+    engine = engine_of(scene)
+    rated_kW = engine.rated_power_kW if speed_rpm == engine.speed_rpm else None
+    changed = engine.model_copy(update={"speed_rpm": speed_rpm, "rated_power_kW": rated_kW})
+    return scene.model_copy(update={"engine": changed})
 
 
 def at_worst_speed(scene: Scene, enabled: frozenset[str]) -> Scene:
