@@ -25,7 +25,8 @@ from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.tasks.fatigue.mesh_quality import JudgedQuality, Quality
 from cranktopo.tasks.fatigue.result import CriticalPoint
 from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.shaft.result import ShaftEvaluation
+from cranktopo.tasks.film.result import ConservingFilm, EdgeFilm
+from cranktopo.tasks.shaft.result import ShaftBearing, ShaftEvaluation
 from cranktopo.tasks.shaft.stage import shaft_tables
 from cranktopo.tasks.shaft.web_sections import WebSections
 from cranktopo.tasks.shaft_safety.page import shaft_page
@@ -46,7 +47,7 @@ from cranktopo.tasks.shaft_safety.result import (
     assessment,
 )
 from cranktopo.tasks.shaft_safety.stage import assess_shaft
-from cranktopo.tasks.shaft_safety.text import safety_text, shaft_text
+from cranktopo.tasks.shaft_safety.text import bearing_table, safety_text, shaft_text
 from cranktopo.tasks.vibration.stage import shaft_vibration
 from tests.hostile.scenes import dumped
 from tests.page_text import typed_page
@@ -542,3 +543,23 @@ def test_the_stiffnesses_of_other_commands_stand_beside_each_other(
     closed = throw_stiffness_Nm_per_rad(load_scene("mikron-iiic")) / 1000
     assert rows["one throw, free bearings"] == f"{free:.2f} kN m/rad"
     assert rows["one throw, load cases, closed form"] == f"{closed:.2f} kN m/rad"
+
+
+def test_a_thin_film_at_an_edge_is_told_beside_a_kept_one() -> None:
+    """A tilted journal left 0.87 um at an edge, and the page had a card of 3.51 um in green."""
+    edge = EdgeFilm(film_um=0.87, film_deg=10.0, pressure_MPa=536.0, tilt_um=5.0)
+    own = {"film_um": 3.51, "film_deg": 9.0, "pressure_MPa": 60.0, "pressure_deg": 8.0}
+    film = ConservingFilm(**own, least_filled=0.5, oil_cm3_per_s=1.0, oil_left_out=0.0, edge=edge)
+    rest = {"largest_N": 1e4, "at_deg": 10.0, "halves_N": 1e4, "tilt_mrad": 0.1, "offset_um": 20.0}
+    bearing = ShaftBearing(
+        bearing=5, **rest, film_um=4.0, film_below_um=0.1, pressure_MPa=50.0, conserving=film
+    )
+    found = assess_shaft(parse_scene(MIKRON), element_size_mm=24.0)
+    (at,) = found.on_bearings
+    at = at.model_copy(update={"main_bearings": (bearing,)})
+    permits = {"permitted_film_um": 3.0, "permitted_pressure_MPa": None, "films_hold": True}
+    tilted = found.model_copy(update={"on_bearings": (at,), **permits})
+    (line,) = tilted.beyond_permitted
+    assert line.startswith("at the edge, by the tilt of the journal in a rigid bearing, 0.87 um: main 5 at")
+    assert bearing_table(at).rows[0]["film_um"] == 3.51
+    assert tilted.model_copy(update={"permitted_film_um": 0.8}).beyond_permitted == []

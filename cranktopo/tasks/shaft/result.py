@@ -197,6 +197,26 @@ class ShaftEvaluation(Result):
         return [
             *beyond_permitted(self.permitted_film_um, None, thinnest),
             *beyond_permitted(None, self.permitted_pressure_MPa, hardest),
+            *self._thin_edges,
+        ]
+
+    @property
+    def _thin_edges(self) -> list[str]:
+        """The thinnest film at an edge in a line, where it is below the permitted one; of no verdict."""
+        edges = [
+            (own.conserving.edge.film_um, f"main {own.bearing}", at.speed_rpm)
+            for at in self.on_bearings
+            for own in at.main_bearings
+            if own.conserving is not None and own.conserving.edge is not None
+        ]
+        least = self.permitted_film_um
+        if least is None or not edges or min(edges)[0] >= least:
+            return []
+        film_um, bearing, rpm = min(edges)
+        thin = f"{film_um:.2f} um" if film_um else "no film"
+        return [
+            f"at the edge, by the tilt of the journal in a rigid bearing, {thin}: {bearing} at {rpm:g} rpm; "
+            f"{least:g} um is asked of parallel journals"
         ]
 
     @property

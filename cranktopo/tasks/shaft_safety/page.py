@@ -153,7 +153,7 @@ def _films_fact(shaft: ShaftAssessment) -> list[Fact]:
     places = [f"{thin.bearing} at {thin.speed_rpm:,.0f} rpm", *shaft.beyond_permitted]
     status: FactStatus = "neutral"
     if shaft.films_hold is not None:
-        status = "good" if shaft.films_hold else "bad"
+        status = "bad" if not shaft.films_hold else "neutral" if shaft.beyond_permitted else "good"
     return [
         Fact("Least oil film", f"{film_words(thin.film_um, thin.below_um)} um", "; ".join(places), status)
     ]

@@ -181,7 +181,7 @@ def _swings(at: ContinuousShaft) -> bool:
 
 
 def bearing_table(at: ContinuousShaft) -> ResultTable:
-    """Return what each main bearing carries, and how its journal lies in it."""
+    """Return what each main bearing carries, and how its journal lies in it; films as they are judged."""
     rows: tuple[Row, ...] = tuple(
         {
             "bearing": str(bearing.bearing),
@@ -190,10 +190,10 @@ def bearing_table(at: ContinuousShaft) -> ResultTable:
             "throws_alone_kN": bearing.halves_N / N_PER_KN,
             "tilt_mrad": bearing.tilt_mrad,
             "offset_um": bearing.offset_um,
-            **({} if bearing.film_um is None else {"film_um": bearing.film_um}),
-            **({} if bearing.pressure_MPa is None else {"pressure_MPa": bearing.pressure_MPa}),
+            **({} if film is None else {"film_um": film.film_um, "pressure_MPa": film.pressure_MPa}),
         }
         for bearing in at.main_bearings
+        for film in (bearing.least(at.speed_rpm),)
     )
     return ResultTable({key: _BEARING_DIGITS[key] for key in rows[0]}, rows)
 
