@@ -31,6 +31,8 @@ _ALONE = threading.RLock()
 """gmsh keeps one state for the whole process."""
 _KEPT: dict[Hashable, Any] = {}
 """The body whose session is open, if any, and what built it."""
+_KEEPERS: list[object] = []
+"""Blocks that keep it; others of the process may use gmsh outside of them."""
 _Built = TypeVar("_Built")
 
 
@@ -51,10 +53,24 @@ def cad_session(what: str) -> Iterator[Any]:
 
 
 @contextmanager
+def keeping_bodies() -> Iterator[None]:
+    """Keep the last body of the block's body sessions, of any thread: its next mesh builds it no more."""
+    with _ALONE:
+        _KEEPERS.append(None)
+    try:
+        yield
+    finally:
+        with _ALONE:
+            _KEEPERS.pop()
+            if not _KEEPERS:
+                _end_kept()
+
+
+@contextmanager
 def body_session(what: str, body: Hashable, build: Callable[[Any], _Built]) -> Iterator[tuple[Any, _Built]]:
     """Yield gmsh with a body, not meshed, and what built it; as `cad_session`, but for the body.
 
-    The last body stays open and is not built again for its next mesh, which is that of a new one.
+    Kept by `keeping_bodies`, its next mesh is that of a new one.
 
     Args:
         body: what it is built from.
@@ -69,7 +85,8 @@ def body_session(what: str, body: Hashable, build: Callable[[Any], _Built]) -> I
                 gmsh.model.mesh.clear()
                 for field in gmsh.model.mesh.field.list():
                     gmsh.model.mesh.field.remove(field)
-            _KEPT[body], ended = built, True
+            if _KEEPERS:
+                _KEPT[body], ended = built, True
         finally:
             if not ended:
                 gmsh.finalize()
@@ -77,10 +94,10 @@ def body_session(what: str, body: Hashable, build: Callable[[Any], _Built]) -> I
 
 def _end_kept(but: Hashable = None) -> list[Any]:
     """Close the session of the body that is open unless it is this one; return what built this one."""
-    found = [built for body, built in _KEPT.items() if body == but]
-    if _KEPT and not found:
-        _gmsh().finalize()
+    was_open, found = bool(_KEPT), [built for body, built in _KEPT.items() if body == but]
     _KEPT.clear()
+    if was_open and not found:
+        _gmsh().finalize()
     return found
 
 

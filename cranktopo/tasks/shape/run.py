@@ -39,6 +39,7 @@ from cranktopo.engine.balance.kept import balance_kept
 from cranktopo.engine.histories import Loads, WebLoads, loads_name
 from cranktopo.engine.judged_histories import histories_of
 from cranktopo.engine.plan.planning import plan, plan_for_stress
+from cranktopo.numerics.gmsh_session import keeping_bodies
 from cranktopo.numerics.precision import check_device, double_precision
 from cranktopo.numerics.surfaces.files import read_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
@@ -230,7 +231,7 @@ def shape_goal(scene: Scene) -> Goal:
 
 def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead) -> ShapedRun:
     began, goal = time.perf_counter(), shape_goal(scene)
-    with working_in(run, "finished searches are kept") as check, double_precision():
+    with working_in(run, "finished searches are kept") as check, double_precision(), keeping_bodies():
         work = resumable_memory(run.path / WORK, check)
         if shaft := search_in_shaft(scene, goal, settings, work):
             settings = replace(settings, loads=shaft.loads)

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import gmsh
 import numpy as np
 import pytest
 
@@ -9,7 +13,8 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.mesh import solid_mesh
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.gmsh_session import body_session, cad_session
+from cranktopo.numerics import gmsh_session
+from cranktopo.numerics.gmsh_session import body_session, cad_session, keeping_bodies
 
 
 @pytest.fixture
@@ -21,6 +26,14 @@ def built(monkeypatch: pytest.MonkeyPatch) -> list[Scene]:
         solid_mesh, "add_half_throw", lambda occ, scene, **how: scenes.append(scene) or add(occ, scene, **how)
     )
     return scenes
+
+
+@pytest.fixture(autouse=True)
+def kept() -> Iterator[None]:
+    """Bodies are kept in every test here, and none after it."""
+    with keeping_bodies():
+        yield
+    assert not gmsh.isInitialized()
 
 
 def _close() -> None:
@@ -69,3 +82,16 @@ def test_a_kept_body_is_not_in_the_next_session(mikron: Scene) -> None:
     mesh_throw(mikron, 9.0)
     with cad_session("empty") as gmsh:
         assert gmsh.model.getEntities(3) == []
+
+
+def test_nothing_is_left_open_where_nobody_keeps_it(mikron: Scene) -> None:
+    with _without_keepers():
+        mesh_throw(mikron, 9.0)
+        assert not gmsh.isInitialized()
+
+
+@contextmanager
+def _without_keepers() -> Iterator[None]:
+    keepers, gmsh_session._KEEPERS[:] = list(gmsh_session._KEEPERS), []
+    yield
+    gmsh_session._KEEPERS[:] = keepers
