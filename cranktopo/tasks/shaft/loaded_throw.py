@@ -13,7 +13,7 @@ from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, mean_displacement, swing_force
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, mean_on_axis, swing_force
 from cranktopo.tasks.fea.condense import RX, UY, Lateral, Superelement, condense, loaded_mm
 from cranktopo.tasks.fea.turning_load import turning_load
 from cranktopo.tasks.shaft.assembly import SPLITS, symmetries, throw_matrix
@@ -164,12 +164,16 @@ def loaded_throw(blocks: Sequence[LoadedBlock], scene: Scene) -> LoadedThrow:
 def _unit_loads(model: Elasticity, scene: Scene, span: Span, lateral: Lateral) -> dict[str, Array]:
     """Nodal forces on the model of the unit loads that have its symmetry."""
     directions = {"even": ("radial",), "odd": ("tangential",), "none": _PIN}[lateral]
-    low, high = loaded_mm(scene, whole=True)
+    (low, high), radius = loaded_mm(scene, whole=True), scene.throw.radius_mm
     found: dict[str, Array] = {}
+
+    def on_pin(axis: int, *z_mm: float) -> Array:
+        return mean_on_axis(model, axis, radius, (z_mm[0], z_mm[1]), half=lateral != "none")
+
     for name in directions:
         axis, sign = (1, -1.0) if name == "radial" else (0, 1.0)
-        near = sign * mean_displacement(model, axis, low, (low + high) / 2)
-        far = sign * mean_displacement(model, axis, (low + high) / 2, high) if span == "whole" else near
+        near = sign * on_pin(axis, low, (low + high) / 2)
+        far = sign * on_pin(axis, (low + high) / 2, high) if span == "whole" else near
         if span != "antisymmetric":
             found[name] = (near + far) / 2
         if span != "symmetric":

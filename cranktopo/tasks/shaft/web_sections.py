@@ -29,8 +29,9 @@ class WebSections:
     Attributes:
         bending_Nm: moment in the plane of the throw.
         side_bending_Nm: moment across it.
-        torque_Nm: about the crank axis; of a shaft whose disks vibrate with half of what the mass of its side
-            of the throw adds: the other half lies beyond.
+        torque_Nm: that the shaft ahead passes on toward the takeoff, positive as in `cranktopo loads`; of a
+            shaft whose disks vibrate with half of what the mass of its side of the throw adds: the other
+            half lies beyond.
         shear_N: along the throw, away from the crank axis.
         side_shear_N: across it.
         axial_N: along the crank axis.
@@ -73,12 +74,12 @@ def web_sections(cycle: ShaftCycle, scenes: Sequence[Scene], swing: ShaftSwing |
             found.append(side * (forces[:, motion] + about))
         return np.stack(found, axis=1)
 
-    journal = both(RZ) / NMM_PER_NM
+    journal = -both(RZ) / NMM_PER_NM
     return WebSections(
         cycle.angle_deg,
         both(RX, UY, 1.0) / NMM_PER_NM,
         both(RY, UX, -1.0) / NMM_PER_NM,
-        journal if swing is None else journal + _to_the_middle_Nm(swing, scenes),
+        journal if swing is None else journal - _to_the_middle_Nm(swing, scenes),
         both(UY),
         both(UX),
         both(UZ),

@@ -57,7 +57,7 @@ class Judged:
     @property
     def torque_Nm(self) -> Array:
         """Torque in the journal at the flywheel, in the sense of rotation."""
-        return -self.sections.journal_torque_Nm[0, 1]
+        return self.sections.journal_torque_Nm[0, 1]
 
     @property
     def beside(self) -> Array:
