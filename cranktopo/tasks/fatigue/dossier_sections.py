@@ -213,7 +213,7 @@ def vibration_sections(study: VibrationStudy | None, judged_Nm: float) -> tuple[
         )
         return (Section("vibration", title, text),)
     page = vibration_page(study, "")
-    warned = " ".join(study.warnings)
+    warned = " ".join(f"{line.rstrip('.')}." for line in study.warnings)
     head = Section(
         "vibration",
         title,

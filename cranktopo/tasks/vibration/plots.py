@@ -110,7 +110,8 @@ def _draw_torque(axes: Any, study: VibrationStudy) -> None:
         axes.plot(response.speeds_rpm, single[:, index], lw=0.9, label=f"order {response.orders[index]:g}")
     if study.misfires:
         worst = [(one.crankshaft.speed_rpm, one.crankshaft.torque_amplitude_Nm) for one in study.misfires]
-        axes.plot(*zip(*worst, strict=True), "x", color="k", ms=5, label="single misfires, largest")
+        crosses = {"color": "k", "ms": 5, "clip_on": False, "label": "single misfires, largest"}
+        axes.plot(*zip(*worst, strict=True), "x", **crosses)
     _draw_limit(axes, study)
     axes.set(xlabel="speed (rpm)", ylabel="torque amplitude (N m)", ylim=(0, None))
     axes.set_title(f"Largest of all sections of the crankshaft, {_fire(study)}", fontsize=8)
