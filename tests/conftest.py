@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from cranktopo.app import launch
+from cranktopo.app import process
 from cranktopo.app.main import main
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
@@ -73,7 +73,7 @@ def compilations(shared: Path) -> Iterator[None]:
 @pytest.fixture(scope="session", autouse=True)
 def collecting() -> None:
     """Unused objects are looked for as rarely as in the program, and not among those that stay."""
-    gc.set_threshold(*launch._COLLECTING)
+    gc.set_threshold(*process._COLLECTING)
     gc.collect()
     gc.freeze()
 

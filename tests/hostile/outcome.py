@@ -39,6 +39,7 @@ class Outcome:
 
     code: int
     seconds: float
+    stdout: str
     stderr: str
     faults: tuple[str, ...]
 
@@ -66,7 +67,7 @@ def run_case(case: Case, folder: Path) -> Outcome:
         faults.append(f"writes {sorted(set(_tree(folder)) - set(before))}")
     if code != ExitCode.DONE and not err.getvalue().strip():
         faults.append("says nothing")
-    return Outcome(code, time.perf_counter() - began, err.getvalue(), tuple(faults))
+    return Outcome(code, time.perf_counter() - began, out.getvalue(), err.getvalue(), tuple(faults))
 
 
 def stubbed() -> contextlib.ExitStack:

@@ -52,7 +52,11 @@ def write_stl(path: Path | str, mesh: SurfaceMesh) -> None:
 
 
 def read_stl(path: Path, name: str = "") -> SurfaceMesh:
-    """Return the surface in an STL file, mm, vertices joined, triangles with a vertex twice left out."""
+    """Return the surface in an STL file, mm, vertices joined, triangles with a vertex twice left out.
+
+    Raises:
+        CranktopoError: it cannot be read, holds no triangles, or coordinates that are no numbers.
+    """
     name = name or f"'{path}'"
     check_input(path, name, GEOMETRY_LIMIT_MIB, "Give a closed STL in mm.")
     try:
@@ -68,13 +72,14 @@ def read_stl(path: Path, name: str = "") -> SurfaceMesh:
             hint="Export it again as STL, mm.",
         )
     surface = without_flat(surface, name)
-    closed = not len(surface.faces) or surface.as_trimesh().is_watertight
-    return surface if closed else _welded(surface, name)
+    if not len(surface.faces):
+        raise CranktopoError(f"{name}: holds no triangles.", hint="Export it again as STL, mm.")
+    return surface if surface.as_trimesh().is_watertight else _welded(surface, name)
 
 
 def _welded(surface: SurfaceMesh, name: str) -> SurfaceMesh:
     """Return a surface with vertices joined that rounding alone keeps apart, where that closes it."""
-    apart = _WELD * float(np.ptp(surface.vertices_mm, axis=0).max(initial=0.0))
+    apart = _WELD * float(np.ptp(surface.vertices_mm, axis=0).max())
     joined = welded(surface, apart)
     fewer = len(surface.vertices_mm) - len(joined.vertices_mm)
     if not fewer or not joined.as_trimesh().is_watertight:

@@ -257,8 +257,6 @@ def half_throw_of(surface: SurfaceMesh, path: Path, scene: Scene) -> SurfaceMesh
 
 def _half_throw(surface: SurfaceMesh, path: Path, scene: Scene, align: bool) -> tuple[SurfaceMesh, str]:
     """Return the surface of a file where the scene's journals are, and what was done or is to be known."""
-    if len(surface.faces) == 0:
-        raise CranktopoError(f"{path}: holds no triangles.", hint="Export the surface again as STL, mm.")
     if not surface.as_trimesh().is_watertight:
         raise CranktopoError(f"{path}: the surface is not watertight.", hint="Repair it, then try again.")
     faces = surface.faces if surface.volume_mm3 > 0 else surface.faces[:, ::-1]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import redirected
 from cranktopo.numerics.surfaces.files import read_stl
 
@@ -45,6 +46,18 @@ def test_vertices_that_rounding_keeps_apart_are_joined(tmp_path: Path) -> None:
         surface = read_stl(path, "body")
     assert surface.as_trimesh().is_watertight
     assert "body: 3 vertices within 1e-05 mm of others are joined" in lines[0]
+
+
+def test_a_file_of_which_nothing_is_left_is_refused(tmp_path: Path) -> None:
+    """A stored body cut off at any place, or emptied: the page of a resumed loop ended in exit 1."""
+    a = [1.0, 2.0, 3.0]
+    flat = stored(tmp_path / "flat.stl", np.array([[a, a, a]]))
+    (tmp_path / "empty.stl").write_bytes(b"")
+    whole = stored(tmp_path / "whole.stl", sphere()).read_bytes()
+    (tmp_path / "cut.stl").write_bytes(whole[: len(whole) // 3])
+    for path in (flat, tmp_path / "empty.stl", tmp_path / "cut.stl"):
+        with pytest.raises(CranktopoError, match=r"body: (holds no triangles|cannot be read as STL)"):
+            read_stl(path, "body")
 
 
 def test_a_true_gap_stays_open(tmp_path: Path) -> None:

@@ -155,7 +155,7 @@ def test_what_a_destructor_drops_is_raised_again(name: str) -> None:
 
 AT_THE_EDGE = """
 import signal
-from cranktopo.app import launch, main
+from cranktopo.app import launch, main, process
 
 steps, put = [], signal.signal
 
@@ -173,7 +173,8 @@ launch.main()
 
 
 @pytest.mark.parametrize(
-    ("steps", "handler", "asked"), [(0, "launch.interrupt", "SIGINT"), (1, "launch._end_at_once", "SIGTERM")]
+    ("steps", "handler", "asked"),
+    [(0, "process.interrupt", "SIGINT"), (1, "process._end_at_once", "SIGTERM")],
 )
 def test_a_signal_just_before_or_after_the_command_is_no_traceback(
     steps: int, handler: str, asked: str
@@ -187,17 +188,42 @@ def test_a_signal_just_before_or_after_the_command_is_no_traceback(
 @pytest.mark.parametrize("asked", ["SIGINT", "SIGTERM"])
 def test_a_signal_while_python_ends_is_no_death_by_it(asked: str) -> None:
     """Seen once in 200 kills: exit -2 of a command that was done."""
-    code = "import signal\nfrom cranktopo.app import launch, main\nmain.main = lambda: None\n"
-    code += f"launch._end = lambda _: signal.raise_signal(signal.{asked})\nlaunch.main()"
+    code = "import signal\nfrom cranktopo.app import launch, main, process\nmain.main = lambda: None\n"
+    code += f"process._end = lambda _: signal.raise_signal(signal.{asked})\nlaunch.main()"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=600)
     assert (result.returncode, result.stdout, result.stderr) == (130, "", "")
+
+
+DURING_AN_IMPORT = """
+import importlib.abc, os, signal, sys
+
+class Asked(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path, target=None):
+        if name.startswith("cranktopo.") and name != "cranktopo.app.launch" and name != "cranktopo.app":
+            os.kill(os.getpid(), signal.{asked})
+
+before = set(sys.modules)
+import cranktopo.app.launch
+print(*sorted(set(sys.modules) - before), flush=True)
+sys.meta_path.insert(0, Asked())
+cranktopo.app.launch.main()
+"""
+
+
+@pytest.mark.parametrize("asked", ["SIGINT", "SIGTERM"])
+def test_a_signal_while_the_program_loads_is_no_traceback(asked: str) -> None:
+    """Ctrl-C in the first hundredths of a second showed where an import stood: the entry loads nothing."""
+    code = DURING_AN_IMPORT.format(asked=asked)
+    result = subprocess.run([sys.executable, "-S", "-c", code], capture_output=True, text=True, timeout=600)
+    assert (result.returncode, result.stderr) == (-getattr(signal, asked), "")
+    assert result.stdout.split() == ["__future__", "cranktopo", "cranktopo.app", "cranktopo.app.launch"]
 
 
 HELD = """
 import signal, sys, time
 from contextlib import suppress
 from pathlib import Path
-from cranktopo.app import launch, main
+from cranktopo.app import launch, main, process
 from cranktopo.base.files import replacing
 from cranktopo.runs.directories import create_run
 from cranktopo.runs.kind import working_in
@@ -212,7 +238,7 @@ def work():
                 print("at work", flush=True)
                 time.sleep(3600)
 
-launch._SAVING_S, launch._TELLING_S = 0.3, 300.0
+process._SAVING_S, process._TELLING_S = 0.3, 300.0
 signal.signal(signal.SIGWINCH, lambda *_: None)
 main._run = lambda _: work()
 launch.main()
@@ -238,7 +264,7 @@ def test_a_main_thread_that_is_held_is_cut_off(number: signal.Signals, tmp_path:
 _BEGINNING = """
 import os, signal, time
 from importlib.machinery import ExtensionFileLoader
-from cranktopo.app.launch import interrupt
+from cranktopo.app.process import interrupt
 
 def begin(self):
     os.kill(os.getpid(), signal.SIGINT)
