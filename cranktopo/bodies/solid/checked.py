@@ -89,8 +89,8 @@ def check_body(
     solids, by = _solids(body), f", from {found.feature} on" if found else ""
     if len(solids) != 1:
         raise CranktopoError(
-            f"{name}: falls apart into {len(solids)} bodies{by}.",
-            hint="A pocket cuts the web through, or the outline does not join the journals.",
+            f"{name}: falls apart into {len(solids)} bodies{by}; {_smallest(occ, solids)}.",
+            hint="A pocket or a drilling cuts it through there, or the outline does not join the journals.",
         )
     raise solver_error(
         f"{name}: the CAD kernel built {occ.getMass(*solids[0]):.2f} mm3, the closed form is "
@@ -99,6 +99,15 @@ def check_body(
         if found
         else "Features touch or overlap in a way it cannot resolve: move them apart by 0.1 mm.",
     )
+
+
+def _smallest(occ: Any, solids: DimTags) -> str:
+    """Return size and place of the smallest of bodies, or that there is none."""
+    if not solids:
+        return "no solid is left"
+    least = min(solids, key=lambda pair: float(occ.getMass(*pair)))
+    place = ", ".join(f"{value:.1f}" for value in occ.getCenterOfMass(*least))
+    return f"the smallest has {occ.getMass(*least):.3g} mm3 at ({place}) mm"
 
 
 def check_no_hollow(occ: Any, body: DimTags, name: str) -> None:

@@ -97,3 +97,16 @@ def test_roundings_of_outlets_by_the_kernel(radius_mm: float, made: bool) -> Non
     with cad_session("half") as gmsh:
         smaller = mikron({**STRAIGHT, "outlet_radius_mm": advised})
         assert len(add_half_throw(gmsh.model.occ, smaller)) == 1
+
+
+def test_bodies_that_fall_apart_are_told_with_the_smallest() -> None:
+    """It named a pocket, of a crank without one."""
+    with cad_session("two boxes") as gmsh:
+        occ = gmsh.model.occ
+        boxes = [(3, occ.addBox(0, 0, 0, 10, 10, 10)), (3, occ.addBox(20, 0, 0, 2, 2, 2))]
+        with pytest.raises(CranktopoError) as refused:
+            check_body(occ, boxes, ClosedForm(1000.0, 0.0), "crankshaft")
+    assert refused.value.message == (
+        "crankshaft: falls apart into 2 bodies; the smallest has 8 mm3 at (21.0, 1.0, 1.0) mm."
+    )
+    assert "or a drilling" in refused.value.hint
