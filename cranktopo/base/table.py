@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, ConfigDict, Field, JsonValue, model_validator
 from pydantic_core import PydanticCustomError
 
 from cranktopo.base.described import Described
-from cranktopo.base.errors import suggest
+from cranktopo.base.errors import CranktopoError, suggest
 
 SMALLEST_MM, LARGEST_MM = 0.05, 20_000.0
 Length = Annotated[float, Field(ge=SMALLEST_MM, le=LARGEST_MM, allow_inf_nan=False)]
@@ -108,6 +108,17 @@ class SceneTable(Described):
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, serialize_by_alias=True)
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Return a copy with other values, of which the names alone are checked; `with_values` checks all.
+
+        Raises:
+            CranktopoError: a name that the table does not have, which pydantic takes without a word.
+        """
+        known = type(self).model_fields
+        for name in (update or {}).keys() - known.keys():
+            raise CranktopoError(f"{type(self).__name__} has no '{name}'.", hint=suggest(name, list(known)))
+        return super().model_copy(update=update, deep=deep)
 
     @model_validator(mode="before")
     @classmethod

@@ -76,6 +76,19 @@ def labelled(rows: Sequence[tuple[str, str]]) -> str:
     return text_table("ll", ("", ""), rows)
 
 
+def in_width(text: str) -> str:
+    """Return a text in lines of at most `WIDTH` letters: sentences go on below, rows of tables stay."""
+    return "\n".join(map(_sentence, text.splitlines()))
+
+
+def _sentence(line: str) -> str:
+    if "  " in line.strip():
+        return line
+    indent = " " * (len(line) - len(line.lstrip()))
+    below = f"{indent}  " if indent else ""
+    return textwrap.fill(line, WIDTH, subsequent_indent=below, break_long_words=False, break_on_hyphens=False)
+
+
 def _folded(columns: Sequence[_Printed], ruled: bool) -> str:
     """Return the columns in as few blocks as fit, one below the other."""
     return "\n\n".join(_block(block, ruled) for block in _like_blocks(columns))

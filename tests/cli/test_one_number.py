@@ -15,7 +15,7 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.base.errors import ExitCode
-from cranktopo.design.loading import load_scene
+from cranktopo.design.loading import designs_folder, load_scene
 from tests.engine_arrangements import MIKRON
 
 _PLAIN = MIKRON[: MIKRON.index("[envelope]")]
@@ -56,6 +56,7 @@ def _loads(data):
         "inertia of the throw": throw["inertia_kg_mm2"],
         "unbalance of the throw": throw["throw_unbalance_kg_mm"],
         "largest load of the first main bearing": data["extremes"]["main_journal_force_N"]["max"]["value"],
+        "push at the small end": data["extremes"]["small_end_force_N"]["max"]["value"],
         "mean torque of the engine": torque["mean"],
     }.items()
     yield from _effects(data)
@@ -168,7 +169,35 @@ def _page(text):
     yield "torque of the load case", float(row.split("|")[4].replace(",", ""))
 
 
+def _fast(data):
+    """Of the highest speed, where the pull of the masses is largest."""
+    yield "pull at the small end", -data["extremes"]["small_end_force_N"]["min"]["value"]
+
+
+def _rod(data):
+    yield "push at the small end", data["push_N"]
+    yield "pull at the small end", data["pull_N"]
+    yield "pull in the cap", next(one for one in data["sections"] if one["section"] == "cap")["pull_N"]
+    yield from _joint(data["bolt"])
+
+
+def _bolts(data):
+    joint = next(joint for joint in data["joints"] if joint["name"] == "rod")
+    yield "pull in the cap", 2 * joint["max_force_N"]
+    yield from _joint(joint)
+
+
+def _joint(joint):
+    for key in ("max_force_N", "smallest_safety", "governing"):
+        yield f"{key} of the rod's bolt", joint[key]
+    for method in ("vdi_2230", "shigley"):
+        yield from ((f"{key} of the rod's bolt by {method}", value) for key, value in joint[method].items())
+
+
 _READERS = {
+    "loads of its highest speed": _fast,
+    "rod": _rod,
+    "bolts": _bolts,
     "loads": _loads,
     "balance": _balance,
     "plan": _effects,
@@ -227,6 +256,14 @@ def test_what_closed_forms_tell(capsys, tmp_path, scene):
     path = tmp_path / "engine.toml"
     path.write_text(SCENES[scene] + _OIL)
     check(told(capsys, path, CLOSED_FORM), least=34)
+
+
+def test_what_an_own_rod_tells(capsys, tmp_path):
+    """It pushes most at the rated speed, by the gas, and pulls most at the highest."""
+    path = tmp_path / "engine.toml"
+    path.write_text((designs_folder() / "mikron-iiic-rod.toml").read_text(encoding="utf-8") + _OIL)
+    fast = {"loads of its highest speed": ["loads", "--speed", "2800"]}
+    check(told(capsys, path, CLOSED_FORM | fast | {"rod": ["rod"], "bolts": ["bolts"]}), least=70)
 
 
 @pytest.mark.slow

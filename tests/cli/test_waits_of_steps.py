@@ -3,19 +3,29 @@
 from __future__ import annotations
 
 import logging
+import re
 from itertools import count
 from typing import Any
 
 import pytest
 
+from cranktopo.base.progress import StageMemory
 from cranktopo.design.loading import load_scene
 from cranktopo.engine.analysis import at_speed
 from cranktopo.tasks.fatigue import stage as fatigue_stage
 from cranktopo.tasks.fea.stage import evaluate_targets
 from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.fit import fit_problem
+from cranktopo.tasks.refit.search import Fit, minimise_misfit, outline_guess
 from cranktopo.tasks.shaft import continuous
 from cranktopo.tasks.shaft.condensed_throw import once_each
+from cranktopo.tasks.shape.refining import refined
+from cranktopo.tasks.shape.search_goal import SearchGoal
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from tests.cli.test_comparison_report import invented
+from tests.physics.shape.test_shape_refining import EXTENT, LAYOUT, START, bowls
+from tests.unit.refit.remodel_cases import body_of
 
 NAMES = ("mikron-iiic-plain", "mikron-iiic-hollow", "mikron-iiic")
 
@@ -69,3 +79,19 @@ def test_a_shaft_tells_its_speeds(slow: pytest.LogCaptureFixture, monkeypatch: p
     continuous.continuous_shafts([], [at_speed(scene, rpm) for rpm in (900.0, 1500.0, 2100.0)], None)
     told = lines(slow, "shaft on its bearings")
     assert told[2].startswith("shaft on its bearings: [########----] 3 of 3, 2100 rpm, about ")
+
+
+def test_shape_tells_its_steps(slow: pytest.LogCaptureFixture) -> None:
+    rough, exact = bowls()
+    refined(rough, exact, LAYOUT, START, SearchGoal("mass", 1.0, 100.0, ()), StageMemory(), EXTENT)
+    told = lines(slow, "steps judged by elements")
+    assert re.fullmatch(r".*: \[#-{11}\] 2 of at most 8, at most \d+ (s|min) left", told[1])
+
+
+def test_remodel_tells_the_webs_of_its_fits(slow: pytest.LogCaptureFixture) -> None:
+    scene = load_scene("mikron-iiic-plain")
+    problem = fit_problem(body_of(scene, 3.0), scene, ManufacturingLimits(), 5.0)
+    fit = Fit(problem, Layout(7, ()))
+    minimise_misfit(fit, outline_guess(problem, 7), (2.5,), "outline")
+    told = lines(slow, f"outline, webs of {len(fit.web.layout.names)} dimensions")
+    assert re.fullmatch(r".*: \[-{12}\] 2 of at most \d+, at most \d+ (s|min) left", told[1])

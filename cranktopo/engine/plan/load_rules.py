@@ -56,6 +56,7 @@ def _by_size(context: PlanningContext, kind: str, load: str) -> Estimate:
     weightless = getattr(context.scene.optimise.weights, kind) == 0
     absent = f"optimise.weights.{kind} is 0" if weightless else ""
     changes += f" ({percent:.3g} % of the largest energy)"
+    changes += "; stress and fatigue count it by its size" if weightless else ""
     return Estimate(percent, because, changes, cost, absent=absent)
 
 

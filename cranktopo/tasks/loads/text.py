@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from textwrap import fill
 
 from cranktopo.base.units import enough_decimals
 from cranktopo.engine.balance.crank import CrankMass
 from cranktopo.engine.balance.throw import is_as_needed
 from cranktopo.engine.load_case import LoadCase
-from cranktopo.report.result_table import WIDTH, text_table
+from cranktopo.report.result_table import in_width, text_table
 from cranktopo.tasks.loads.result import Loads, LoadState, PistonExtremes, Range, ThrowMassProperties
 
 _LABELS = {"inertia_force": "inertia force of piston"}
@@ -33,7 +32,7 @@ def loads_text(loads: Loads) -> str:
     parts += [_balance(loads.balance), crank_words(loads.crank)]
     parts += [clearance and f"room of web and counterweight: {clearance}"]
     parts += [_cases(loads.load_cases), _redundant(loads.extreme_states)]
-    return "\n\n".join(part for part in parts if part)
+    return in_width("\n\n".join(part for part in parts if part))
 
 
 def sweep_text(sweep: Sequence[Loads]) -> str:
@@ -57,7 +56,7 @@ def sweep_text(sweep: Sequence[Loads]) -> str:
         values.append([*forces, torque.mean, torque.max, torque.min])
     columns = [[f"{loads.speed_rpm:g}" for loads in sweep], *map(_numbers, zip(*values, strict=True))]
     table = text_table("r" * len(header), header, list(zip(*columns, strict=True)))
-    return f"{sweep[0].pressure}\n\n{table}".lstrip()
+    return in_width(f"{sweep[0].pressure}\n\n{table}".lstrip())
 
 
 def _heading(loads: Loads) -> str:
@@ -86,7 +85,7 @@ def _rods_together(rods: int | None) -> str:
     number, every = ("Two", "both") if rods == 2 else (str(rods), "all")
     return (
         f"{number} rods on each pin: the torque is that of {every}; radial, tangential, web and main journal "
-        f"force\nare those of {every} on the web that carries most, by the lever rule; the rest is of one "
+        f"force are those of {every} on the web that carries most, by the lever rule; the rest is of one "
         "cylinder.\n"
         "Degrees count from firing of the first cylinder of the throw, by number."
     )
@@ -97,7 +96,7 @@ def _silent(loads: Loads) -> str:
         return ""
     return (
         f"{loads.silent}\nTorque and power of the engine are without them; forces of one throw, its work and "
-        "its\nload cases are those of a cylinder that fires."
+        "its load cases are those of a cylinder that fires."
     )
 
 
@@ -108,7 +107,7 @@ def _torque(loads: Loads) -> str:
     mean, high, low = _numbers((torque.mean, torque.max, torque.min))
     (work,) = _numbers((loads.indicated_work_per_cylinder_J,))
     (power,) = _numbers((loads.indicated_power_kW,))
-    rated = f"{fill(loads.rated_power, WIDTH)}\n" if loads.rated_power else ""
+    rated = f"{loads.rated_power}\n" if loads.rated_power else ""
     return (
         f"engine torque: mean {mean} N m, max {high} at "
         f"{torque.max_deg:g} deg, min {low} at {torque.min_deg:g} deg\n"
@@ -149,10 +148,10 @@ def _balance(balance: ThrowMassProperties) -> str:
     masses = f"2 x {first}" if one == other else f"{first} and {second}"
     weights = f"\nits counterweights: {masses} kg take {own} kg mm"
     factor = balance.balance_factor_percent
-    weights += "" if factor is None else f", balance factor {factor:z.1f} % of the oscillating mass"
+    weights += "" if factor is None else f",\nbalance factor {factor:z.1f} % of the oscillating mass"
     (inertia,), (mass,) = _alike((balance.inertia_kg_mm2,), 0), _alike((balance.throw_mass_kg,), 3)
     return (
-        f"balance of the throw: rotating unbalance {whole} kg mm (throw alone {alone}), counterweights "
+        f"balance of the throw: rotating unbalance {whole} kg mm (throw alone {alone}),\ncounterweights "
         f"{_needed_words(balance, needed)}, inertia {inertia} kg mm2, mass {mass} kg"
         f"{weights if one or other else ''}"
     )

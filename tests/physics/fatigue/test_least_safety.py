@@ -171,6 +171,7 @@ def test_fatigue_counts_every_load_above_the_threshold() -> None:
     scene = drilled()
     assert plan(scene)["centrifugal"].state == "off"
     assert "optimise.weights.centrifugal is 0" in left_off(scene, plan(scene))
+    assert plan(scene)["centrifugal"].changes.endswith("stress and fatigue count it by its size")
     stress = plan_for_stress(scene)
     assert stress["centrifugal"].state == "on"
     assert "centrifugal" not in left_off(scene, stress)

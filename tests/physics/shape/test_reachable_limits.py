@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -11,9 +12,11 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.shape import run
 from cranktopo.tasks.shape.reachable import check_reachable
 from cranktopo.tasks.shape.run import shape_goal
+from tests.cli.test_left_off_first import TWIN, stopped
 
 CELL_MM = 4.5
 
@@ -62,4 +65,25 @@ def test_the_command_leaves_nothing(
     words = ["--minimise", "mass", "--limit", "torsion >= 400 %", "--out", str(tmp_path / "run")]
     assert main(["shape", "mikron-iiic-plain", *words]) == ExitCode.CRITERION_NOT_MET
     assert "torsion >= 400 %: the whole envelope reaches 14" in capsys.readouterr().err
+    assert not (tmp_path / "run").exists()
+
+
+def test_an_over_balanced_throw_is_refused_by_no_limit_that_nobody_wrote(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Heavier counterweights than the engine asks for: the unbalance is below 0, and a run that ends leaves
+    nothing in the way of the next one."""
+    monkeypatch.setattr(run, "optimise_shape", stopped)
+    design = tmp_path / "over.toml"
+    text = (
+        TWIN.read_text(encoding="utf-8")
+        .partition("[shaft")[0]
+        .replace("outer_radius_mm = 75.08", "outer_radius_mm = 76.5")
+    )
+    design.write_text(f"{text}\n[envelope]\nshape = 'cylinder'\nradius_mm = 78.0\n", encoding="utf-8")
+    assert throw_balance(load_scene(str(design))).throw_unbalance_kg_mm < 0
+    main(["shape", str(design), "--minimise", "mass", "--out", str(tmp_path / "run")])
+    told = capsys.readouterr().err
+    assert told.splitlines()[-1] == "error: stopped before the first solve."
+    assert re.search(r"assumed: goal.limits.unbalance from -\d\S* kg mm to -\d", told)
     assert not (tmp_path / "run").exists()

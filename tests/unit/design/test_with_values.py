@@ -37,3 +37,11 @@ def test_a_saved_scene_is_the_same_design(name: str, tmp_path: Path) -> None:
     scene = load_scene(name, whole=True)
     save_scene(scene, str(tmp_path / "saved.toml"))
     assert load_scene(str(tmp_path / "saved.toml"), whole=True) == scene
+
+
+def test_a_copy_by_pydantic_refuses_a_name_that_is_none() -> None:
+    """`model_copy(update={"widht_mm": 68.0})` was the old web without a word."""
+    web = load_scene("mikron-iiic").web
+    with pytest.raises(CranktopoError, match=r"has no 'widht_mm'\. Did you mean 'width_mm'"):
+        web.model_copy(update={"widht_mm": 68.0})
+    assert web.model_copy(update={"width_mm": 68.0}).width_mm == 68.0

@@ -244,6 +244,7 @@ def test_a_finish_names_the_limits_that_its_web_misses(shaped: Shaped) -> None:
     (cells,) = [line for line in told.lines if line.startswith("web of the cells")]
     assert cells.endswith("limits missed: mass by 0.40 %, bending by 2.00 %")
     assert any(line.startswith("finish 1") and line.endswith("limits kept") for line in told.lines)
+    assert any(line.startswith("finish on body-fitted elements: [") for line in told.lines)
 
 
 def test_a_finish_keeps_the_balance_that_closed_forms_tell_of_its_web(

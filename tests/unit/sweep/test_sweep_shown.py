@@ -94,3 +94,11 @@ def test_files_keep_names_and_units() -> None:
     assert frame["torsion_Nm_per_rad"][0] == 134_390.0
     assert frame["bending_N_per_mm"][0] == 216_300.0
     assert one.as_json()["points"][0]["torsion_Nm_per_rad"] == 134_390.0
+
+
+def test_the_original_is_a_row_and_only_once() -> None:
+    own, other = (point_result(name, design="d", mass_kg=mass) for name, mass in (("o", 2.0), ("a", 1.9)))
+    for points, told in (((other,), [True, False]), ((other, own), [False, True])):
+        frame = frame_of(points, own)
+        assert frame["original"].tolist() == told
+        assert frame["mass_kg"][told.index(True)] == 2.0
