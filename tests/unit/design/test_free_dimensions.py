@@ -121,15 +121,11 @@ def test_the_rules_of_the_thickness_are_the_same_at_every_thickness() -> None:
 @pytest.mark.parametrize(
     ("bearings", "free", "message"),
     [
-<<<<<<< HEAD
-        ("width_mm = 34", "web_thickness_mm = [17, 24]", "web_thickness_mm = 24, .*at most 25 mm, the"),
-=======
         (
             "width_mm = 34",
             "web_thickness_mm = [17, 24]",
             "web_thickness_mm = 24, .*at most 25 mm, the journal",
         ),
->>>>>>> audit13
         (
             "width_mm = 34",
             "journal_fillet_mm = [2, 4.5]",
