@@ -261,7 +261,7 @@ TABLE: dict[str, dict[str, Case]] = {
     "sweep": {},
     "export": {
         "--throw": Refused(f"{MIKRON} throw.step --throw 2", "all throws of the crank are alike"),
-        "--part": Refused(f"{MIKRON} web.pdf --part crankshaft", "--part crankshaft: cranktopo drawing"),
+        "--part": Acts(f"{MIKRON} shaft.npz", "--part reduced"),
         "--facet-mm": Refused(f"{MIKRON} web.step --facet-mm 2", "--facet-mm is the size of STL facets"),
         "--force": Acts(f"{MIKRON} taken.svg", "--force"),
     },

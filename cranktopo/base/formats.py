@@ -13,3 +13,7 @@ SolidPart = Literal[
     "throw", "half", "web", "second_web", "crankshaft", "rod", "raw", "raw_crankshaft", "plugs"
 ]
 PARTS: tuple[SolidPart, ...] = get_args(SolidPart)
+Exported = SolidPart | Literal["reduced"]
+EXPORTS: tuple[Exported, ...] = (*PARTS, "reduced")
+"""Parts, and the reduced model of the whole shaft."""
+ARRAYS = (".npz",)

@@ -49,6 +49,7 @@ LONG = (
     "report.stage.report_run",
     "shaft_safety.stage.assess_shaft",
     "modes.stage.shaft_modes",
+    "export.reduced.export_reduced",
 )
 """Work that takes long: the command ends there with a line of what that was given."""
 _NOT_GIVEN = ("progress", "began", "command")

@@ -182,14 +182,17 @@ def test_engine_of_one_cylinder_has_a_shaft_of_one_throw(capsys: pytest.CaptureF
     assert text.rstrip().splitlines()[-1].startswith("stiffnesses +-")
 
 
-@pytest.mark.parametrize("command", [["shaft"], ["export", "--part", "crankshaft"]])
+@pytest.mark.parametrize(
+    "command", [["shaft"], ["export", "--part", "crankshaft"], ["export", "--part", "reduced"]]
+)
 def test_without_an_engine_there_is_no_shaft(
     command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     head, tail = MIKRON.split("[engine]", 1)
     path = tmp_path / "bare.toml"
     path.write_text(head + "[" + tail[tail.index("[engine.masses]") :].split("\n[", 1)[1], encoding="utf-8")
-    files = [str(tmp_path / "shaft.step")] if command[0] == "export" else ["--quiet"]
+    ending = "npz" if "reduced" in command else "step"
+    files = [str(tmp_path / f"shaft.{ending}")] if command[0] == "export" else ["--quiet"]
     assert main([command[0], str(path), *files, *command[1:]]) == 3
     (error,) = capsys.readouterr().err.splitlines()
     assert "mikron-iiic-plain: [engine] is missing" in error

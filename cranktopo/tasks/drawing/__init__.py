@@ -1,1 +1,1 @@
-"""Files of a design's exact solid and its workshop drawing."""
+"""Workshop drawing of a throw, and sketches of its keys."""

@@ -11,9 +11,10 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.tetrahedra.stress import joined
 from cranktopo.tasks.dynamics.moving_shaft import MovingCycle
-from cranktopo.tasks.dynamics.moving_throw import MovingThrow
+from cranktopo.tasks.dynamics.moving_throw import SECTIONS, MovingThrow
 from cranktopo.tasks.fatigue.shaft_stress import ShaftStress
 from cranktopo.tasks.fatigue.stress_model import StressModel, stress_model
+from cranktopo.tasks.shaft.loaded_throw import ACTING, SWING
 
 
 def moving_stress(stress: ShaftStress, throw: MovingThrow, fillet_fraction: float) -> ShaftStress:
@@ -25,9 +26,10 @@ def moving_stress(stress: ShaftStress, throw: MovingThrow, fillet_fraction: floa
     begin = time.perf_counter()
     fields, body, model = throw.inertial_fields(), stress.body, stress.model
     more = stress_model(model.name, model.scene, body.meshed, body.model, fields, fillet_fraction)
-    rows, columns = stress.shares.shape
+    still = np.delete(stress.shares, SECTIONS + ACTING.index(SWING), axis=1)  # a load of the inertia of disks
+    rows, columns = still.shape
     shares = np.zeros((rows + len(fields), columns + len(fields)))
-    shares[:rows, :columns] = stress.shares
+    shares[:rows, :columns] = still
     shares[rows:, columns:] = np.eye(len(fields))
     return ShaftStress(body, _joined(model, more), shares, (0.0, 0.0, time.perf_counter() - begin))
 

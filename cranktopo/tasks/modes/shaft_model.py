@@ -27,6 +27,8 @@ from cranktopo.tasks.modes.reduced_throw import ReducedThrow
 from cranktopo.tasks.modes.station import Station, added
 from cranktopo.tasks.shaft.assembly import Bearings, turned
 
+MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
+"""Of a section in their order."""
 _ELEMENTS = 2
 """Beams of a step of an end."""
 
@@ -196,6 +198,18 @@ def damped_end(scene: Scene, side: Side) -> DampedBody:
     return join.damped()
 
 
+def end_coordinates(scene: Scene, side: Side) -> list[tuple[str, str, float]]:
+    """Return name, motion and place along the shaft, mm, of the unknowns of `damped_end` behind the section.
+
+    These are the joints of its beams from inside outwards, then the rotation of every part on a spring.
+    """
+    pieces = crank_end(scene, side)
+    joints = [z for piece in pieces for z in np.linspace(*piece.z_mm, _ELEMENTS + 1)[1:].tolist()]
+    found = [(f"{side} end {number}", motion, z) for number, z in enumerate(joints, 1) for motion in MOTIONS]
+    sprung = (part for part in _parts_at_tip(scene, side) if part.spring_Nmm_per_rad is not None)
+    return [*found, *((part.name, MOTIONS[RZ], _tip_mm(scene, side)) for part in sprung)]
+
+
 def _add_end(join: _Assembly, scene: Scene, side: Side, section: list[int]) -> None:
     """Add an end of the crank as beams, and what it carries at its tip."""
     outward = -1 if side == "free" else 1
@@ -218,10 +232,21 @@ def _add_end(join: _Assembly, scene: Scene, side: Side, section: list[int]) -> N
             join.lose(_lost(elastic.stiffness, table.throw_loss_factor, twisted), ends)
             join.station(_of_beam(z, along, length), [*tip, *outer])
             tip = outer
-    at = main_journal_places_mm(scene)[-1 if outward > 0 else 0] if not pieces else pieces[-1].z_mm[1]
-    if pieces and parts:
-        parts = (replace(parts[0], spring_Nmm_per_rad=None), *parts[1:])
-    _add_parts(join, parts, tip, at, outward)
+    _add_parts(join, _parts_at_tip(scene, side), tip, _tip_mm(scene, side), outward)
+
+
+def _parts_at_tip(scene: Scene, side: Side) -> tuple[Part, ...]:
+    """Return what an end carries; the spring of the first part is the end itself, where that is drawn."""
+    parts = parts_on(scene.shaft or ShaftTable(), side)
+    if not parts or not crank_end(scene, side):
+        return parts
+    return (replace(parts[0], spring_Nmm_per_rad=None), *parts[1:])
+
+
+def _tip_mm(scene: Scene, side: Side) -> float:
+    """Return the place along the shaft of the outer face of an end."""
+    pieces = crank_end(scene, side)
+    return pieces[-1].z_mm[1] if pieces else main_journal_places_mm(scene)[0 if side == "free" else -1]
 
 
 def _lost(stiffness: Array, bent: float, twisted: float) -> Array:

@@ -41,6 +41,7 @@ TASKS = (
     "fatigue",
     "dynamics",
     "shaft_safety",
+    "export",
     "bolts",
     "rod",
     "balancer",

@@ -1,6 +1,6 @@
 """`cranktopo export`
 
-Write the exact solid of a design as STEP or STL: throw, half, web, crankshaft, raw parts or plugs.
+Write the exact solid of a design as STEP or STL, its drawing, or the reduced model of its shaft.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from cranktopo.base.formats import PARTS, PLOTS, SOLIDS, SolidPart
+from cranktopo.base.formats import ARRAYS, EXPORTS, PLOTS, SOLIDS, Exported, SolidPart
 from cranktopo.base.notes import note
 from cranktopo.cli.options import Choice, Number, designs, throw_option
 from cranktopo.cli.verbosity import verbosity_options
@@ -27,13 +27,14 @@ _ITS_SHEET = {
     "raw_crankshaft": f"{_WHOLE}, the raw one on page 2 of a PDF",
     "rod": "cranktopo rod DESIGN --drawing FILE draws it",
 }
+_ALL_THROWS = ("crankshaft", "raw_crankshaft", "reduced")
 _NO_SHEET = "it has no workshop drawing of its own, only .step and .stl"
 
 
 @click.command()
 @click.argument("design", shell_complete=designs)
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
-@click.option("--part", type=Choice(PARTS), default="throw", show_default=True, help="What to write.")
+@click.option("--part", type=Choice(EXPORTS), default="throw", show_default=True, help="What to write.")
 @click.option(
     "--facet-mm",
     type=Number(0.01, 100),
@@ -43,13 +44,16 @@ _NO_SHEET = "it has no workshop drawing of its own, only .step and .stl"
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @verbosity_options
 def command(
-    design: str, file: Path, part: SolidPart, facet_mm: float | None, throw: int | None, force: bool
+    design: str, file: Path, part: Exported, facet_mm: float | None, throw: int | None, force: bool
 ) -> None:
     """Write the exact solid of DESIGN to FILE (.step or .stl), or its workshop drawing (.pdf, .svg or .png).
 
     The volume is checked against the closed form, and a STEP file is read back before it counts as written.
     The drawing is an A3 sheet at a true scale, dimensions in mm; of halves that differ, one each. With
     [forging] another one shows the raw part; --part raw draws that alone. A PDF has a page for each sheet.
+
+    With --part reduced FILE (.npz) is the vibrating shaft as matrices over few coordinates, for other
+    programs, with the stress on all fillets by them; its array `about` tells what each array is.
 
     Example: cranktopo export mikron-iiic throw.step
     """
@@ -58,12 +62,16 @@ def command(
     from cranktopo.engine.one_throw import one_throw
     from cranktopo.runs.destination import check_file
 
-    check_file(file, "file", (*SOLIDS, *PLOTS), replace=force)
+    _check_ending(file.suffix.lower(), part)
+    check_file(file, "file", ARRAYS if part == "reduced" else (*SOLIDS, *PLOTS), replace=force)
     _check_options(file.suffix.lower(), part, facet_mm)
-    crank = load_scene(design, whole=True)
-    whole = part in ("crankshaft", "raw_crankshaft")
+    whole = part in _ALL_THROWS
     if whole and throw is not None:
         raise click.UsageError(f"--throw: --part {part} is all throws: leave it out")
+    if part == "reduced":
+        click.echo(f"{file}: reduced model of the shaft, {_reduced(design, file)}")
+        return
+    crank = load_scene(design, whole=True)
     scene = crank if whole else one_throw(crank, throw, all_fire=False)
     assumed = assumptions(scene, (THROW,))
     if assumed:
@@ -81,6 +89,19 @@ def command(
     volume = export_solid(scene, part, file, facet_mm)
     beside = _bolted_words(scene, part, file.suffix.lower())
     click.echo(f"{file}: {part}, {volume:.1f} mm3{_of_raw(scene, part)}{beside}")
+
+
+def _reduced(design: str, file: Path) -> str:
+    """Write the reduced model; return what it holds in words."""
+    from cranktopo.design.assumed import CARRIED
+    from cranktopo.tasks.export.reduced import export_reduced
+    from cranktopo.tasks.fea.stage import print_assumed
+    from cranktopo.tasks.fea.targets import resolve_target
+    from cranktopo.tasks.shaft.stage import shaft_tables
+
+    target = resolve_target(design, fillets=True, whole=True, crank=True)
+    print_assumed([target], (*shaft_tables(target.scene, "spring"), *CARRIED))
+    return export_reduced(target, file)
 
 
 def _bolted_words(scene: Scene, part: SolidPart, suffix: str) -> str:
@@ -135,7 +156,12 @@ def _of_raw(scene: Scene, part: SolidPart) -> str:
     return f", {masses}; machined out of the full: {', '.join(cut) or 'nothing'}{plane}"
 
 
-def _check_options(suffix: str, part: SolidPart, facet_mm: float | None) -> None:
+def _check_ending(suffix: str, part: Exported) -> None:
+    if suffix in ARRAYS and part != "reduced":
+        raise click.UsageError(f"--part {part}: {suffix} is for --part reduced: give that, or another ending")
+
+
+def _check_options(suffix: str, part: Exported, facet_mm: float | None) -> None:
     if facet_mm is not None and suffix != ".stl":
         raise click.UsageError(f"--facet-mm is the size of STL facets, and {suffix} has none: leave it out")
     if part not in _DRAWN and suffix in PLOTS:
