@@ -563,6 +563,6 @@ def test_a_thin_film_at_an_edge_is_told_beside_a_kept_one() -> None:
     permits = {"permitted_film_um": 3.0, "permitted_pressure_MPa": None, "films_hold": True}
     tilted = found.model_copy(update={"on_bearings": (at,), **permits})
     (line,) = tilted.beyond_permitted
-    assert line.startswith("at the edge, by the tilt of the journal in a rigid bearing, 0.87 um: main 5 at")
+    assert line.startswith("at the edge, by the tilt of journals in rigid bearings: main 5 0.87 um at")
     assert bearing_table(at).rows[0]["film_um"] == 3.51
     assert tilted.model_copy(update={"permitted_film_um": 0.8}).beyond_permitted == []

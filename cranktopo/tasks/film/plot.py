@@ -47,7 +47,8 @@ def plot_films(scene: DesignLike, path: Path, speed_rpm: float | None = None) ->
         _draw_orbit(axes, loaded, steady)
     for axes in places[len(found) :]:
         axes.set_axis_off()
-    figure.suptitle(f"Oil film of {scene.name} at {engine_of(at).speed_rpm:g} rpm")
+    speed = f"{engine_of(at).speed_rpm:g} rpm"
+    figure.suptitle(f"Oil film of {scene.name} at {speed}, by the mobility method for all bearings")
     with replacing(path) as temporary:
         save_figure(figure, temporary, dpi=120)
 

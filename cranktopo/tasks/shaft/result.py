@@ -202,22 +202,20 @@ class ShaftEvaluation(Result):
 
     @property
     def _thin_edges(self) -> list[str]:
-        """The thinnest film at an edge in a line, where it is below the permitted one; of no verdict."""
-        edges = [
-            (own.conserving.edge.film_um, f"main {own.bearing}", at.speed_rpm)
-            for at in self.on_bearings
-            for own in at.main_bearings
-            if own.conserving is not None and own.conserving.edge is not None
+        """Films at edges in a line, each bearing at its thinnest, if below the permitted; of no verdict."""
+        least, edges = self.permitted_film_um or 0.0, dict[str, tuple[float, float]]()
+        for at in self.on_bearings:
+            for own in at.main_bearings:
+                if own.conserving is not None and own.conserving.edge is not None:
+                    name, found = f"main {own.bearing}", (own.conserving.edge.film_um, at.speed_rpm)
+                    edges[name] = min(edges.get(name, found), found)
+        thin = [
+            f"{name} {f'{film_um:.2f} um' if film_um else 'no film'} at {rpm:g} rpm"
+            for name, (film_um, rpm) in edges.items()
+            if film_um < least
         ]
-        least = self.permitted_film_um
-        if least is None or not edges or min(edges)[0] >= least:
-            return []
-        film_um, bearing, rpm = min(edges)
-        thin = f"{film_um:.2f} um" if film_um else "no film"
-        return [
-            f"at the edge, by the tilt of the journal in a rigid bearing, {thin}: {bearing} at {rpm:g} rpm; "
-            f"{least:g} um is asked of parallel journals"
-        ]
+        told = "at the edge, by the tilt of journals in rigid bearings"
+        return [f"{told}: {', '.join(thin)}; {least:g} um is asked of parallel journals"] if thin else []
 
     @property
     def error_percent(self) -> float:
