@@ -27,6 +27,8 @@ NEAR = 1.5
 """A film below so many times the least thickness it may have, or above the most pressure over it, is near."""
 HOLE_SHARE, PIN_HOLE_DEG = 0.1, 90.0
 """Diameter of a feed hole over that of its journal, and a pin's angle ahead of its throw, if not given."""
+_UNSURE = 0.5
+"""Film over that of the mobility method below which it is warned of."""
 _STEP_DEG = 2.0
 _MM3_PER_CM3 = 1e3
 
@@ -69,11 +71,24 @@ def with_conserving(
             every[place] = film.model_copy(
                 update={"conserving": _conserving(film, journal, orbit, feed, tilt)}
             )
+            _warn_of_thin(scene, every[place])
             done += 1
     if done:
         names = "bearing" if done == 1 else "bearings"
         note(f"mass-conserving film of {done} {names}: {time.perf_counter() - start:.0f} s")
     return tuple(every)
+
+
+def _warn_of_thin(scene: Scene, film: BearingFilm) -> None:
+    """Warn of a film far thinner than that of the mobility method: a slightly other load may give another."""
+    if film.conserving is None or film.conserving.film_um > _UNSURE * film.film_um:
+        return
+    thinner = 100 * (1 - film.conserving.film_um / film.film_um)
+    warn(
+        f"{scene.name}: {film.bearing}: its mass-conserving film is {thinner:.0f} % thinner than that of the "
+        f"mobility method, {film.film_um:.2f} um; usual are 20 to 30 %. A slightly other load, as of another "
+        "mesh, may give another film"
+    )
 
 
 def oil_feed(scene: Scene, bearing: str, angle_deg: Array, diameter_mm: float) -> OilFeed:

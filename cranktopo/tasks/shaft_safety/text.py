@@ -205,6 +205,7 @@ def _conserving(at: ContinuousShaft) -> list[str]:
         {
             "bearing": str(one.bearing),
             "film_um": own.film_um,
+            "than_mobility_percent": 100 * (own.film_um / one.film_um - 1) if one.film_um else None,
             "pressure_MPa": own.pressure_MPa,
             "tilt_um": own.edge.tilt_um if own.edge else None,
             "edge_film_um": own.edge.film_um if own.edge else None,
@@ -214,7 +215,7 @@ def _conserving(at: ContinuousShaft) -> list[str]:
     )
     if not rows:
         return []
-    digits = {"bearing": 0, "film_um": 2, "pressure_MPa": 1, "tilt_um": 1}
+    digits = {"bearing": 0, "film_um": 2, "than_mobility_percent": 0, "pressure_MPa": 1, "tilt_um": 1}
     touching = any(own.edge and own.edge.pressure_MPa is None for _, own in films)
     told = "Mass-conserving films of those near what is permitted; then with the journal's tilt, at the edge"
     told += ", where 0 is a journal that touches a rigid bearing:" if touching else ":"

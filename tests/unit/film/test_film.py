@@ -19,7 +19,8 @@ from cranktopo.design.named import with_values
 from cranktopo.design.plain_bearings import PlainBearings
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, engine_of
-from cranktopo.tasks.film.conserving import near_limit, oil_feed
+from cranktopo.tasks.film.conserving import _warn_of_thin, near_limit, oil_feed
+from cranktopo.tasks.film.result import ConservingFilm
 from cranktopo.tasks.film.stage import (
     _assumed,
     _loaded_big_end,
@@ -308,3 +309,14 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "[bearings] is missing" in capsys.readouterr().err
     assert main(["film", str(file), "--speed", "0"]) == 3
     assert "only where the engine turns" in capsys.readouterr().err
+
+
+def test_a_film_far_thinner_than_by_mobility_is_warned_of(caplog: pytest.LogCaptureFixture) -> None:
+    """A main bearing had 5.3 um on one mesh and 0.95 um on another, with 5.5 um by the mobility method."""
+    (at,) = oil_films(scene()).speeds
+    own = {"film_deg": 470.0, "pressure_MPa": 150.0, "pressure_deg": 8.0, "least_filled": 0.5}
+    for um, warned in ((5.3, False), (0.95, True)):
+        film = ConservingFilm(film_um=um, **own, oil_cm3_per_s=1.0, oil_left_out=0.0)
+        caplog.clear()
+        _warn_of_thin(scene(), at.bearings[0].model_copy(update={"film_um": 5.5, "conserving": film}))
+        assert ("83 % thinner than that of the mobility method, 5.50 um" in caplog.text) == warned
