@@ -150,26 +150,6 @@ def mean_displacement(model: Elasticity, axis: int, z_from_mm: float, z_to_mm: f
     return mean.T.ravel()
 
 
-def mean_on_axis(
-    model: Elasticity, axis: int, y_mm: float, z_mm: tuple[float, float], *, half: bool
-) -> Array:
-    """Return `mean_displacement` between two z with weights that make its force act on the axis (0, y).
-
-    Material that is not there, as in a drilling, moves the mean off it. The weights grow evenly across.
-
-    Args:
-        half: the model is the half x >= 0 of what is loaded.
-    """
-    elements, inside = _between(model, *z_mm)
-    (x, y, _), _ = load_points(model, elements)
-    shapes = np.stack([np.ones_like(y), y - y_mm, *([] if half else [x])])
-    matrix = np.einsum("ieq,jeq,eq->ij", shapes, shapes, inside)
-    share = np.linalg.solve(matrix, np.eye(len(shapes))[0])
-    mean = np.zeros(model.nodes_mm.shape)
-    mean[axis] = gathered(model, elements, inside * np.tensordot(share, shapes, axes=1))
-    return mean.T.ravel()
-
-
 def _between(model: Elasticity, z_from_mm: float, z_to_mm: float) -> tuple[NDArray[np.intp], Array]:
     """Return the elements that reach between two z, and the weights of their points there, mm3."""
     heights = model.mesh.p[2][model.mesh.t]

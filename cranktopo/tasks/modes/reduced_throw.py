@@ -22,7 +22,7 @@ from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.section_shapes import SectionShapes
 from cranktopo.numerics.tetrahedra.component_modes import inertial_fields, reduced
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mass_matrix, mean_on_axis
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mass_matrix, mean_displacement
 from cranktopo.numerics.turning_body import TurningBody
 from cranktopo.tasks.fea.condense import Lateral, body_motions, loaded_mm, plane_nodes
 from cranktopo.tasks.modes.station import (
@@ -273,8 +273,7 @@ class _Throw:
         ends = ((low, (low + high) / 2), ((low + high) / 2, high))[: 3 - self._copies]
         found = []
         for start, end in ends:
-            own = self._scene.throw.radius_mm, (start, end)
-            means = [mean_on_axis(self._model, axis, *own, half=self._parts == 2) for axis in (0, 1)]
+            means = [mean_displacement(self._model, axis, start, end) for axis in (0, 1)]
             rows = [[mean @ block.fields for block in blocks] for mean in means]
             for axis, hidden in ((0, "even"), (1, "odd")):
                 for place, block in enumerate(blocks):
