@@ -87,7 +87,7 @@ def half_throw_volume_mm3(scene: Scene) -> float:
 def outlet_roundings_mm3(scene: Scene) -> float:
     """Return what the roundings of drillings' outlets take out of a half throw, mm3."""
     sharp = tuple(one.model_copy(update={"outlet_radius_mm": 0.0}) for one in scene.throw.drilling)
-    bare = scene.model_copy(update={"throw": scene.throw.model_copy(update={"drilling": sharp})})
+    bare = scene.with_drillings(sharp)
     return drilled(scene).volume - drilled(bare).volume
 
 

@@ -58,7 +58,7 @@ def judged_half(half: Scene) -> Scene:
         drilling if drilling.web == "both" else drilling.model_copy(update={"web": "first"})
         for drilling in half.throw.drilling
     )
-    return half.model_copy(update={"throw": half.throw.model_copy(update={"drilling": own})})
+    return half.with_drillings(own)
 
 
 def require_equal_halves(scene: Scene) -> None:

@@ -283,6 +283,10 @@ class Scene(SceneTable):
             raise explain(error, self.name, ("optimise",)) from None
         return self.model_copy(update={"optimise": settings})
 
+    def with_drillings(self, drillings: tuple[Drilling, ...]) -> Scene:
+        """Return the scene with these drillings alone; nothing is checked."""
+        return self.model_copy(update={"throw": self.throw.model_copy(update={"drilling": drillings})})
+
     def with_effect(self, effect: str, state: _EffectState) -> Scene:
         """Return the scene with one effect switched; the same object when it is so already."""
         if getattr(self.effects, effect) == state:

@@ -25,7 +25,7 @@ _NO_NUMBER = re.compile(r"(?<![\w.'-])[+-]?(nan|inf)(?![\w'-])", re.IGNORECASE)
 
 
 def untold(ended: Outcome) -> list[str]:
-    """What is wrong with what a command printed: a number that is none, or JSON that is not strict."""
+    """Return what a command printed amiss: a number that is none, or JSON that is not strict."""
     faults = [f"tells {found[0]}" for found in [_NO_NUMBER.search(ended.stdout + ended.stderr)] if found]
     if ended.stdout.startswith(("{", "[")):
         try:

@@ -74,8 +74,8 @@ def _with_bores(half: Scene) -> Iterable[tuple[Drilling, DrillBore]]:
 
 def _without_crossing(throw: Scene) -> Scene:
     """Return a throw without drillings that cross the middle of a main journal."""
-    kept = tuple(one for one in throw.throw.drilling if one not in _crossing(throw))
-    return throw.model_copy(update={"throw": throw.throw.model_copy(update={"drilling": kept})})
+    crossing = _crossing(throw)
+    return throw.with_drillings(tuple(one for one in throw.throw.drilling if one not in crossing))
 
 
 def placed_throws(occ: Any, scene: Scene, add: Callable[[Any, Scene], DimTags]) -> list[DimTags]:

@@ -104,4 +104,4 @@ def _with_web(scene: Scene, update: dict[str, Any]) -> Scene:
 
 
 def _with_drillings(scene: Scene, drillings: tuple[Drilling, ...]) -> Scene:
-    return scene.model_copy(update={"throw": scene.throw.model_copy(update={"drilling": drillings})})
+    return scene.with_drillings(drillings)

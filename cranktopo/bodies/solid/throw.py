@@ -164,7 +164,7 @@ def _without_late(half: Scene, scene: Scene) -> Scene:
     )
     if kept == half.throw.drilling:
         return half
-    return half.model_copy(update={"throw": half.throw.model_copy(update={"drilling": kept})})
+    return half.with_drillings(kept)
 
 
 def _late_bores(half: Scene, scene: Scene) -> list[DrillBore]:

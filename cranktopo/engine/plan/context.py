@@ -150,7 +150,7 @@ class PlanningContext:
     def top_speed_rpm(self) -> float:
         """Overspeed, else the engine's speed, rpm; 0 without an engine."""
         engine = self.scene.engine
-        return max(engine.overspeed_rpm or 0.0, engine.speed_rpm) if engine else 0.0
+        return max(engine.own_speeds_rpm) if engine else 0.0
 
     @cached_property
     def energy_Nmm(self) -> dict[str, float]:

@@ -17,7 +17,7 @@ from cranktopo.engine.judged_speeds import rated_speeds, speeds_of_range
 from cranktopo.engine.plan.context import PlanningContext
 from cranktopo.engine.plan.effect import Estimate
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
-from cranktopo.engine.vibration.vibrating_shaft import vibrating_at, worst_speed_rpm
+from cranktopo.engine.vibration.vibrating_shaft import worst_order, worst_speed_rpm
 
 _OFF = frozenset(INERTIA_EFFECTS)
 _ON = _OFF | {"torsional_vibration"}
@@ -86,13 +86,12 @@ def _absent(scene: Scene) -> str:
 def _amplification(context: PlanningContext) -> _Amplification:
     """Find the load states with and without the vibration, and where it is worst."""
     scene = all_firing(context.scene)
-    speed = worst_speed_rpm(scene, _ON)
     off, on = _stiff_Nm(rated_speeds(scene, _OFF)), replace(context, vibrating=True).amplitudes[1]
     over_the_range = _stiff_Nm(speeds_of_range(scene, _OFF), join=True)
     return _Amplification(
         estimated_chain(scene).chain.damped_modes()[0].frequency_Hz,
-        vibrating_at(scene, _ON, speed).worst.order,
-        speed,
+        worst_order(scene, _ON),
+        worst_speed_rpm(scene, _ON),
         100 * (on / off - 1),
         100 * (over_the_range / off - 1),
         100 * (on / over_the_range - 1),

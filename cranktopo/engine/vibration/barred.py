@@ -89,8 +89,7 @@ def barred_key(scene: Scene, ranges_rpm: Iterable[tuple[float, float]]) -> str:
 
     Those that hold a speed of the engine are left out, which cannot be passed through; empty without others.
     """
-    engine = scene.engine
-    own = [rpm for rpm in (engine.speed_rpm, engine.overspeed_rpm) if rpm is not None] if engine else []
+    own = scene.engine.own_speeds_rpm if scene.engine else ()
     keys = ", ".join(
         str(list(_whole(ends)))
         for ends in ranges_rpm

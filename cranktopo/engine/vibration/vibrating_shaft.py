@@ -110,9 +110,9 @@ def vibrating_torque(scene: Scene, enabled: frozenset[str]) -> ShaftTorque:
     return ShaftTorque(angle, curves[shaft.behind], np.vstack([free, ahead]))
 
 
-def vibrating_at(scene: Scene, enabled: frozenset[str], speed_rpm: float) -> Vibration:
-    """Return the steady response at one speed, that of the engine or not."""
-    return replace(_model(scene, enabled).at(np.array([speed_rpm])), barred_rpm=())
+def worst_order(scene: Scene, enabled: frozenset[str]) -> float:
+    """Return the order with the largest share of the torque at the worst speed."""
+    return _decisive_speeds(scene, enabled, trace_states(scene)).worst_order
 
 
 def worst_speed_rpm(scene: Scene, enabled: frozenset[str]) -> float:
@@ -132,6 +132,7 @@ def ranges_to_bar_rpm(scene: Scene, enabled: frozenset[str]) -> tuple[tuple[floa
 
 class _DecisiveSpeeds(NamedTuple):
     worst_rpm: float
+    worst_order: float
     extreme_rpm: tuple[float, ...]
     above_rpm: tuple[tuple[float, float], ...]
 
@@ -144,8 +145,9 @@ def _decisive_speeds(
     model, permitted = _model(scene, enabled), scene.shaft.permitted_shear_MPa if scene.shaft else None
     found = model.over_the_range()
     above = () if permitted is None else ranges_above(found, permitted, model.at)
-    worst_rpm = float(found.speeds_rpm[found.worst.speed_index])
-    return _DecisiveSpeeds(worst_rpm, found.extreme_speeds_rpm, above)
+    worst = found.worst
+    worst_rpm = float(found.speeds_rpm[worst.speed_index])
+    return _DecisiveSpeeds(worst_rpm, worst.order, found.extreme_speeds_rpm, above)
 
 
 def _model(scene: Scene, enabled: frozenset[str]) -> VibratingShaft:

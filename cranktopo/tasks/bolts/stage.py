@@ -64,7 +64,7 @@ def check_rod_bolt(scene: Scene) -> JointCheck | None:
 def counterweight_pull_N(scene: Scene) -> float:
     """Return the centrifugal force of a bolted counterweight at the highest speed, of two the larger."""
     engine = engine_of(scene)
-    speed = max(engine.speed_rpm, engine.overspeed_rpm or 0.0)
+    speed = max(engine.own_speeds_rpm)
     bolted = [half for half in halves(scene) if half.web.counterweight and half.web.counterweight.bolted]
     masses = [counterweight_mass(half) for half in bolted]
     return max(weight_force_N(math.hypot(mass.first_x, mass.first_y), speed) for mass in masses)

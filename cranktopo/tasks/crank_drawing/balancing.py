@@ -25,7 +25,7 @@ def balancing_notes(scene: Scene, mass_kg: float) -> list[str]:
     engine = scene.engine
     if engine is None:
         return [f"Balanced to {grade}."]
-    speed = max(engine.speed_rpm, engine.overspeed_rpm or 0.0)
+    speed = max(engine.own_speeds_rpm)
     permitted_g_mm = _G_PER_KG * scene.drawing.balance_quality / (2 * math.pi * speed / 60) * mass_kg
     permitted = f"{plain_number(permitted_g_mm, 3)} g mm"
     residual = f"residual unbalance at most {permitted}, half of it in each end plane."

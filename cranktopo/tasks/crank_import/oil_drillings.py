@@ -47,7 +47,7 @@ def with_outlet_radius(body: HalfBody, scene: Scene) -> Scene | None:
 
     def rounded(radius: float) -> Scene:
         drilling = tuple(one.model_copy(update={"outlet_radius_mm": radius}) for one in scene.throw.drilling)
-        return scene.model_copy(update={"throw": scene.throw.model_copy(update={"drilling": drilling})})
+        return scene.with_drillings(drilling)
 
     def excess(radius: float) -> float:
         return half_throw_volume_mm3(rounded(radius)) - body.solid.volume_mm3

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.files import as_path, write_npz
+from cranktopo.base.formats import ARRAYS
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.notes import note
 from cranktopo.bodies.crank_ends import main_journal_places_mm
@@ -31,7 +32,6 @@ from cranktopo.tasks.modes.carried import without_mass
 from cranktopo.tasks.shaft.loaded_throw import LOADS
 from cranktopo.tasks.shaft.stage import throw_targets
 
-SUFFIX = ".npz"
 SCHEMA_VERSION = 1
 _EQUATION = (
     "Free shaft without bearings in the frame that turns with it, mm, tonne, N, s, rad, MPa: "
@@ -89,7 +89,7 @@ def export_reduced(target: TargetLike, file: Path | str, fillet_fraction: float 
             material without damping, or a failed solve.
     """
     path = as_path(file)
-    check_file(path, "file", (SUFFIX,))
+    check_file(path, "file", ARRAYS)
     resolved = resolve_target(target, fillets=True, whole=True, crank=True)
     scene, throws = resolved.scene, throw_targets(resolved)
     _ = scene.shaft_angles_deg  # refuses a scene without an engine before anything is solved

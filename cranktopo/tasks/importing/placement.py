@@ -168,7 +168,7 @@ def _undrilled(body: Manifold, scene: Scene) -> Manifold:
         return body
     from cranktopo.bodies.prisms import drillings, journal_halves
 
-    plain = scene.model_copy(update={"throw": scene.throw.model_copy(update={"drilling": ()})})
+    plain = scene.with_drillings(())
     main, pin = journal_halves(plain)
     return body + ((main + pin) ^ drillings(scene))
 

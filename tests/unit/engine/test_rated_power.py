@@ -73,7 +73,8 @@ def test_another_speed_has_no_rated_power() -> None:
     """At two thirds of the speed the power is two thirds, and no burn duration is to blame."""
     scene = rated(indicated_kW(load_scene("mikron-iiic-plain")) * MECHANICAL_EFFICIENCY)
     at_rated, slower = loads_at_speeds(scene, [2100.0, 1400.0])
-    assert at_rated.speed_rpm == load_scene("mikron-iiic-plain").engine.speed_rpm  # type: ignore[union-attr]
+    assert scene.engine is not None
+    assert at_rated.speed_rpm == scene.engine.speed_rpm
     assert at_rated.rated_power is not None
     assert slower.rated_power is None
     assert not any("rated power" in line for line in slower.warnings)
