@@ -90,10 +90,17 @@ class RunStore:
         """Record the status; every status but "running" also records the time as the end of the run."""
         self._record(status=status, ended=None if status == "running" else timestamp())
 
+    def set_done(self, result: str) -> None:
+        """Record that the run has ended, with the hash of the file of this name, which holds its result."""
+        path = self.path / result
+        digest = file_hash(path) if path.is_file() else ""
+        self._record(status="done", ended=timestamp(), result_sha256=digest)
+
     def resume(self) -> None:
         """Mark the run as running again, with the time, and clear what a killed process left unfinished."""
         sweep_temporaries(self.path)
-        self._record(status="running", ended=None, resumed=(*self.manifest().resumed, timestamp()))
+        resumed = (*self.manifest().resumed, timestamp())
+        self._record(status="running", ended=None, resumed=resumed, result_sha256="")
 
     def _record(self, **changes: Any) -> None:
         write_json(self.path / _MANIFEST, self.manifest().model_copy(update=changes).as_json())

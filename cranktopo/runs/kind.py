@@ -7,6 +7,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from types import FrameType
 from typing import Any, Literal
 
@@ -15,6 +16,7 @@ from cranktopo.base.files import read_json
 from cranktopo.base.interruption import closed_by
 from cranktopo.runs.destination import locked
 from cranktopo.runs.directories import RunStore, delete_folder
+from cranktopo.runs.manifest import file_hash
 
 RunKind = Literal["optimise", "iterate", "shape", "sweep", "each-web"]
 """Makers of runs: a density optimisation, the loop over many, a shape optimisation, a sweep, a shape
@@ -42,8 +44,12 @@ def kind_of(run: RunStore) -> RunKind:
 
 def read_result(run: RunStore) -> dict[str, Any] | None:
     """Return what a run reached, None before its end; raises CranktopoError when a file cannot be used."""
-    path = run.path / RESULT_FILES[kind_of(run)]
-    return read_json(path) if path.is_file() else None
+    return read_json(result_file(run)) if has_result(run) else None
+
+
+def has_result(run: RunStore) -> bool:
+    """Tell whether a run has the file with what it reached; raises CranktopoError."""
+    return (run.path / RESULT_FILES[kind_of(run)]).is_file()
 
 
 @contextmanager
@@ -78,14 +84,20 @@ def require_kind(run: RunStore, required: RunKind) -> None:
         )
 
 
-def require_result(run: RunStore) -> None:
-    """Check that a run is finished; raises CranktopoError."""
-    file = RESULT_FILES[kind_of(run)]
-    if not (run.path / file).is_file():
+def result_file(run: RunStore) -> Path:
+    """Return the file with what a run reached; raises CranktopoError before its end, or if it was changed."""
+    path = run.path / RESULT_FILES[kind_of(run)]
+    if not has_result(run):
         raise CranktopoError(
-            f"run '{run.path}': not finished, {file} is missing.",
+            f"run '{run.path}': not finished, {path.name} is missing.",
             hint=f"Continue it with: {resume_command(run)}",
         )
+    written = run.manifest().result_sha256
+    if written and file_hash(path) != written:
+        raise CranktopoError(
+            f"'{path}': changed since the run wrote it.", hint="Restore that file, or start a new run."
+        )
+    return path
 
 
 @contextmanager
@@ -150,7 +162,7 @@ def working_in(run: RunStore, kept: str) -> Iterator[Callable[[], None]]:
         try:
             with closed_by(interrupted), interruptible() as check:
                 yield check
-            run.set_status("done")
+            run.set_done(RESULT_FILES[kind_of(run)])
         except (KeyboardInterrupt, Exception) as error:
             if not _is_interruption(error):
                 if _leaves_nothing(run, error):

@@ -21,7 +21,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run
 from cranktopo.engine.one_throw import one_throw, worse_web
 from cranktopo.runs.directories import RUNS, RunStore, open_run, runs_named
-from cranktopo.runs.kind import EACH_WEB, LOOP, RESULT_FILES, SHAPE, kind_of, resume_command
+from cranktopo.runs.kind import EACH_WEB, LOOP, SHAPE, has_result, kind_of, result_file, resume_command
 
 REMODEL = "remodel.json"
 _WEB = "web.toml"
@@ -130,7 +130,7 @@ def parametric_scene(text: str, target: WebTarget) -> Scene:
 def _run_web(run: RunStore) -> Path | None:
     """Return the scene file of a run's web: its result, its best, its newest re-model; None without one."""
     kind = kind_of(run)
-    if not (run.path / RESULT_FILES[kind]).is_file():
+    if not has_result(run):
         raise CranktopoError(
             f"run '{run.path}': is not finished and has no web yet.",
             hint=f"Continue it: {resume_command(run)}",
@@ -144,7 +144,7 @@ def _run_web(run: RunStore) -> Path | None:
         return run.path / _WEB
     if kind != LOOP:
         return _newest_remodel(run)
-    loop = _Loop.read(run.path / RESULT_FILES[LOOP])
+    loop = _Loop.read(result_file(run))
     best = best_web(loop.steps, loop.best_step, loop.shape is not None and loop.shape.better_than_best_step)
     if best is None:
         raise CranktopoError(

@@ -22,7 +22,7 @@ from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.report.result_table import comma_separated
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.directories import RunStore, check_destination, open_run
-from cranktopo.runs.kind import LOOP, RESULT_FILES, SHAPE, require_kind, require_result, working_in
+from cranktopo.runs.kind import LOOP, RESULT_FILES, SHAPE, require_kind, result_file, working_in
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.bound.stage import bounds_for_result
 from cranktopo.tasks.density import stage
@@ -206,9 +206,9 @@ def _result(
 
 def finished_page(run: RunStore) -> Page:
     """Return the page of a finished loop from its files; raises CranktopoError."""
-    require_result(run)
+    found = LoopResult.read(result_file(run))
     steps = map(finished_step, (run.path / "original", *sorted(run.path.glob("step-[0-9][0-9]"))))
-    return _page(run, LoopResult.read(run.path / RESULT_FILES[LOOP]), [web for web in steps if web])
+    return _page(run, found, [web for web in steps if web])
 
 
 def _write_page(run: RunStore, result: LoopResult, webs: Sequence[StepWeb]) -> None:

@@ -28,7 +28,8 @@ from cranktopo.engine.plan.simulated import Feature
 from cranktopo.numerics.surfaces.files import as_stored, read_stl, write_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, manifold_fault, mesh_of, solid_of
 from cranktopo.report.viewer.scene3d import ShownBody
-from cranktopo.runs.directories import RunStore, status_of
+from cranktopo.runs.directories import RunStore, open_run, status_of
+from cranktopo.runs.kind import result_file
 from cranktopo.tasks.density import stage
 from cranktopo.tasks.extraction.release import shaped_undercuts
 from cranktopo.tasks.fea.evaluation import Evaluation, evaluate
@@ -255,7 +256,7 @@ def optimised_surface(folder: Path, scene: Scene) -> SurfaceMesh:
     """
     path, status = folder / "web.stl", status_of(folder)
     if status == "done":
-        refusal = RunMetrics.read(folder / "metrics.json").refusal
+        refusal = RunMetrics.read(result_file(open_run(folder))).refusal
         if refusal:
             raise _no_surface(folder, refusal)
         return read_half_throw(path, scene)

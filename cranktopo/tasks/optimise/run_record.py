@@ -26,7 +26,7 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.viewer.scene3d import DesignSnapshot
 from cranktopo.runs.checkpoint import load_iteration, saved_iterations
 from cranktopo.runs.directories import RunStore
-from cranktopo.runs.kind import RESULT_FILES, require_kind, require_result
+from cranktopo.runs.kind import require_kind, result_file
 from cranktopo.runs.manifest import Manifest, file_hash
 from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.material import MaterialInterpolation
@@ -120,8 +120,7 @@ class RunRecord:
 def read_record(run: RunStore, stresses: bool = False) -> RunRecord:
     """Return the record of a finished run from its directory."""
     require_kind(run, "optimise")
-    require_result(run)
-    metrics = RunMetrics.read(run.path / RESULT_FILES["optimise"])
+    metrics = RunMetrics.read(result_file(run))
     scene = planned_scene(design_from_run(run))
     surface = metrics.files.get("stl")
     mesh = read_stl(run.path / surface) if surface else None

@@ -52,7 +52,7 @@ from cranktopo.runs.kind import (
     SHAPE,
     reading_results,
     require_kind,
-    require_result,
+    result_file,
     working_in,
 )
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
@@ -202,7 +202,7 @@ def shape_in(
     if status is None:
         return shape_design(scene, settings, folder, None, command, begun).result
     if status == "done":
-        return ShapeResult.read(folder / RESULT_FILES[SHAPE])
+        return ShapeResult.read(result_file(open_run(folder)))
     return resume_shape(folder, settings.loads if isinstance(settings.loads, WebLoads) else None).result
 
 
@@ -290,10 +290,10 @@ def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> SurfaceMesh:
 
 def finished_page(run: RunStore) -> Page:
     """Return the page of a finished shape optimisation from its files; raises CranktopoError."""
-    require_result(run)
+    found = ShapeResult.read(result_file(run))
     scene, shaped = design_from_run(run), load_scene(str(run.path / _FILES.design))
     bodies = _bodies(scene, shaped, read_stl(run.path / _FILES.stl))
-    return shape_page(ShapeResult.read(run.path / RESULT_FILES[SHAPE]), run.manifest(), scene, bodies)
+    return shape_page(found, run.manifest(), scene, bodies)
 
 
 def _as_forged(half: SurfaceMesh, shaped: Scene) -> SurfaceMesh:

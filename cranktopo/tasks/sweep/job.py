@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import hashlib
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -13,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import UnwritableError, unwritable, write_json
+from cranktopo.base.files import UnwritableError, json_text, read_json, unwritable, write_json
 from cranktopo.base.notes import note
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
@@ -24,6 +25,8 @@ from cranktopo.tasks.sweep.stages import run_stage
 
 POINTS, RESULT = "points", "point.json"
 PointFunction = Callable[[Scene], Mapping[str, Any]]
+_SEAL = "result_sha256"
+"""Key of the hash over all else in the file of a point."""
 _WAIT_S = 1.0
 _TRY_AGAIN = (ExitCode.MISSING_TOOL, ExitCode.INTERRUPTED)
 _NO_WEB = (ExitCode.INVALID_INPUT, ExitCode.CRITERION_NOT_MET, ExitCode.NOT_CONVERGED)
@@ -50,10 +53,12 @@ def kept_result(job: Job) -> PointResult | None:
     if not file.is_file():
         return None
     try:
-        kept = PointResult.read(file)
-        if (kept.id, kept.sha256) == (job.point.id, job.point.sha256):
+        told = read_json(file)
+        sealed = told.pop(_SEAL, None) == _digest(told)
+        kept = PointResult.of_json(told, f"'{file}'")
+        if sealed and (kept.id, kept.sha256) == (job.point.id, job.point.sha256):
             return kept
-        fault = f"'{file}': is of another point."
+        fault = f"'{file}': {'is of another point' if sealed else 'was changed'}."
     except CranktopoError as error:
         fault = error.message
     note(f"{fault} It is computed again.")
@@ -64,7 +69,7 @@ def keep_result(job: Job, result: PointResult) -> None:
     """Keep a result that was computed where the directory of the sweep cannot be seen."""
     if kept_result(job) is None:
         _make(job.folder)
-        write_json(job.folder / RESULT, result.as_json())
+        _write(job.folder, result)
 
 
 def do_job(job: Job) -> PointResult:
@@ -85,7 +90,7 @@ def do_job(job: Job) -> PointResult:
             kept = kept_result(job)
             if kept is None:
                 kept = _computed(job, job.folder)
-                write_json(job.folder / RESULT, kept.as_json())
+                _write(job.folder, kept)
             return kept
     except OSError as error:
         if error.errno in _FULL:
@@ -100,6 +105,15 @@ def point_result(job: Job, status: str, reason: str = "", **numbers: Any) -> Poi
     run = "" if point.reason else f"{POINTS}/{point.id}"
     run_columns = {"run": run, "status": status, "reason": reason, "version": metadata.version("cranktopo")}
     return PointResult(**{**known, **run_columns, **numbers})
+
+
+def _write(folder: Path, result: PointResult) -> None:
+    told = result.as_json()
+    write_json(folder / RESULT, {**told, _SEAL: _digest(told)})
+
+
+def _digest(told: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json_text(told, RESULT).encode()).hexdigest()
 
 
 def _computed(job: Job, folder: Path) -> PointResult:

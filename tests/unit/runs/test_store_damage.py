@@ -15,12 +15,12 @@ import numpy as np
 import pytest
 
 from cranktopo.app.main import main
-from cranktopo.base.errors import CranktopoError
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import inside, read_json, write_npz, write_text
 from cranktopo.base.progress import StageCache
 from cranktopo.runs.checkpoint import load_checkpoint, load_iteration, saved_iterations
 from cranktopo.runs.directories import RunStore, create_run
-from cranktopo.runs.kind import resume_command
+from cranktopo.runs.kind import read_result, result_file, resume_command, working_in
 from cranktopo.runs.manifest import file_hash
 from cranktopo.tasks.optimise.run_record import read_run_stress
 from cranktopo.tasks.sweep.result import SweepFiles
@@ -117,6 +117,24 @@ def test_one_damaged_run_does_not_hide_the_others(run: RunStore, capsys: pytest.
     assert json.loads(capsys.readouterr().out)["runs"][0]["result"] == "unreadable"
     assert main(["runs", "show", run.name, "--root", root]) == 3
     assert "its results are damaged" in capsys.readouterr().err
+
+
+def test_a_result_that_was_changed_since_the_run_wrote_it(
+    run: RunStore, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A valid file with another number in it was told as the run's own."""
+    with working_in(run, "nothing is kept"):
+        run.write_metrics({"mass_kg": 1.47})
+    assert read_result(run) == {"mass_kg": 1.47}
+    run.write_metrics({"mass_kg": 0.5})
+    for read in (read_result, result_file):
+        with pytest.raises(CranktopoError, match=r"metrics.json': changed since the run wrote it") as raised:
+            read(run)
+        assert raised.value.code == ExitCode.INVALID_INPUT
+    assert main(["report", str(run.path)]) == ExitCode.INVALID_INPUT
+    assert "changed since the run wrote it" in capsys.readouterr().err
+    run.resume()
+    assert read_result(run) == {"mass_kg": 0.5}, "a run that goes on writes another one"
 
 
 def test_a_device_or_pipe_is_never_replaced_by_a_file(tmp_path: Path) -> None:

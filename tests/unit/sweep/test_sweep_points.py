@@ -234,7 +234,7 @@ def test_bad_files_say_what_is_wrong(tmp_path: Path, text: str, words: str) -> N
     assert raised.value.code in (ExitCode.INVALID_INPUT, ExitCode.USAGE)
 
 
-@pytest.mark.parametrize("damage", ["other", "empty", "cut", "leads out", "none"])
+@pytest.mark.parametrize("damage", ["other", "empty", "cut", "leads out", "number", "unsealed", "none"])
 def test_a_point_that_was_damaged_is_computed_again(tmp_path: Path, damage: str) -> None:
     plan = sweep_plan(["mikron-iiic-plain"], [read_option(f"{WIDTH}=50,52")])
     job, other = (Job(point, str(tmp_path)) for point in points_of(plan))
@@ -247,6 +247,8 @@ def test_a_point_that_was_damaged_is_computed_again(tmp_path: Path, damage: str)
         "empty": "{}",
         "cut": text[:40],
         "leads out": text.replace("web.toml", "../../x.toml"),
+        "number": text.replace('"mass_kg": 1.0', '"mass_kg": 0.5'),
+        "unsealed": json.dumps(told.as_json()),
         "none": text,
     }[damage]
     file.write_text(content)

@@ -33,7 +33,7 @@ from cranktopo.runs.kind import (
     RESULT_FILES,
     reading_results,
     require_kind,
-    require_result,
+    result_file,
     working_in,
 )
 from cranktopo.tasks.shape.each_web.groups import ALIKE_PERCENT, WebGroup, is_mirrored, web_groups
@@ -108,8 +108,7 @@ def resume_each_web(reference: str | Path) -> EachWebRun:
 
 def finished_page(run: RunStore) -> Page:
     """Return the page of a finished run from its files; raises CranktopoError."""
-    require_result(run)
-    return each_web_page(EachWebResult.read(run.path / RESULT_FILES[EACH_WEB]), run.manifest())
+    return each_web_page(EachWebResult.read(result_file(run)), run.manifest())
 
 
 def _check(scene: Scene) -> None:
