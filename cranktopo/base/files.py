@@ -118,6 +118,7 @@ TEMPORARY = ".tmp"
 _JSON_LIMIT_MIB = 64
 _MOST_DIGITS = 18
 _MOST_LEVELS = 100
+_TOO_DEEP = f"it has more than {_MOST_LEVELS} levels"
 """Of an integer in a file of the program; longer ones overflow where they are computed with."""
 ARRAYS_LIMIT_MIB = 2048
 """A checkpoint has 8 to 40 bytes per cell: 50 million cells."""
@@ -223,7 +224,7 @@ def read_json(path: Path) -> dict[str, Any]:
     text = read_text_file(path, f"'{path}'", _JSON_LIMIT_MIB, "Start a new run.")
     try:
         data = from_json(text)
-    except (ValueError, RecursionError) as error:
+    except ValueError as error:
         raise CranktopoError(
             f"'{path}': corrupted, cannot be read: {quoted(str(error))}.", hint="Start a new run."
         ) from None
@@ -237,14 +238,17 @@ def from_json(text: str) -> Any:
 
     What lies deeper than anything that we write is refused too: what walks it would not come to its end.
     """
-    data = json.loads(text, parse_constant=_no_number, parse_int=_integer, parse_float=_finite)
+    try:
+        data = json.loads(text, parse_constant=_no_number, parse_int=_integer, parse_float=_finite)
+    except RecursionError:
+        raise ValueError(_TOO_DEEP) from None
     level = [data]
     for _ in range(_MOST_LEVELS):
         nested = [one for one in level if isinstance(one, dict | list)]
         level = [value for one in nested for value in (one.values() if isinstance(one, dict) else one)]
         if not level:
             return data
-    raise ValueError(f"it has more than {_MOST_LEVELS} levels")
+    raise ValueError(_TOO_DEEP)
 
 
 def inside(folder: Path, name: str) -> Path:

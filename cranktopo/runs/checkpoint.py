@@ -96,7 +96,7 @@ def load_checkpoint(path: Path) -> Checkpoint:
     try:
         saved = from_json(content.pop(_STATE).tobytes().decode("utf-8"))
         version, state = saved["schema_version"], dict(saved["state"])
-    except (ValueError, KeyError, TypeError, RecursionError):
+    except (ValueError, KeyError, TypeError):
         raise _bad(path, f"corrupted, {_STATE} cannot be read") from None
     if version != SCHEMA_VERSION:
         raise _bad(path, f"schema_version {quoted(version)}, this program reads {SCHEMA_VERSION}")

@@ -5,6 +5,7 @@ A job outlives the server. What is known of it is in its folder: `job.json` and 
 
 from __future__ import annotations
 
+import math
 import os
 import shlex
 import shutil
@@ -22,18 +23,21 @@ import psutil
 from pydantic import Field
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.files import write_json
+from cranktopo.base.files import check_input, from_json, read_text_file, write_json
 from cranktopo.base.notes import pace_of
 from cranktopo.base.result import Result
 
 JobState = Literal["running", "done", "stopped", "failed"]
 _JOB, _NOTES, _CODE, _OUT, _DESIGN = "job.json", "notes.txt", "code", "out", "design.toml"
+_STDOUT = "stdout.txt"
 _SAVED = "manifest.json"
 """In a run that resumes, whatever else a kill keeps back."""
 _LAST = ["nice", "-n", "19"]
 """Before the words of a job that nobody asked for: whatever else runs goes first."""
 _SHELL = '"$@" >stdout.txt 2>>notes.txt; echo $? >code.tmp; mv code.tmp code'
 _TAIL = 4000
+_MOST_MIB = 256
+"""Of what a job printed."""
 
 _GOAL = ("minimise", "maximise", "limit", "web")
 KINDS: Mapping[str, tuple[str, ...]] = {
@@ -91,8 +95,8 @@ class BenchJob:
     @property
     def code(self) -> int | None:
         """Exit code; None while it runs, or where it was killed."""
-        with suppress(OSError, ValueError):
-            return int((self.place / _CODE).read_text(encoding="ascii"))
+        with suppress(CranktopoError, ValueError):
+            return int(self._text(_CODE))
         return None
 
     @property
@@ -165,9 +169,17 @@ class BenchJob:
 
     def stdout(self) -> str:
         """Return what it printed."""
-        with suppress(OSError):
-            return (self.place / "stdout.txt").read_text(encoding="utf-8", errors="replace")
+        with suppress(CranktopoError):
+            return self._text(_STDOUT)
         return ""
+
+    def printed(self) -> Any:
+        """Return the JSON that it printed; raises ValueError where that is none."""
+        return from_json(self.stdout())
+
+    def _text(self, name: str) -> str:
+        path = self.place / name
+        return read_text_file(path, f"'{path}'", _MOST_MIB, otherwise="latin-1")
 
     def stop(self) -> None:
         """Interrupt it as Ctrl-C does, so that it saves what it has."""
@@ -197,10 +209,13 @@ class BenchJob:
         return found and {"share": found[0], "left": found[1]}
 
     def _notes(self) -> list[str]:
-        with suppress(OSError), (self.place / _NOTES).open("rb") as file:
-            file.seek(0, os.SEEK_END)
-            file.seek(max(0, file.tell() - _TAIL))
-            text = file.read().decode("utf-8", "replace").replace("\r", "\n")
+        path = self.place / _NOTES
+        with suppress(OSError, CranktopoError):
+            check_input(path, f"'{path}'", math.inf)
+            with path.open("rb") as file:
+                file.seek(0, os.SEEK_END)
+                file.seek(max(0, file.tell() - _TAIL))
+                text = file.read().decode("utf-8", "replace").replace("\r", "\n")
             return [line for line in text.splitlines() if line.strip()]
         return []
 

@@ -5,7 +5,6 @@ It is a job as any other, with the least priority. It ends when the design moves
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Sequence
 
@@ -78,6 +77,6 @@ class Proof:
 def _reason(job: BenchJob) -> str:
     """Return the message of the error that a job printed."""
     try:
-        return str(json.loads(job.stdout())["error"]["message"])
+        return str(job.printed()["error"]["message"])
     except (ValueError, KeyError, TypeError):
         return f"exit code {job.code}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 from pathlib import Path
 
@@ -33,7 +32,7 @@ def job_numbers(job: BenchJob) -> dict[str, float]:
         return {}
     try:
         return reader[job.known.kind](job)
-    except (CranktopoError, ValueError):  # it failed, and has no result
+    except (CranktopoError, ValueError, IndexError):  # it failed, and has no result
         return {}
 
 
@@ -50,12 +49,12 @@ def job_words(job: BenchJob) -> list[str]:
                 return ["no web of the design space keeps all limits"]
             return [f"no web of the design space has {bound.quantity} beyond {bound.value:.4g}"]
         if job.known.kind == "shaft":
-            return _shaft_words(ShaftAssessment.of_json(json.loads(job.stdout()), _place(job)))
+            return _shaft_words(ShaftAssessment.of_json(job.printed(), _place(job)))
         if job.known.kind == "evaluate":
             return _evaluation_words(_evaluation(job))
         if job.known.kind == "extract":
             return [f"surface written: {(job.place / 'surface.stl').resolve()}"]
-    except (CranktopoError, ValueError):
+    except (CranktopoError, ValueError, IndexError):
         return []
     return [line for line in job.stdout().splitlines() if line.strip()][:1]
 
@@ -65,15 +64,15 @@ def _shape(job: BenchJob) -> ShapeResult:
 
 
 def _fatigue(job: BenchJob) -> FatigueResult:
-    return FatigueResult.of_json(json.loads(job.stdout()), _place(job))
+    return FatigueResult.of_json(job.printed(), _place(job))
 
 
 def _bound(job: BenchJob) -> ProvenBound:
-    return BoundResult.of_json(json.loads(job.stdout()), _place(job)).bound
+    return BoundResult.of_json(job.printed(), _place(job)).bound
 
 
 def _evaluation(job: BenchJob) -> EvaluationResult:
-    return EvaluationList.of_json(json.loads(job.stdout()), _place(job)).evaluations[0]
+    return EvaluationList.of_json(job.printed(), _place(job)).evaluations[0]
 
 
 def _place(job: BenchJob) -> str:

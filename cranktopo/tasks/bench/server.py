@@ -273,7 +273,7 @@ class _Talk(_Guarded, WebSocketHandler):
             decoded = from_json(message if isinstance(message, str) else message.decode())
             if not isinstance(decoded, dict):
                 raise ValueError
-        except (ValueError, RecursionError):
+        except ValueError:
             self.close(1003)
             return
         await self.server.bench.hear(decoded, self.tell)

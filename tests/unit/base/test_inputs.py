@@ -78,7 +78,7 @@ def test_values_in_messages() -> None:
     assert quoted([1, 16**5000]) == "a number of thousands of digits"
 
 
-@pytest.mark.parametrize("text", ["[" * 101 + "]" * 101, '{"a": ' * 101 + "1" + "}" * 101])
+@pytest.mark.parametrize("text", ["[" * 101 + "]" * 101, '{"a": ' * 101 + "1" + "}" * 101, "[" * 10**6])
 def test_json_of_too_many_levels(text: str) -> None:
     """Some versions of Python read 2000 levels, and what walks them ends by a RecursionError."""
     with pytest.raises(ValueError, match="more than 100 levels"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import time
 from pathlib import Path
@@ -102,6 +103,26 @@ def finished(folder: Path, kind: str, printed: object, code: int = 0) -> BenchJo
         (place / name).write_text(text, encoding="utf-8")
     (place / "design.toml").write_text(TEXT, encoding="utf-8")
     return Jobs(folder).job(place.name)
+
+
+@pytest.mark.parametrize("name", ["stdout.txt", "notes.txt", "code"])
+@pytest.mark.parametrize(
+    "content", ["[" * 10**5, '{"evaluations": []}', '{"mass": NaN}', "pipe", "/dev/zero"]
+)
+def test_a_stored_job_that_was_changed_tells_nothing(tmp_path: Path, name: str, content: str) -> None:
+    """A pipe that nobody writes to, or a device without an end, held the server for ever."""
+    job = finished(tmp_path, "evaluate", {})
+    (job.place / "notes.txt").touch()
+    (job.place / name).unlink()
+    if content == "pipe":
+        os.mkfifo(job.place / name)
+    elif content == "/dev/zero":
+        (job.place / name).symlink_to(content)
+    else:
+        (job.place / name).write_text(content, encoding="utf-8")
+    assert job_words(job) == []
+    assert job_numbers(job) == {}
+    assert job.as_json()["state"] == ("stopped" if name == "code" else "done")
 
 
 def test_the_words_of_an_evaluation_and_of_a_shaft(tmp_path: Path) -> None:
