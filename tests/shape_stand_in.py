@@ -76,7 +76,7 @@ class ShapeStandIn:
         export_solid(scene, "half", run.path / "web.stl", 6.0)
         result = ShapeResult.of_json(self._data(scene), "shape.json")
         (run.path / "shape.json").write_text(json.dumps(result.as_json()))
-        run.set_done("shape.json")
+        run.set_done(["shape.json", "web.stl", "web.toml"])
         return ShapedRun(run.path, result)
 
     def _data(self, scene: Scene) -> dict[str, Any]:

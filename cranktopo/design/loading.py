@@ -26,7 +26,7 @@ from cranktopo.design.rod_body import rod_mass
 from cranktopo.design.scene_files import with_resolved_files
 from cranktopo.design.schema import Original, Scene
 from cranktopo.design.toml_text import parse_toml
-from cranktopo.runs.directories import RUNS, runs_named
+from cranktopo.runs.directories import RUNS, open_run, runs_named
 from cranktopo.runs.kind import RESULT_FILES, SHAPE
 
 _PART = re.compile(r"([A-Za-z_]\w*)((?:\[\d+\])*)")
@@ -199,7 +199,9 @@ def shaped_web(reference: str) -> Path | None:
     names = [] if os.path.isdir(reference) else runs_named(reference)
     folder = RUNS / names[0] if len(names) == 1 else Path(reference)
     web = folder / _SHAPED
-    return web if reference and (folder / RESULT_FILES[SHAPE]).is_file() and web.is_file() else None
+    if not (reference and (folder / RESULT_FILES[SHAPE]).is_file() and web.is_file()):
+        return None
+    return open_run(folder).unchanged(_SHAPED)
 
 
 def design_text(design: str) -> str:

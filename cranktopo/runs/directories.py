@@ -90,17 +90,26 @@ class RunStore:
         """Record the status; every status but "running" also records the time as the end of the run."""
         self._record(status=status, ended=None if status == "running" else timestamp())
 
-    def set_done(self, result: str) -> None:
-        """Record that the run has ended, with the hash of the file of this name, which holds its result."""
-        path = self.path / result
-        digest = file_hash(path) if path.is_file() else ""
-        self._record(status="done", ended=timestamp(), result_sha256=digest)
+    def set_done(self, results: Sequence[str]) -> None:
+        """Record that the run has ended, with the hash of each file of these names that it has."""
+        digests = {name: file_hash(self.path / name) for name in results if (self.path / name).is_file()}
+        self._record(status="done", ended=timestamp(), results_sha256=digests)
+
+    def unchanged(self, name: str) -> Path:
+        """Return a file of the run; raises CranktopoError where it is not as it was when the run ended."""
+        path, written = self.path / name, self.manifest().results_sha256.get(name)
+        if written and file_hash(path) != written:
+            raise CranktopoError(
+                f"'{path}': changed since the run wrote it.",
+                hint="Restore that file, start a new run, or use a copy of it elsewhere.",
+            )
+        return path
 
     def resume(self) -> None:
         """Mark the run as running again, with the time, and clear what a killed process left unfinished."""
         sweep_temporaries(self.path)
         resumed = (*self.manifest().resumed, timestamp())
-        self._record(status="running", ended=None, resumed=resumed, result_sha256="")
+        self._record(status="running", ended=None, resumed=resumed, results_sha256={})
 
     def _record(self, **changes: Any) -> None:
         write_json(self.path / _MANIFEST, self.manifest().model_copy(update=changes).as_json())

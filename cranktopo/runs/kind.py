@@ -16,7 +16,6 @@ from cranktopo.base.files import read_json
 from cranktopo.base.interruption import closed_by
 from cranktopo.runs.destination import locked
 from cranktopo.runs.directories import RunStore, delete_folder
-from cranktopo.runs.manifest import file_hash
 
 RunKind = Literal["optimise", "iterate", "shape", "sweep", "each-web"]
 """Makers of runs: a density optimisation, the loop over many, a shape optimisation, a sweep, a shape
@@ -34,6 +33,8 @@ RESULT_FILES: dict[RunKind, str] = {
     "each-web": "each-web.json",
 }
 """Name of the file that a run of each kind writes last."""
+_WEBS = ("web.stl", "web.toml")
+"""Names of the files with the web of a run, which other commands take."""
 
 
 def kind_of(run: RunStore) -> RunKind:
@@ -86,18 +87,13 @@ def require_kind(run: RunStore, required: RunKind) -> None:
 
 def result_file(run: RunStore) -> Path:
     """Return the file with what a run reached; raises CranktopoError before its end, or if it was changed."""
-    path = run.path / RESULT_FILES[kind_of(run)]
+    name = RESULT_FILES[kind_of(run)]
     if not has_result(run):
         raise CranktopoError(
-            f"run '{run.path}': not finished, {path.name} is missing.",
+            f"run '{run.path}': not finished, {name} is missing.",
             hint=f"Continue it with: {resume_command(run)}",
         )
-    written = run.manifest().result_sha256
-    if written and file_hash(path) != written:
-        raise CranktopoError(
-            f"'{path}': changed since the run wrote it.", hint="Restore that file, or start a new run."
-        )
-    return path
+    return run.unchanged(name)
 
 
 @contextmanager
@@ -162,7 +158,7 @@ def working_in(run: RunStore, kept: str) -> Iterator[Callable[[], None]]:
         try:
             with closed_by(interrupted), interruptible() as check:
                 yield check
-            run.set_done(RESULT_FILES[kind_of(run)])
+            run.set_done([RESULT_FILES[kind_of(run)], *_WEBS])
         except (KeyboardInterrupt, Exception) as error:
             if not _is_interruption(error):
                 if _leaves_nothing(run, error):

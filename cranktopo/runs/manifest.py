@@ -59,8 +59,8 @@ class Manifest(Result):
     resumed: tuple[str, ...] = ()
     seed: int
     settings_sha256: str
-    result_sha256: str = ""
-    """Of the file that holds what the run reached, once it has ended."""
+    results_sha256: dict[str, str] = Field(default_factory=dict)
+    """Of the files with what the run reached, by name, once it has ended."""
     inputs: dict[str, InputFile] = Field(default_factory=dict)
     """By their roles."""
     versions: dict[str, str | None]

@@ -141,7 +141,7 @@ def _run_web(run: RunStore) -> Path | None:
             hint="Name its design, or the folder of one of its searches.",
         )
     if kind == SHAPE:
-        return run.path / _WEB
+        return run.unchanged(_WEB)
     if kind != LOOP:
         return _newest_remodel(run)
     loop = _Loop.read(result_file(run))

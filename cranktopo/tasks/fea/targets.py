@@ -185,8 +185,7 @@ def _of_scene(scene: Scene, kept: _Kept) -> Target:
 
 def _run(run: RunStore) -> Target:
     require_kind(run, "optimise")
-    surface = run.path / _RUN_SURFACE
-    if not surface.is_file():
+    if not (run.path / _RUN_SURFACE).is_file():
         raise CranktopoError(
             f"target '{run.path}': {_RUN_SURFACE} is missing, so this is no finished run.",
             hint="Run `cranktopo optimise` to its end, or give an STL file and --design.",
@@ -197,6 +196,7 @@ def _run(run: RunStore) -> Target:
         scene, _kept_features(fillets=True)
     )  # of which the surface of a run has none
     planned = planned_scene(scene)
+    surface = run.unchanged(_RUN_SURFACE)
     return Target(run.name, planned, surface, run.path, assumed=assumed, left_out=left_out, design=scene)
 
 

@@ -123,7 +123,7 @@ def read_record(run: RunStore, stresses: bool = False) -> RunRecord:
     metrics = RunMetrics.read(result_file(run))
     scene = planned_scene(design_from_run(run))
     surface = metrics.files.get("stl")
-    mesh = read_stl(run.path / surface) if surface else None
+    mesh = read_stl(run.unchanged(surface)) if surface else None
     stress = _stress(run, scene, surface, stresses) if surface else None
     return record_of(run, metrics, run.read_history(), scene, mesh, _snapshots(run, scene), stress)
 

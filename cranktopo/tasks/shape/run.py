@@ -291,8 +291,8 @@ def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> SurfaceMesh:
 def finished_page(run: RunStore) -> Page:
     """Return the page of a finished shape optimisation from its files; raises CranktopoError."""
     found = ShapeResult.read(result_file(run))
-    scene, shaped = design_from_run(run), load_scene(str(run.path / _FILES.design))
-    bodies = _bodies(scene, shaped, read_stl(run.path / _FILES.stl))
+    scene, shaped = design_from_run(run), load_scene(str(run.unchanged(_FILES.design)))
+    bodies = _bodies(scene, shaped, read_stl(run.unchanged(_FILES.stl)))
     return shape_page(found, run.manifest(), scene, bodies)
 
 

@@ -137,6 +137,16 @@ def test_a_result_that_was_changed_since_the_run_wrote_it(
     assert read_result(run) == {"mass_kg": 0.5}, "a run that goes on writes another one"
 
 
+def test_a_web_that_was_changed_since_the_run_wrote_it(run: RunStore) -> None:
+    with working_in(run, "nothing is kept"):
+        (run.path / "web.stl").write_bytes(b"solid")
+    assert run.unchanged("web.stl") == run.path / "web.stl"
+    assert run.unchanged("web.toml") == run.path / "web.toml", "it never had one"
+    (run.path / "web.stl").write_bytes(b"other")
+    with pytest.raises(CranktopoError, match=r"web.stl': changed since the run wrote it"):
+        run.unchanged("web.stl")
+
+
 def test_a_device_or_pipe_is_never_replaced_by_a_file(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "device").symlink_to("/dev/full")
