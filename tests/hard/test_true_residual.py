@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 
 import jax.numpy as jnp
 import numpy as np
@@ -14,6 +14,7 @@ from scipy.ndimage import gaussian_filter
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.design.loading import load_scene
+from cranktopo.design.named import with_values
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.grid.boundary_conditions import CaseSupports
 from cranktopo.numerics.grid.lattice import CORNERS, Lattice, layer_blocks, parity_sum_of
@@ -40,15 +41,16 @@ def smooth(shape: tuple[int, ...], widths: float = 1.5) -> Array:
 
 @dataclass(frozen=True)
 class Hidden:
-    """A throw that moves much further than it bends: density of the web, penalty, bearing springs."""
+    """A throw that moves much further than it bends: density of the web, penalty, bearing springs, sizes."""
 
     density: Callable[[tuple[int, ...]], Array]
     penalty: float = 3.0
     spring: float | None = None
     floor: float | None = None
+    sizes: Mapping[str, float] = field(default_factory=dict)
 
     def scene(self) -> Scene:
-        plain = load_scene("mikron-iiic-plain")
+        plain = with_values(load_scene("mikron-iiic-plain"), self.sizes)
         if self.spring is None:
             return plain
         changed = {"torsion": "spring", "bending": "spring", "bearing_spring_N_per_mm": self.spring}
@@ -64,6 +66,13 @@ class Hidden:
         return np.asarray(chain.passive_fraction.at[:, :, first:last].add(web))
 
 
+GAP_150_MM = {
+    "throw.radius_mm": 192.0,
+    "engine.rod_length_mm": 600.0,
+    "engine.bore_mm": 100.0,
+    "envelope.y_max_mm": 226.0,
+}
+"""Between journals of 42 mm; the engine is one that has such a stroke."""
 CASES = {
     "moduli from 1e-12 to 1": Hidden(lambda shape: smooth(shape, 0.0), floor=1e-12),
     "penalty 6, density to 0.3": Hidden(lambda shape: 0.3 * smooth(shape), penalty=6.0),
@@ -71,6 +80,9 @@ CASES = {
     "density 0.02": Hidden(lambda shape: np.full(shape, 0.02)),
     "bearings of 10 N/mm": Hidden(smooth, spring=10.0),
     "bearings of 1000 N/mm": Hidden(smooth, spring=1000.0),
+    "gap of 150 mm, smooth": Hidden(smooth, sizes=GAP_150_MM),
+    "gap of 150 mm, white": Hidden(lambda shape: smooth(shape, 0.0), sizes=GAP_150_MM),
+    "gap of 150 mm, 0/1 cells": Hidden(lambda shape: np.round(smooth(shape, 0.0)), sizes=GAP_150_MM),
 }
 
 
