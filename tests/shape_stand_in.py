@@ -16,7 +16,7 @@ from cranktopo.design.writing import toml_text
 from cranktopo.runs.directories import RunStore, create_run, open_run
 from cranktopo.tasks.shape.optimum import ShapeSettings
 from cranktopo.tasks.shape.result import ShapeResult
-from cranktopo.tasks.shape.run import ShapedRun
+from cranktopo.tasks.shape.run import ShapedRun, kept_settings
 from tests.told_evaluation import told_evaluation
 
 ORIGINAL = {
@@ -57,7 +57,7 @@ class ShapeStandIn:
             design=scene.name,
             design_toml=toml_text(scene, "design"),
             scene=scene.model_dump(mode="json"),
-            options={"shape": {}},
+            options={"shape": kept_settings(settings)},
             command=command,
             out=out,
         )
@@ -89,9 +89,9 @@ class ShapeStandIn:
             "status": "converged",
             "stop_reason": "as it was told",
             "original": told_evaluation(),
-            "change_percent": {},
+            "change_percent": {name: 100 * (now[name] / ORIGINAL[name] - 1) for name in now},
             "parameters": [],
-            "worst_case_percent": {},
+            "worst_case_percent": {"tolerance": 0.1},
             "prices": [],
             "goal_on_cells": {},
             "prices_remainder_percent": 0.0,
