@@ -1,5 +1,7 @@
 """Damaged STEP, STL and stored files of every kind: exit codes, no traceback, no signal, no long wait.
 
+What a command tells of stored files is that of the sound ones, or it refuses them.
+
 `python -m tests.hostile.test_damaged_files KIND FIRST COUNT` prints a summary by exit code and every fault;
 the kinds are those of `SLOW`.
 """
@@ -144,10 +146,24 @@ def faults_of(kind: str, seeds: range, folder: Path) -> tuple[list[str], Counter
             codes[ended.code] += 1
             longest = max(longest, ended.seconds)
             faults = [fault for fault in ended.faults if not fault.startswith("writes")]  # a run that fails
+            if kind in STORED and _believes(case, files, ended, folder):
+                faults.append(f"tells what was changed: {ended.stdout[-400:]}")
             if faults:
                 what = "; ".join(faults)
                 found.append(f"{kind} {seed}: {' '.join(case.arguments)}: {what}: {ended.stderr[-400:]}")
     return found, codes, longest
+
+
+def _believes(case: Case, files: Files, ended: outcome.Outcome, folder: Path) -> bool:
+    """Tell whether a command that ended well told other than of the sound files; a list names damage."""
+    if ended.code != ExitCode.DONE or case.arguments[:2] == ["runs", "list"]:
+        return False
+    place = folder / f"sound {' '.join(case.arguments)}".replace("/", "-")
+    told = place / ".told"
+    if not place.exists():
+        place.mkdir()
+        told.write_text(outcome.run_case(Case(case.arguments, dict(files)), place).stdout, encoding="utf-8")
+    return ended.stdout != told.read_text(encoding="utf-8")
 
 
 @contextmanager
