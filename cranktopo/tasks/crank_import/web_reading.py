@@ -76,7 +76,7 @@ class ReadWeb:
         ):
             apart = one - other
             if apart.volume() > _TOLD * self.solid.volume():
-                x, y, z = largest_middle_mm(apart)
+                x, y, z = _largest_centre_mm(apart)
                 yield f"{what} {apart.volume():.4g} mm3, most of it near ({x:.4g}, {y:.4g}, {z:.4g}) mm"
 
     def differences_from(self, body: HalfBody) -> Iterator[str]:
@@ -94,12 +94,6 @@ class ReadWeb:
     def differs_mm3(self) -> float:
         """Volume in which body and scene differ."""
         return self.missing_mm3 + self.extra_mm3
-
-
-def largest_middle_mm(solid: Manifold) -> Array:
-    """Return the middle of the box of the largest part of a solid."""
-    box = max(solid.decompose(), key=lambda part: part.volume()).bounding_box()
-    return np.array(box).reshape(2, 3).mean(axis=0)
 
 
 def _largest_centre_mm(solid: Manifold) -> Array:

@@ -89,6 +89,9 @@ def test_a_boss_and_a_lack_are_told() -> None:
     adds = list(ReadWeb(scene, "obround", 0.0, 0.0, block, block + boss).differences)
     assert adds == ["the design adds 360 mm3, most of it near (13, 13, 25) mm"]
     assert not list(ReadWeb(scene, "obround", 0.0, 0.0, block, block).differences)
+    sliver = Manifold.cube((40.0, 40.0, 2e-4)).translate((0, 0, 20))
+    lacks = list(ReadWeb(scene, "obround", 0.0, 0.0, block + boss + sliver, block).differences)
+    assert lacks == ["the design lacks 360.3 mm3, most of it near (13.01, 13.01, 25) mm"], "not its box"
 
 
 def test_round_corners_are_no_shafts() -> None:
