@@ -27,7 +27,8 @@ _FEEDS = 1e3
 _LEFT_OUT = 1e-8
 """Most oil, over that of a full film, that the balance of a step may leave out; it is below 1e-10."""
 _LANDED, _PARTS = 2.0, (4, 2, 1)
-"""How many times a full cell may have been as thick before a step; parts of a step where it was more."""
+"""Thickness of a cell that carries before a step, over that after it, above which the journal lands; numbers
+of parts of such a step, the first that finds its balance taken."""
 _PA_PER_MPA = 1e6
 
 
@@ -131,7 +132,7 @@ def _passed(case: _Case, before: FilmState, place: int, cycle: int) -> tuple[Fil
         try:
             return _in_parts(case, before, place, cycle, count)
         except CranktopoError:
-            continue  # with a shorter step the void is emptier; a longer one may find its balance
+            continue  # in a very short step a void resists next to nothing; a longer one finds its balance
     return _in_parts(case, before, place, cycle, _PARTS[-1])
 
 
