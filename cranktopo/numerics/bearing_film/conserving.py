@@ -8,6 +8,7 @@ al. (ASME J. Tribology 132, 041702, 2010), with a symmetric M-matrix:
     0 <= pressure,  0 <= A pressure + (thickness - oil before) / step = void / step,  one of the two is 0.
 
 Flow and load are those of the middle of the step, oil and void those of its end: an implicit midpoint rule.
+Of a film that closes on a void it tells too little resistance; such a step takes the implicit rule of Euler.
 The full cells and the place of the journal are found at once, by Newton's method on the active set.
 """
 
@@ -23,6 +24,9 @@ from cranktopo.base.arrays import Array, Mask
 from cranktopo.base.errors import CranktopoError, solver_error
 from cranktopo.numerics.bearing_film.film_cells import Conductance, FilmCells, Thickness
 
+MIDPOINT, EULER = 0.5, 1.0
+"""Rules of a step, by when the film flows: in its middle, or, which is less exact and never goes too far, at
+its end."""
 _FAST = 60
 """Most steps of Newton's method on cells and place at once; it takes about five, more where a front runs."""
 _SAFE = 60
@@ -104,17 +108,20 @@ class FilmStep:
     supply: Supply
 
 
-def advanced(cells: FilmCells, before: FilmState, step: FilmStep) -> FilmState:
+def advanced(
+    cells: FilmCells, before: FilmState, step: FilmStep, rules: tuple[float, ...] = (MIDPOINT, EULER)
+) -> FilmState:
     """Return the film after a step.
 
-    A film that closes by more than a midpoint rule can tell is moved by the implicit rule of Euler.
+    Args:
+        rules: tried in this order: when the film flows, as part of the step.
 
     Raises:
         TouchingError: a tilted journal that its film does not keep off the end of the bearing.
         CranktopoError: a film that finds no balance, as where no oil is left to carry the load.
     """
     least = math.inf
-    for later in (0.5, 1.0):
+    for later in rules:
         for method in (_at_once, _in_turn):
             found, state = method(cells, before, step, later)
             if found:

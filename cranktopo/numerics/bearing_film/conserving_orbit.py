@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from cranktopo.base.arrays import Array, Complex
-from cranktopo.base.errors import solver_error
+from cranktopo.base.errors import CranktopoError, solver_error
 from cranktopo.base.units import MM2_PER_M2
-from cranktopo.numerics.bearing_film.conserving import FilmState, FilmStep, Supply, advanced, inside
+from cranktopo.numerics.bearing_film.conserving import EULER, FilmState, FilmStep, Supply, advanced, inside
 from cranktopo.numerics.bearing_film.film_cells import FilmCells
 from cranktopo.numerics.bearing_film.orbit import JournalBearing, LoadedJournal, Orbit
 
@@ -25,6 +26,9 @@ _FEEDS = 1e3
 """Conductance of hole or groove to a cell, dimensionless: films have less than a tenth of it."""
 _LEFT_OUT = 1e-8
 """Most oil, over that of a full film, that the balance of a step may leave out; it is below 1e-10."""
+_LANDED, _PARTS = 2.0, (4, 2, 1)
+"""Thickness of a cell that carries before a step, over that after it, above which the journal lands; numbers
+of parts of such a step, the first that finds its balance taken."""
 _PA_PER_MPA = 1e6
 
 
@@ -101,8 +105,9 @@ def conserved_orbit(
     for number in range(1, _CYCLES + 1):
         found = []
         for end in range(1, len(angle_deg) + 1):
-            state = advanced(case.cells, state, case.step(end, number))
-            found.append(case.reading(state, end, number))
+            parts = _passed(case, state, end, number)
+            state = parts[-1]
+            found.append(case.reading(parts, end, number))
         table = np.roll(np.array(found), 1, axis=0)
         now = float(table[:, 1].real.min()), float(table[:, 2].real.max())
         if last is not None and all(abs(a - b) <= _SAME * b for a, b in zip(now, last, strict=True)):
@@ -112,6 +117,38 @@ def conserved_orbit(
         f"oil film: the mass-conserving film is not steady after {_CYCLES} cycles.",
         "Feed more oil (supply_pressure_MPa, feed_hole_mm, feed_hole_deg), or check load and viscosity.",
     )
+
+
+def _passed(case: _Case, before: FilmState, place: int, cycle: int) -> tuple[FilmState, ...]:
+    """Return the film after a step, or after each of its parts where the journal lands on oil.
+
+    Where its load turns, a journal crosses the void within a step. In the middle of that the film is thick
+    and yields: by the midpoint rule the journal goes far too near to its bearing.
+    """
+    after = advanced(case.cells, before, case.step(place, cycle))
+    if not _lands(case.cells, before, after):
+        return (after,)
+    for count in _PARTS[:-1]:
+        try:
+            return _in_parts(case, before, place, cycle, count)
+        except CranktopoError:
+            continue  # in a very short step a void resists next to nothing; a longer one finds its balance
+    return _in_parts(case, before, place, cycle, _PARTS[-1])
+
+
+def _in_parts(case: _Case, state: FilmState, place: int, cycle: int, count: int) -> tuple[FilmState, ...]:
+    found = []
+    for part in range(count):
+        state = advanced(case.cells, state, case.step(place, cycle, part, count), (EULER,))
+        found.append(state)
+    return tuple(found)
+
+
+def _lands(cells: FilmCells, before: FilmState, after: FilmState) -> bool:
+    """Tell whether a cell that carries is far thinner than before the step."""
+    was = cells.thickness(before.eccentricity, before.tilt).cell
+    now = cells.thickness(after.eccentricity, after.tilt).cell
+    return bool((was > _LANDED * now)[after.pressure > 0].any())
 
 
 def _kept(found: ConservedOrbit) -> ConservedOrbit:
@@ -201,37 +238,44 @@ class _Case:
         """Return where the frame's axis points at a state of a cycle."""
         return complex(np.exp(1j * (self.frame[place] + (cycle - 1) * self.frame[-1])))
 
-    def step(self, place: int, cycle: int) -> FilmStep:
-        """Return the step that ends at a state of a cycle, 1 to their number."""
-        tilt = complex(self.tilt[place % len(self.tilt)]) / self.turn(place, cycle)
+    def step(self, place: int, cycle: int, part: int = 0, parts: int = 1) -> FilmStep:
+        """Return one of some equal parts of the step that ends at a state of a cycle, 1 to their number."""
+        middle, end = (part + 0.5) / parts, (part + 1) / parts
         area_mm2 = self.cells.width_over_diameter * self.journal.bearing.diameter_mm**2 / 2
         per_unit_N = self.unit_Pa * area_mm2 / MM2_PER_M2 * self.alike
-        load = self._middle(self.journal.load_N, place, cycle) / per_unit_N
-        return FilmStep(self.step_rad, load, tilt, self._supply(place, cycle))
+        load = self._within(self.journal.load_N, place, cycle, middle) / per_unit_N
+        tilt = self._within(self.tilt, place, cycle, end)
+        return FilmStep(self.step_rad / parts, load, tilt, self._supply(place, cycle, middle))
 
-    def _middle(self, values: Complex, place: int, cycle: int) -> complex:
-        """Mean of a value that stands still at both ends of a step, as the frame sees it."""
-        ends = [complex(values[n % len(values)]) / self.turn(n, cycle) for n in (place - 1, place)]
-        return sum(ends) / 2
+    def _within(self, values: Complex, place: int, cycle: int, share: float) -> complex:
+        """Value at a share of a step, as the frame sees it, of one that stands still at both ends."""
+        begin, end = (complex(values[n % len(values)]) / self.turn(n, cycle) for n in (place - 1, place))
+        return (1 - share) * begin + share * end
 
-    def _supply(self, place: int, cycle: int) -> Supply:
+    def _supply(self, place: int, cycle: int, share: float) -> Supply:
         pressure = self.feed.pressure_MPa * _PA_PER_MPA / self.unit_Pa
         cells, bearing, hole = self.cells, self.journal.bearing, self.feed.hole_rad
         if hole is None:
             strip = _FEEDS * self.groove * np.ones((cells.around, 1))
             return Supply(pressure, strip, at_begin=cells.sides == "groove")
-        away = np.abs(np.angle(np.exp(1j * cells.angle) / self._middle(np.exp(1j * hole), place, cycle)))
+        toward = self._within(np.exp(1j * hole), place, cycle, share)
+        away = np.abs(np.angle(np.exp(1j * cells.angle) / toward))
         around = _overlap(away, self.feed.hole_mm / bearing.diameter_mm, cells.step)
         along = _overlap(np.abs(cells.middles), self.feed.hole_mm / bearing.width_mm, cells.length)
         return Supply(pressure, _FEEDS * np.outer(around, along), at_begin=False)
 
-    def reading(self, after: FilmState, place: int, cycle: int) -> tuple[complex, ...]:
-        """Return eccentricity, least film, pressure, filling, fed oil, and oil that is not accounted for."""
-        own, tilt = after.eccentricity, after.tilt
-        filled = after.oil.sum() / self.cells.thickness(own, tilt).cell.sum()
-        least = 1 - max(abs(own + tilt), abs(own - tilt))
-        there = own * self.turn(place, cycle)
-        return there, least, after.pressure.max(), filled, after.fed, after.left_out
+    def reading(self, parts: Sequence[FilmState], place: int, cycle: int) -> tuple[complex, ...]:
+        """Return what is told of a step, of the films after its parts.
+
+        Eccentricity, least film, pressure, filling, fed oil, and oil that is not accounted for.
+        """
+        after = parts[-1]
+        filled = after.oil.sum() / self.cells.thickness(after.eccentricity, after.tilt).cell.sum()
+        least = min(1 - abs(one.eccentricity + way * one.tilt) for one in parts for way in (-1, 1))
+        pressure = max(float(one.pressure.max()) for one in parts)
+        fed = sum(one.fed for one in parts) / len(parts)
+        there = after.eccentricity * self.turn(place, cycle)
+        return there, least, pressure, filled, fed, max(one.left_out for one in parts)
 
     def result(self, table: Complex, cycles: int) -> ConservedOrbit:
         """Return the readings of a cycle with their units."""

@@ -27,7 +27,7 @@ NEAR = 1.5
 """A film below so many times the least thickness it may have, or above the most pressure over it, is near."""
 HOLE_SHARE, PIN_HOLE_DEG = 0.1, 90.0
 """Diameter of a feed hole over that of its journal, and a pin's angle ahead of its throw, if not given."""
-_UNSURE = 0.5
+_LACKING = 0.5
 """Film over that of the mobility method below which it is warned of."""
 _STEP_DEG = 2.0
 _MM3_PER_CM3 = 1e3
@@ -80,14 +80,14 @@ def with_conserving(
 
 
 def _warn_of_thin(scene: Scene, film: BearingFilm) -> None:
-    """Warn of a film far thinner than that of the mobility method: a slightly other load may give another."""
-    if film.conserving is None or film.conserving.film_um > _UNSURE * film.film_um:
+    """Warn of a film far thinner than that of the mobility method: its bearing lacks oil."""
+    if film.conserving is None or film.conserving.film_um > _LACKING * film.film_um:
         return
     thinner = 100 * (1 - film.conserving.film_um / film.film_um)
     warn(
         f"{scene.name}: {film.bearing}: its mass-conserving film is {thinner:.0f} % thinner than that of the "
-        f"mobility method, {film.film_um:.2f} um; usual are 20 to 30 %. A slightly other load, as of another "
-        "mesh, may give another film"
+        f"mobility method, {film.film_um:.2f} um; usual are 20 to 30 %. It lacks oil; look at "
+        "supply_pressure_MPa and at the place of its feed"
     )
 
 

@@ -254,8 +254,8 @@ def pulsed(supply_MPa: float, hole_mm: float = 6.0) -> tuple[Orbit, ConservedOrb
 
 @pytest.mark.slow
 def test_a_film_that_loses_oil_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
-    def leaking(cells: FilmCells, before: FilmState, step: FilmStep) -> FilmState:
-        return replace(advanced(cells, before, step), left_out=2e-8)
+    def leaking(cells: FilmCells, before: FilmState, step: FilmStep, *rules: tuple[float, ...]) -> FilmState:
+        return replace(advanced(cells, before, step, *rules), left_out=2e-8)
 
     monkeypatch.setattr(conserving_orbit, "advanced", leaking)
     with pytest.raises(CranktopoError, match=r"loses 2.0e-08 of its oil in a step, above 1e-08"):
@@ -266,9 +266,9 @@ def test_a_film_that_loses_oil_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> 
 def test_a_film_that_is_always_full_is_that_of_the_mobility_method(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without memory of its void; another grid, another frame and another rule of steps."""
 
-    def flooded(cells: FilmCells, before: FilmState, step: FilmStep) -> FilmState:
+    def flooded(cells: FilmCells, before: FilmState, step: FilmStep, *rules: tuple[float, ...]) -> FilmState:
         full = cells.thickness(before.eccentricity, before.tilt).cell
-        return advanced(cells, replace(before, oil=full), step)
+        return advanced(cells, replace(before, oil=full), step, *rules)
 
     monkeypatch.setattr(conserving_orbit, "advanced", flooded)
     mobility, found = pulsed(0.1, hole_mm=1e-9)

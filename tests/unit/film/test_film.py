@@ -312,7 +312,7 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_a_film_far_thinner_than_by_mobility_is_warned_of(caplog: pytest.LogCaptureFixture) -> None:
-    """A main bearing had 5.3 um on one mesh and 0.95 um on another, with 5.5 um by the mobility method."""
+    """Such a film lacks oil: a starved one is told, one a little thinner is usual."""
     (at,) = oil_films(scene()).speeds
     own = {"film_deg": 470.0, "pressure_MPa": 150.0, "pressure_deg": 8.0, "least_filled": 0.5}
     for um, warned in ((5.3, False), (0.95, True)):
