@@ -1,4 +1,4 @@
-"""The one place where what a command says leaves the program: sentences in lines of 80 letters, or JSON.
+"""The one place where what a command says leaves the program: sentences in lines of 80 letters, errors, or JSON.
 
 A file or a pipe gets the same lines as a terminal.
 """
@@ -31,9 +31,8 @@ def pass_on(text: str) -> None:
 
 
 def tell_error(message: str) -> None:
-    """Print what is wrong on stderr; raises OSError where it cannot take it."""
-    shown = _folded(f"error: {message}").removeprefix("error:")
-    click.echo(f"{coloured('error:', 'red', err=True)}{shown}", err=True)
+    """Print what is wrong on stderr in one line, however long: logs and other programs look for it."""
+    click.echo(f"{coloured('error:', 'red', err=True)} {message}", err=True)
 
 
 def coloured(text: str, colour: str, err: bool = False) -> str:

@@ -365,7 +365,7 @@ def test_what_optimisers_tell_of_the_original(capsys, tmp_path, monkeypatch, sce
     path.write_text(IN_AN_ENVELOPE[scene])
     found = told(capsys, path, OPTIMISED)
     with capsys.disabled():
-        check(found, least=31)
+        check(found, least=46)
 
 
 @pytest.mark.parametrize(

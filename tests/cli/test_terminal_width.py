@@ -15,6 +15,7 @@ import pytest
 import cranktopo
 from cranktopo.app.main import main
 from cranktopo.base.units import number_text, plain_number
+from cranktopo.cli import output
 from cranktopo.report.result_table import WIDTH, ResultTable, labelled, terminal, text_table
 from tests.every_command import every_command
 
@@ -67,7 +68,14 @@ SLOW = (
 )
 
 
-_COPIED = re.compile(r"\s*cranktopo ")
+_FOLDED = output._folded
+"""As the program has it; taken before any fixture is made."""
+_COPIED = re.compile(r"\s*cranktopo |error: ")
+
+
+@pytest.fixture(autouse=True)
+def folded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(output, "_folded", _FOLDED)
 
 
 @pytest.mark.parametrize("line", [*FAST, *(pytest.param(line, marks=pytest.mark.slow) for line in SLOW)])
@@ -78,7 +86,7 @@ def test_lines_fit(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """A longer line is one command to copy, one path or another word, alone."""
+    """A longer line is an error, or one command to copy, one path or another word, alone."""
     monkeypatch.chdir(tmp_path)
     if "{" in line:
         run: Path = request.getfixturevalue("default_run")
@@ -151,8 +159,8 @@ def test_all_that_is_said_leaves_at_one_place() -> None:
 def test_an_error_and_a_command_to_copy(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The error is one line of 300 letters; the folder has spaces, its file is named in a sentence and in a
-    command."""
+    """An error is one line, of 300 letters here; the folder has spaces, its file is named in a sentence and
+    in a command."""
     folder = tmp_path / "designs of the engine that stands in the shed beside the house"
     folder.mkdir()
     monkeypatch.chdir(folder)
@@ -161,7 +169,5 @@ def test_an_error_and_a_command_to_copy(
     command = shlex.join(["cranktopo", "compare", str(file), "--baseline", "mikron-iiic"])
     assert capsys.readouterr().out == f"{file}:\n  edit it, then for example:\n  {command}\n"
     assert main(["loads", "nothing"]) == 3
-    lines = capsys.readouterr().err.splitlines()
-    assert len(lines) > 2
-    assert max(map(len, lines)) <= WIDTH
-    assert all(line.startswith("  ") for line in lines[1:])
+    (error,) = capsys.readouterr().err.splitlines()
+    assert len(error) > 300
