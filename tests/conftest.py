@@ -88,7 +88,7 @@ def patient() -> Iterator[None]:
 
 @pytest.fixture(scope="session", autouse=True)
 def whole_sentences() -> Iterator[None]:
-    """Sentences on one line each, as tests look for them; `tests/cli/test_terminal_width.py` has them folded."""
+    """Sentences on one line each, as tests look for them; `test_terminal_width.py` has them folded."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr("cranktopo.cli.output._folded", str)
         yield

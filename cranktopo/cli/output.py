@@ -1,4 +1,4 @@
-"""The one place where what a command says leaves the program: sentences in lines of 80 letters, errors, or JSON.
+"""The one place where what a command says leaves the program: sentences in lines of 80 letters, or JSON.
 
 A file or a pipe gets the same lines as a terminal.
 """
