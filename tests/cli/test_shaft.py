@@ -125,7 +125,7 @@ def test_the_shaft_stands_on_all_its_bearings(
     assert 0.4 < min(shares) < 0.65 < max(shares) < 0.9
     assert [bearing["bearing"] for bearing in at["main_bearings"]] == [1, 2, 3, 4, 5]
     assert main(["shaft", "mikron-iiic-plain", "--element-size-mm", "24", "--speeds", "900:2100:3"]) == 0
-    lines = capsys.readouterr().out.splitlines()
+    lines = in_width(capsys.readouterr().out).splitlines()
     assert [line.split()[0] for line in lines if line.startswith(("900 ", "1500 ", "2100 "))]
     assert max(map(len, lines)) <= 80
     assert "The pressure is that of 2100 rpm at every speed: with less load it is lower;" in lines
