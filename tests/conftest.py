@@ -86,6 +86,14 @@ def patient() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="session", autouse=True)
+def whole_sentences() -> Iterator[None]:
+    """Sentences on one line each, as tests look for them; `test_terminal_width.py` has them folded."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("cranktopo.cli.output._folded", str)
+        yield
+
+
 @pytest.fixture(scope="session")
 def default_run(shared: Path) -> Path:
     """The default run on coarse cells to its end, one for all test processes, not to be changed."""

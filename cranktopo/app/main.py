@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 import os
 import re
 import sys
@@ -17,7 +16,7 @@ from cranktopo.base.interruption import cut_off
 from cranktopo.base.machine import check_addresses
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.cli.group import LazyGroup, found_commands
-from cranktopo.cli.verbosity import coloured
+from cranktopo.cli.output import tell, tell_error
 
 
 def _prepare_streams() -> None:
@@ -266,10 +265,10 @@ def _system_error(error: OSError) -> CranktopoError:
 def _report(error: CranktopoError, arguments: list[str]) -> int:
     if "--json" in arguments:
         try:
-            click.echo(json.dumps(error.as_json()))
+            tell(error.as_json(), indent=None)
         except OSError:
             _discard(1)
-    click.echo(f"{coloured('error:', 'red', err=True)} {error}", err=True)
+    tell_error(str(error))
     return int(error.code)
 
 

@@ -1,9 +1,8 @@
-"""Messages of a long command on stderr: --quiet, --verbose, and colour only where it is wanted."""
+"""Messages of a long command on stderr: --quiet and --verbose."""
 
 from __future__ import annotations
 
 import logging
-import os
 import subprocess
 import sys
 import threading
@@ -18,6 +17,7 @@ import click
 
 from cranktopo.base.notes import QUIET_S as _QUIET_S
 from cranktopo.base.notes import running
+from cranktopo.cli.output import tell
 from cranktopo.cli.watchdog_process import waited
 
 _LEVEL = "cranktopo.verbosity"
@@ -65,7 +65,7 @@ class _Stderr(logging.Handler):
         self.last_record_s = self.last_line_s = time.monotonic()
         bars = sys.modules.get("tqdm")
         with bars.tqdm.external_write_mode(file=sys.stderr) if bars else nullcontext():
-            click.echo(record.getMessage(), err=True)
+            tell(record.getMessage(), err=True)
 
     def tell_waits(self, command: str, ended: threading.Event, quiet_s: float) -> None:
         """Tell what runs when no line has come for some seconds, then after twice the time, up to a limit."""
@@ -77,7 +77,7 @@ class _Stderr(logging.Handler):
             took = time.monotonic() - last
             if not _has_progress_bar():
                 self.last_line_s = time.monotonic()
-                click.echo(f"{running() or command}: {waited(took)} so far", err=True)
+                tell(f"{running() or command}: {waited(took)} so far", err=True)
             wait = took + min(took, _LONGEST_S)
 
     def beat(self, command: str, ended: threading.Event) -> None:
@@ -146,12 +146,6 @@ def level() -> int:
     """Return the level that the running command was given."""
     context = click.get_current_context(silent=True)
     return NORMAL if context is None else int(context.meta.get(_LEVEL, NORMAL))
-
-
-def coloured(text: str, colour: str, err: bool = False) -> str:
-    """Return text in a colour on a terminal; plain in a pipe and where NO_COLOR is set (no-color.org)."""
-    stream = sys.stderr if err else sys.stdout
-    return text if os.environ.get("NO_COLOR") or not stream.isatty() else click.style(text, fg=colour)
 
 
 def _set(level: int, context: click.Context, parameter: click.Parameter, value: bool) -> None:

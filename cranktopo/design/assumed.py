@@ -36,7 +36,6 @@ _CONSEQUENCES = {
     "loss_factor": "nothing damps that shaft's twist",
 }
 """Meaning of a key's default, for keys whose number alone does not say it."""
-_WIDTH = 110
 _QUIET = {
     "m53_factors",
     "indicator_csv",
@@ -130,15 +129,8 @@ def filter_by_table(entries: Sequence[Assumption], tables: Sequence[str]) -> tup
 
 
 def assumed_text(entries: Sequence[Assumption]) -> str:
-    """For the terminal, wrapped to its lines; empty when everything is given."""
-    if not entries:
-        return ""
-    lines = ["assumed:"]
-    for item in entries:
-        piece = f" {item}{'' if item is entries[-1] else ';'}"
-        lines += [" "] if len(lines[-1] + piece) > _WIDTH else []
-        lines[-1] += piece
-    return "\n".join(lines)
+    """Return them in one line; empty when everything is given."""
+    return f"assumed: {'; '.join(map(str, entries))}" if entries else ""
 
 
 def _seat(scene: Scene) -> Iterator[Assumption]:

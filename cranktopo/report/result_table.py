@@ -12,10 +12,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Generic, TypeVar
 
+from cranktopo.base.line_width import WIDTH
 from cranktopo.base.units import enough_decimals, stem_and_unit
 
-WIDTH = 80
-"""Letters of a line of the terminal that every table fits in."""
 _WORDS = 16
 """A column of words is not made narrower; where that does not suffice the table is folded by columns."""
 _LONGEST_WORD = 38
@@ -74,19 +73,6 @@ def text_table(align: str, header: Sequence[str], rows: Sequence[Sequence[str]])
 def labelled(rows: Sequence[tuple[str, str]]) -> str:
     """Return texts beside their labels; a long text goes on below itself."""
     return text_table("ll", ("", ""), rows)
-
-
-def in_width(text: str) -> str:
-    """Return a text in lines of at most `WIDTH` letters: sentences go on below, rows of tables stay."""
-    return "\n".join(map(_sentence, text.splitlines()))
-
-
-def _sentence(line: str) -> str:
-    if "  " in line.strip():
-        return line
-    indent = " " * (len(line) - len(line.lstrip()))
-    below = f"{indent}  " if indent else ""
-    return textwrap.fill(line, WIDTH, subsequent_indent=below, break_long_words=False, break_on_hyphens=False)
 
 
 def _folded(columns: Sequence[_Printed], ruled: bool) -> str:

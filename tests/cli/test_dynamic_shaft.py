@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from cranktopo.app.main import main
+from cranktopo.base.line_width import in_width
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.tasks.shaft_safety.dynamics_text import dynamics_text
 from cranktopo.tasks.shaft_safety.stage import assess_shaft
@@ -53,7 +54,7 @@ def test_the_worst_resonance_is_among_the_speeds(capsys: pytest.CaptureFixture[s
     """Of several speeds; ratio, place and speed on the terminal, 80 columns."""
     assert main([*WORDS, "--dynamic", "--speeds", "900:2800:3"]) == 0
     text = capsys.readouterr().out
-    assert max(map(len, text.splitlines())) <= 80
+    assert max(map(len, in_width(text).splitlines())) <= 80
     assert "its output turns evenly" in " ".join(text.split())
     found = said([*WORDS, "--dynamic", "--speeds", "900:2800:3"], capsys)["dynamics"]
     speeds = [at["speed_rpm"] for at in found["speeds"]]
@@ -117,4 +118,4 @@ def test_a_shaft_on_springs_in_words() -> None:
     text = "\n\n".join(dynamics_text(found))
     words = " ".join(text.split())
     assert "its output swings with what it drives. Without a mass_kg in torsion alone: propeller." in words
-    assert max(map(len, text.splitlines())) <= 80
+    assert max(map(len, in_width(text).splitlines())) <= 80

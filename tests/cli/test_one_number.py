@@ -16,6 +16,9 @@ import pytest
 from cranktopo.app.main import main
 from cranktopo.base.errors import ExitCode
 from cranktopo.design.loading import designs_folder, load_scene
+from cranktopo.tasks.fea import levels
+from cranktopo.tasks.iterate import one_step
+from tests.cli.test_iterate import with_stand_ins
 from tests.engine_arrangements import MIKRON
 
 _PLAIN = MIKRON[: MIKRON.index("[envelope]")]
@@ -40,6 +43,24 @@ BY_ELEMENTS = {
     "vibration": ["vibration"],
     "modes": ["modes"],
     "sweep": ["sweep", "--vary", "web.thickness_mm=20", "--out", "{folder}/sweep"],
+}
+
+_FOUR, _TWO = ("four", "V2, half of the oscillating masses to be balanced")
+_ENVELOPE = MIKRON[MIKRON.index("[envelope]") :]
+_WIDE = _ENVELOPE.replace("y_min_mm = -34.0", "y_min_mm = -62.0").replace(
+    "width_mm = 48.0", "width_mm = 62.0"
+)
+IN_AN_ENVELOPE = {_FOUR: _PLAIN + _ENVELOPE, _TWO: SCENES[_TWO] + _WIDE}
+_COARSE = ["--resolution-mm", "4.5"]
+_LOOP = ["--steps", "1", "--volume-fraction", "0.6", "--no-shape", "--no-bound", "--out", "{folder}/loop"]
+OPTIMISED = {
+    "loads": ["loads"],
+    "evaluate": ["evaluate"],
+    "sweep": BY_ELEMENTS["sweep"],
+    "iterate": ["iterate", *_LOOP, *_COARSE],
+    "accuracy": ["accuracy", "--budget", "1s", "--out", "{folder}/accuracy"],
+    "bound": ["bound", *_COARSE],
+    "optimise": ["optimise", "--minimise", "mass", "--max-iterations", "2", "--out", "{folder}/o", *_COARSE],
 }
 
 
@@ -115,9 +136,60 @@ def _evaluate(data):
         "balance factor": entry["balance_factor_percent"],
         "torsional stiffness": entry["torsion"]["free_Nm_per_rad"],
         "bending stiffness": entry["bending"]["pinned_N_per_mm"],
+        "torsional stiffness per mass": entry["stiffness_per_mass"]["torsion_Nm_per_rad_kg"],
+        "bending stiffness per mass": entry["stiffness_per_mass"]["bending_N_per_mm_kg"],
     }.items()
+    for case, percent in entry["error_estimate_percent"].items():
+        yield f"error bound of the {case}", percent
     if "second_web" in entry["mass_kg"]:
         yield "mass of the second web", entry["mass_kg"]["second_web"]
+
+
+def _iterate(data):
+    """The original web, whose row comes first."""
+    original = data["steps"][0]
+    yield from {
+        "mass of the throw": original["throw_kg"],
+        "mass of the first web": original["web_kg"],
+        "torsional stiffness": original["torsion_Nm_per_rad"],
+        "bending stiffness": original["bending_N_per_mm"],
+        "torsional stiffness per mass": original["torsion_per_mass_Nm_per_rad_kg"],
+        "bending stiffness per mass": original["bending_per_mass_N_per_mm_kg"],
+        "error bound of the torsion": original["torsion_error_percent"],
+        "error bound of the bending": original["bending_error_percent"],
+    }.items()
+
+
+def _accuracy(data):
+    """The mesh that the other commands take by default."""
+    (rung,) = (one for one in data["rungs"] if one["name"].startswith("graded"))
+    yield "torsional stiffness", rung["torsion_Nm_per_rad"]
+    yield "bending stiffness", rung["bending_N_per_mm"]
+    yield "error bound of the torsion", rung["own_bounds_percent"]["torsion_Nm_per_rad"]
+    yield "error bound of the bending", rung["own_bounds_percent"]["bending_N_per_mm"]
+
+
+def _bound(data):
+    """The original web in the model of the proof: on cells."""
+    names = {"mass": "mass of the throw", "torsion": "torsional stiffness", "bending": "bending stiffness"}
+    names |= {f"{case}_per_mass": f"{names[case]} per mass" for case in ("torsion", "bending")}
+    yield from ((f"{name} on cells", data["original"][key]) for key, name in names.items())
+    for case, percent in data["model_error_percent"].items():
+        yield f"error bound of the {case} on cells", percent
+
+
+def _optimise(data):
+    original = data["original_web"]
+    torsion, bending = (original["load_cases"][case] for case in ("torsion", "bending"))
+    yield from {
+        "mass of the throw on cells": original["mass_kg"]["throw"],
+        "torsional stiffness on cells": torsion["stiffness_Nm_per_rad"],
+        "bending stiffness on cells": bending["stiffness_N_per_mm"],
+        "torsional stiffness per mass on cells": original["stiffness_per_mass"]["torsion_Nm_per_rad_kg"],
+        "bending stiffness per mass on cells": original["stiffness_per_mass"]["bending_N_per_mm_kg"],
+        "error bound of the torsion on cells": torsion["error_estimate_percent"],
+        "error bound of the bending on cells": bending["error_estimate_percent"],
+    }.items()
 
 
 def _shaft(data):
@@ -209,7 +281,12 @@ _READERS = {
     "film": _film,
     "modes": _modes,
     "sweep": _sweep,
+    "iterate": _iterate,
+    "accuracy": _accuracy,
+    "bound": _bound,
+    "optimise": _optimise,
 }
+_TELLING = (ExitCode.DONE, ExitCode.NOT_CONVERGED, ExitCode.CRITERION_NOT_MET)
 
 
 def told(capsys, path, commands):
@@ -220,7 +297,7 @@ def told(capsys, path, commands):
         chosen = [option.format(folder=path.parent) for option in options]
         code = main([command, str(path), *chosen, *as_json])
         data = json.loads(capsys.readouterr().out)
-        if code in (ExitCode.DONE, ExitCode.CRITERION_NOT_MET):
+        if code in _TELLING:
             found[name] = dict(_READERS[name](data))
         else:
             assert "one throw with nothing joined to it" in data["error"]["message"]
@@ -274,6 +351,21 @@ def test_what_elements_tell(capsys, tmp_path, scene):
     found = told(capsys, path, CLOSED_FORM | BY_ELEMENTS)
     with capsys.disabled():
         check(found, least=58)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", IN_AN_ENVELOPE)
+def test_what_optimisers_tell_of_the_original(capsys, tmp_path, monkeypatch, scene):
+    """The steps of the loop are stand-ins, the mesh of `accuracy` is the one that the others take too."""
+    evaluated = one_step.evaluate
+    with_stand_ins(monkeypatch)
+    monkeypatch.setattr(one_step, "evaluate", evaluated)
+    monkeypatch.setattr(levels, "MESHES", (levels.EvaluationMesh(0, graded=True),))
+    path = tmp_path / "engine.toml"
+    path.write_text(IN_AN_ENVELOPE[scene])
+    found = told(capsys, path, OPTIMISED)
+    with capsys.disabled():
+        check(found, least=46)
 
 
 @pytest.mark.parametrize(

@@ -1,18 +1,21 @@
-"""What commands print on a terminal: tables within 80 columns, plain numbers.
+"""What commands print: tables and sentences within 80 columns, on stdout and stderr; plain numbers.
 
 `python -m pytest -m slow tests/cli/test_terminal_width.py` runs those that solve for long, some minutes.
 """
 
 from __future__ import annotations
 
+import ast
 import re
 import shlex
 from pathlib import Path
 
 import pytest
 
+import cranktopo
 from cranktopo.app.main import main
 from cranktopo.base.units import number_text, plain_number
+from cranktopo.cli import output
 from cranktopo.report.result_table import WIDTH, ResultTable, labelled, terminal, text_table
 from tests.every_command import every_command
 
@@ -65,16 +68,25 @@ SLOW = (
 )
 
 
+_FOLDED = output._folded
+"""As the program has it; taken before any fixture is made."""
+_COPIED = re.compile(r"\s*cranktopo |error: ")
+
+
+@pytest.fixture(autouse=True)
+def folded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(output, "_folded", _FOLDED)
+
+
 @pytest.mark.parametrize("line", [*FAST, *(pytest.param(line, marks=pytest.mark.slow) for line in SLOW)])
-def test_tables_fit(
+def test_lines_fit(
     line: str,
     request: pytest.FixtureRequest,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """A line with columns is one with two spaces between words; others are for the terminal to wrap, but for
-    those of the commands that fold them."""
+    """A longer line is an error, or one command to copy, one path or another word, alone."""
     monkeypatch.chdir(tmp_path)
     if "{" in line:
         run: Path = request.getfixturevalue("default_run")
@@ -83,13 +95,12 @@ def test_tables_fit(
         line = line.format(run=run, runs=run.parent, step="throw.step")
     capsys.readouterr()
     assert main(shlex.split(line)) in (0, 5, 6)
-    shown = capsys.readouterr().out
+    shown, told = capsys.readouterr()
     assert shown
     if line.startswith("completion"):
         return
-    folded = line.split()[0] in ("plan", "loads")
-    wide = [text for text in shown.splitlines() if (folded or "  " in text.strip()) and len(text) > WIDTH]
-    assert not wide
+    lines = [text for text in f"{shown}\n{told}".splitlines() if len(text) > WIDTH]
+    assert [text for text in lines if " " in text.strip() and not _COPIED.match(text)] == []
     odd = re.findall(r"\S*\d[eE][+-]\d+|(?<![\w.])-0(?:\.0+)?(?![\w.])", shown)
     assert not odd
 
@@ -130,3 +141,33 @@ def test_words_go_on_below() -> None:
     assert max(map(len, text.splitlines())) <= WIDTH
     assert text.count("word") == 40
     assert labelled([("a", "b"), ("cc", "d")]) == "a   b\ncc  d"
+
+
+def test_all_that_is_said_leaves_at_one_place() -> None:
+    """Whatever is printed past it would be as long as it was written."""
+    root = Path(cranktopo.__file__).parent
+    past = [
+        f"{file.relative_to(root)}: {ast.unparse(node)}"
+        for file in root.rglob("*.py")
+        if file.relative_to(root) != Path("cli/output.py")
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call) and ast.unparse(node.func) in ("print", "click.echo", "click.secho")
+    ]
+    assert past == []
+
+
+def test_an_error_and_a_command_to_copy(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An error is one line, of 300 letters here; the folder has spaces, its file is named in a sentence and
+    in a command."""
+    folder = tmp_path / "designs of the engine that stands in the shed beside the house"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    file = folder / "my own web.toml"
+    assert main(["designs", "copy", "mikron-iiic", str(file)]) == 0
+    command = shlex.join(["cranktopo", "compare", str(file), "--baseline", "mikron-iiic"])
+    assert capsys.readouterr().out == f"{file}:\n  edit it, then for example:\n  {command}\n"
+    assert main(["loads", "nothing"]) == 3
+    (error,) = capsys.readouterr().err.splitlines()
+    assert len(error) > 300

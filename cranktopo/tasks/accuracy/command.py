@@ -5,7 +5,6 @@ What accuracy costs in time: error against seconds for evaluation and optimiser.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +13,7 @@ import click
 from cranktopo.base.errors import ExitCode
 from cranktopo.base.notes import note
 from cranktopo.cli.options import DEFAULT_DESIGN, designs, seconds, throw_option
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def command(
 
     found = study_accuracy(design, budget_s, out, journals, throw)
     result = found.result.model_copy(update={"files": found.files})
-    click.echo(json.dumps(result.as_json()) if as_json else _text(found.result))
+    tell(result.as_json() if as_json else _text(found.result), indent=None)
     for path in (*found.files.values(), *([str(found.kept)] if found.kept else [])):
         note(path)
     return ExitCode.INTERRUPTED if found.result.interrupted else ExitCode.DONE

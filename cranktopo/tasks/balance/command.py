@@ -5,13 +5,13 @@ Balance of the whole engine: free forces and moments, counterweights, balancer s
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
 
 from cranktopo.base.notes import note
 from cranktopo.cli.options import DEFAULT_DESIGN, designs, share_of
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 
 
@@ -61,6 +61,6 @@ def command(design: str, as_json: bool, page: Path | None, share: float | None) 
         report_balance(balance, page, proposal)
         note(f"report: {page}")
     data = balance_result(balance, proposal)
-    click.echo(json.dumps(data.as_json(), indent=2) if as_json else balance_text(data))
+    tell(data.as_json() if as_json else balance_text(data))
     if data.assumed and not as_json:
         note(assumed_text(data.assumed))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from textwrap import fill
 from typing import Any
 
 from cranktopo.base.units import number_text
@@ -12,7 +11,7 @@ from cranktopo.design.misfire import silent_words
 from cranktopo.engine.balance.balancer_shafts import SizedShaft
 from cranktopo.engine.balance.free_forces import NeededCounterweight
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, WITH_SHAFTS
-from cranktopo.report.result_table import WIDTH, Column, ResultTable, tabulate, terminal
+from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
 from cranktopo.tasks.balance.changes import VECTORS, largest_order, order_changes
 from cranktopo.tasks.balance.needed import counterweight_words
 from cranktopo.tasks.balance.proposal import OTHER_ANGLES_DEG, ProposedCounterweight
@@ -90,8 +89,8 @@ _MASSES = {"piston_group_kg": "piston", "rod_rotating_kg": "rod"}
 """Masses without which a counterweight is that of another engine."""
 _ANGLES = (
     "Forces are across the shaft, moments about its middle: along the force at the takeoff's end.",
-    "Directions and phases count from the engine's plane of symmetry in the sense of rotation, when the",
-    "cylinder that fires first is at top dead centre; those of counterweights and inner moments from the",
+    "Directions and phases count from the engine's plane of symmetry in the sense of rotation, when the "
+    "cylinder that fires first is at top dead centre; those of counterweights and inner moments from the "
     "first throw.",
     "Places count from the middle of the shaft toward the takeoff.",
 )
@@ -175,8 +174,8 @@ def proposal_words(data: Balance) -> str:
     return "\n".join(
         [
             *_proposal_refusals(data, found),
-            *([] if found.refused else [fill(f"Room for the counterweight: {room_of(found)}.", WIDTH)]),
-            f"Counterweight of each web, {found.thickness_mm:g} mm thick, for {share_words(found)}",
+            *([] if found.refused else [f"Room for the counterweight: {room_of(found)}."]),
+            f"Counterweight of each web, {found.thickness_mm:g} mm thick, for {share_words(found)} "
             f"(with it {found.balance_factor_percent:z.2f} %); other keys of these tables stay as they are:",
             "[web.counterweight]",
             f"outer_radius_mm = {found.outer_radius_mm:g}",
@@ -248,7 +247,7 @@ def bearings_words(data: Balance) -> str:
         return ""
     return (
         "Loads of main bearings are those of throws that stand alone between two bearings; a shaft that runs "
-        "through has others: cranktopo shaft."
+        "through has others: `cranktopo shaft`."
     )
 
 

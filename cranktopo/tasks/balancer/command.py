@@ -5,7 +5,6 @@ A balancer shaft as a part: bearing loads and life, deflection, tilt, fatigue of
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +13,7 @@ import click
 from cranktopo.base.formats import PLOTS
 from cranktopo.base.notes import note
 from cranktopo.cli.options import designs
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def command(design: str, redesign: Path | None, drawing: Path | None, as_json: b
     if drawing is not None:
         draw_balancer(scene, drawing)
         note(str(drawing))
-    click.echo(json.dumps(found.as_json(), indent=2) if as_json else balancer_text(found))
+    tell(found.as_json() if as_json else balancer_text(found))
 
 
 def _redesigned(design: str, scene: Scene, file: Path) -> tuple[Scene, BalancerStrength]:

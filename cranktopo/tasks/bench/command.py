@@ -12,6 +12,7 @@ import click
 
 from cranktopo.base.errors import ExitCode
 from cranktopo.cli.options import designs_and_runs
+from cranktopo.cli.output import tell
 
 
 @click.command("bench")
@@ -60,8 +61,8 @@ def command(
 
 
 def _announce(address: str, no_browser: bool) -> None:
-    click.echo(address)
-    click.echo("Ctrl-C ends the bench; what was done is kept.", err=True)
+    tell(address)
+    tell("Ctrl-C ends the bench; what was done is kept.", err=True)
     if not no_browser:
         import webbrowser
 

@@ -24,6 +24,7 @@ from pydantic import Field
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import check_input, from_json, read_text_file, write_json
+from cranktopo.base.line_width import unfolded
 from cranktopo.base.notes import pace_of
 from cranktopo.base.result import Result
 
@@ -216,7 +217,7 @@ class BenchJob:
                 file.seek(0, os.SEEK_END)
                 file.seek(max(0, file.tell() - _TAIL))
                 text = file.read().decode("utf-8", "replace").replace("\r", "\n")
-            return [line for line in text.splitlines() if line.strip()]
+            return [line for line in unfolded(text) if line.strip()]
         return []
 
 

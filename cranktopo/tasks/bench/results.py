@@ -7,6 +7,7 @@ from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import read_text_file
+from cranktopo.base.line_width import unfolded
 from cranktopo.tasks.bench.jobs import BenchJob, own_command
 from cranktopo.tasks.bound.result import BoundResult, ProvenBound
 from cranktopo.tasks.evaluate.result import EvaluationList
@@ -40,7 +41,7 @@ def job_words(job: BenchJob) -> list[str]:
     """Return what a finished job found, in a few lines."""
     try:
         if job.known.kind == "shape":
-            return [*job.stdout().splitlines()[:1], *_prices(_shape(job))]
+            return [*_lines(job)[:1], *_prices(_shape(job))]
         if job.known.kind == "fatigue":
             return _fatigue_words(_fatigue(job))
         if job.known.kind == "bound":
@@ -56,7 +57,11 @@ def job_words(job: BenchJob) -> list[str]:
             return [f"surface written: {(job.place / 'surface.stl').resolve()}"]
     except (CranktopoError, ValueError, IndexError):
         return []
-    return [line for line in job.stdout().splitlines() if line.strip()][:1]
+    return _lines(job)[:1]
+
+
+def _lines(job: BenchJob) -> list[str]:
+    return [line for line in unfolded(job.stdout()) if line.strip()]
 
 
 def _shape(job: BenchJob) -> ShapeResult:

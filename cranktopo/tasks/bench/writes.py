@@ -9,6 +9,7 @@ from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import write_bytes
+from cranktopo.base.line_width import unfolded
 from cranktopo.tasks.bench.jobs import PARTLY, own_command
 
 _LONGEST_S = 900.0
@@ -76,7 +77,7 @@ async def written_by(words: list[str], printed: bool, path: Path) -> list[str]:
     except TimeoutError:
         process.kill()
         raise CranktopoError(f"{path.name}: took longer than {_LONGEST_S / 60:.0f} min.") from None
-    lines = said.decode("utf-8", "replace").strip().splitlines()
+    lines = unfolded(said.decode("utf-8", "replace").strip())
     if process.returncode not in PARTLY:
         raise CranktopoError(f"{path.name}: {(lines or ['failed'])[-1].removeprefix('error: ')}")
     try:

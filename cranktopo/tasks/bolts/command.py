@@ -5,12 +5,11 @@ Bolted joints by VDI 2230 and by Shigley: preload, torque, separation, fatigue.
 
 from __future__ import annotations
 
-import json
-
 import click
 
 from cranktopo.base.notes import note
 from cranktopo.cli.options import designs
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 
 _DESIGN = "mikron-iiic-rod"
@@ -36,4 +35,4 @@ def command(design: str, as_json: bool) -> None:
     checks = check_bolts(load_scene(design, whole=True))
     if checks.assumed:
         note(assumed_text(checks.assumed))
-    click.echo(json.dumps(checks.as_json(), indent=2) if as_json else bolts_text(checks))
+    tell(checks.as_json() if as_json else bolts_text(checks))

@@ -9,8 +9,8 @@ from cranktopo.report.result_table import Column, tabulate, terminal
 from cranktopo.tasks.bolts.result import BoltChecks, JointCheck
 
 _FORCES_CAPTION = (
-    "VDI 2230: forces of one bolt. `preload` is the largest of the scatter,\n"
-    "`preload needed` what it must be for load, scatter and settling; `least` is the\n"
+    "VDI 2230: forces of one bolt. `preload` is the largest of the scatter, "
+    "`preload needed` what it must be for load, scatter and settling; `least` is the "
     "smallest preload, after settling."
 )
 _FORCES: tuple[Column[JointCheck], ...] = (

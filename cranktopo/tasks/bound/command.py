@@ -5,7 +5,6 @@ What no web of the envelope can beat, whatever its topology: proven, for a goal 
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING
 
 import click
@@ -20,6 +19,7 @@ from cranktopo.cli.options import (
     web_option,
     with_goal_options,
 )
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
@@ -62,5 +62,5 @@ def command(
         minimise = "mass"
     scene = with_goal_options(scene, minimise, maximise, limits)
     found = bound_of(scene, resolution_mm)
-    click.echo(json.dumps(found.as_json()) if as_json else bound_summary(found))
+    tell(found.as_json() if as_json else bound_summary(found), indent=None)
     return ExitCode.DONE if found.bound.possible else ExitCode.CRITERION_NOT_MET

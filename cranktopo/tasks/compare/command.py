@@ -23,6 +23,7 @@ from cranktopo.cli.options import (
     throw_option,
     typed,
 )
+from cranktopo.cli.output import pass_on, tell
 from cranktopo.cli.verbosity import verbosity_options
 from cranktopo.tasks.evaluate.command import warn_missed
 from cranktopo.tasks.fatigue.criteria import METHODS
@@ -128,7 +129,8 @@ def command(
 
     request = MeshRequest(element_size_mm, accuracy, budget)
     found = compare_targets(targets, baseline, request, methods, design, align, loads, throw, fillet_fraction)
-    click.echo(comparison_text(found.comparison, "json" if as_json else form))
+    form = "json" if as_json else form
+    (tell if form == "table" else pass_on)(comparison_text(found.comparison, form))
     bound = None if no_bound or (plot or page) is None else comparison_bound(found)
     if plot is not None:
         from cranktopo.tasks.compare.page import plot_stiffness_over_mass

@@ -8,6 +8,7 @@ from __future__ import annotations
 import click
 
 from cranktopo.cli.options import Choice
+from cranktopo.cli.output import pass_on
 
 _SHELLS = ("bash", "zsh", "fish")
 _VARIABLE = "_CRANKTOPO_COMPLETE"
@@ -30,4 +31,4 @@ def command(shell: str) -> None:
     kind = get_completion_class(shell)
     if kind is None:
         raise click.UsageError(f"click knows no completion for {shell}")
-    click.echo(kind(click.get_current_context().find_root().command, {}, "cranktopo", _VARIABLE).source())
+    pass_on(kind(click.get_current_context().find_root().command, {}, "cranktopo", _VARIABLE).source())

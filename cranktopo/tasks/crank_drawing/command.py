@@ -12,6 +12,7 @@ import click
 from cranktopo.base.formats import DRAWINGS
 from cranktopo.base.notes import note
 from cranktopo.cli.options import designs
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 
 
@@ -43,4 +44,4 @@ def command(design: str, file: Path, force: bool) -> None:
     if assumed:
         note(assumed_text(assumed))
     sheet, scale = draw_crank(scene, file)
-    click.echo(f"{file}: workshop drawing of the crank, {sheet}, {scale_text(scale)}")
+    tell(f"{file}: workshop drawing of the crank, {sheet}, {scale_text(scale)}")

@@ -5,12 +5,12 @@ Turn a crank from CAD (STEP, STL) into a design: axes, throws, journals, webs.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
 
 from cranktopo.cli.options import Choice
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 from cranktopo.tasks.crank_import.choices import DEFAULT_MATERIAL, END_JOURNALS, UNITS, EndJournals, Unit
 
@@ -66,4 +66,4 @@ def command(
     from cranktopo.tasks.crank_import.text import import_text
 
     found = import_crank(body, name, out, solid, end_journals, material, unit)
-    click.echo(json.dumps(found.as_json(), indent=2) if as_json else import_text(found))
+    tell(found.as_json() if as_json else import_text(found))

@@ -27,7 +27,7 @@ KNOWN: Mapping[str, str] = {
 """Option of what may be known beside the size, and its key."""
 _ORIGIN = (
     "Values of engine, throw and web are usual proportions for such an engine, all of them assumed: replace "
-    "what is known. Their strength is not checked: cranktopo fatigue does, by --method m53 against a rule."
+    "what is known. Their strength is not checked: `cranktopo fatigue` does, by --method m53 against a rule."
 )
 
 

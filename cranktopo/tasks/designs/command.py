@@ -5,7 +5,6 @@ List the built-in designs, copy one to edit, or begin a new one with every key.
 
 from __future__ import annotations
 
-import json
 import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +15,7 @@ from cranktopo.base.formats import PLOTS
 from cranktopo.cli.group import SuggestingGroup
 from cranktopo.cli.options import Choice, Number
 from cranktopo.cli.options import designs as complete_designs
+from cranktopo.cli.output import tell
 from cranktopo.design.reference import SKETCHES
 
 if TYPE_CHECKING:
@@ -50,11 +50,11 @@ def list_command(as_json: bool) -> None:
         from cranktopo.tasks.designs.result import DesignList, ListedDesign
 
         designs = tuple(ListedDesign(name=name, description=text) for name, text in found.items())
-        click.echo(json.dumps(DesignList(designs=designs).as_json(), indent=2))
+        tell(DesignList(designs=designs).as_json())
         return
     from cranktopo.report.result_table import labelled
 
-    click.echo(labelled(list(found.items())))
+    tell(labelled(list(found.items())))
 
 
 @command.command("copy")
@@ -76,7 +76,7 @@ def copy_command(design: str, file: Path, force: bool) -> None:
     check_file(file, "file", (".toml",), replace=force)
     write_text(file, copy_of(design, file))
     example = shlex.join(["cranktopo", "compare", str(file), "--baseline", design])
-    click.echo(f"{file}: edit it, then for example: {example}")
+    tell(f"{file}: edit it, then for example: {example}")
 
 
 @command.command("pair")
@@ -103,7 +103,7 @@ def pair_command(design: str, file: Path, first: str | None, second: str | None,
     check_file(file, "file", (".toml",), replace=force)
     webs = [None if text is None else parametric_scene(text, web_target(text)) for text in (first, second)]
     write_text(file, pair_text(design, file, *webs))
-    click.echo(f"{file}: {shlex.join(['cranktopo', 'evaluate', str(file)])}")
+    tell(f"{file}: {shlex.join(['cranktopo', 'evaluate', str(file)])}")
 
 
 @command.command("sketch")
@@ -122,7 +122,7 @@ def sketch_command(part: str, file: Path, force: bool) -> None:
 
     check_file(file, "file", PLOTS, replace=force)
     write_sketch(part, file)
-    click.echo(str(file))
+    tell(str(file))
 
 
 @command.command("new")
@@ -204,5 +204,5 @@ def new_command(
         )
     write_text(file, text)
     for line in remarks:
-        click.echo(line)
-    click.echo(f"{file}: edit it, then for example: {shlex.join(['cranktopo', 'plan', str(file)])}")
+        tell(line)
+    tell(f"{file}: edit it, then for example: {shlex.join(['cranktopo', 'plan', str(file)])}")

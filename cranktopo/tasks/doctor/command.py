@@ -5,14 +5,13 @@ Check this machine: Python, JAX, gmsh, memory, extras, optional tools, and how t
 
 from __future__ import annotations
 
-import json
 import re
 from typing import TYPE_CHECKING
 
 import click
 
 from cranktopo.base.errors import CranktopoError, ExitCode, lacks_memory
-from cranktopo.cli.verbosity import coloured
+from cranktopo.cli.output import coloured, tell
 
 if TYPE_CHECKING:
     from cranktopo.tasks.doctor.stage import Check
@@ -53,10 +52,10 @@ def _report(as_json: bool) -> int:
         from cranktopo.tasks.doctor.result import MachineChecks
 
         found = MachineChecks(ready=not missing and not short, checks=tuple(checks))
-        click.echo(json.dumps(found.as_json(), indent=2))
+        tell(found.as_json())
     else:
-        click.echo(_text(checks))
-        click.echo(_verdict(missing, short))
+        tell(_text(checks))
+        tell(_verdict(missing, short))
     if missing:
         return ExitCode.MISSING_TOOL
     return ExitCode.INVALID_INPUT if short else ExitCode.DONE

@@ -5,7 +5,6 @@ Evaluate designs, runs or STL files: mass, torsional and bending stiffness on te
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from itertools import zip_longest
 from typing import TYPE_CHECKING
@@ -15,6 +14,7 @@ import click
 from cranktopo.base.errors import ExitCode
 from cranktopo.base.notes import detail, note
 from cranktopo.cli.options import DEFAULT_DESIGN, designs, mesh_options, throw_option, web_option
+from cranktopo.cli.output import tell, tell_error
 from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
@@ -85,23 +85,23 @@ def command(
             TargetEvaluation(**dict(one.result), sensitivities=table)
             for one, table in zip_longest(found.evaluations, tables)
         )
-        click.echo(json.dumps(EvaluationList(evaluations=tuple(entries)).as_json(), indent=2))
+        tell(EvaluationList(evaluations=tuple(entries)).as_json())
     else:
         from cranktopo.report.result_table import terminal
         from cranktopo.tasks.fea.quantities import evaluation_table, result_line
 
-        click.echo(terminal(evaluation_table(found.evaluations)) + "\n")
+        tell(terminal(evaluation_table(found.evaluations)) + "\n")
         for evaluation in found.evaluations:
-            click.echo(result_line(evaluation))
+            tell(result_line(evaluation))
         for one in worth:
             from cranktopo.tasks.shape.text import sensitivity_text
 
-            click.echo("\n" + "\n".join(sensitivity_text(one.table, one.scene.name)))
+            tell("\n" + "\n".join(sensitivity_text(one.table, one.scene.name)))
     warn_missed(found.missed, accuracy)
 
 
 def warn_missed(missed: Sequence[str], accuracy: float | None) -> None:
     """End with exit code 6, after the results, when targets missed the accuracy (%) asked for."""
     if missed:
-        click.echo(f"error: accuracy {accuracy:g}% not reached by {', '.join(missed)}.", err=True)
+        tell_error(f"accuracy {accuracy:g}% not reached by {', '.join(missed)}.")
         raise click.exceptions.Exit(ExitCode.CRITERION_NOT_MET)

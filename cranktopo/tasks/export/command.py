@@ -13,6 +13,7 @@ import click
 from cranktopo.base.formats import ARRAYS, EXPORTS, PLOTS, SOLIDS, Exported, SolidPart
 from cranktopo.base.notes import note
 from cranktopo.cli.options import Choice, Number, designs, throw_option
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ def command(
     if whole and throw is not None:
         raise click.UsageError(f"--throw: --part {part} is all throws: leave it out")
     if part == "reduced":
-        click.echo(f"{file}: reduced model of the shaft, {_reduced(design, file)}")
+        tell(f"{file}: reduced model of the shaft, {_reduced(design, file)}")
         return
     crank = load_scene(design, whole=True)
     scene = crank if whole else one_throw(crank, throw, all_fire=False)
@@ -82,13 +83,13 @@ def command(
         for words in filter(None, [crossing_words(scene)]):
             note(f"{scene.name}: {words}")
     if file.suffix.lower() in PLOTS:
-        click.echo(f"{file}: workshop drawing, {_drawn(scene, file, part)}")
+        tell(f"{file}: workshop drawing, {_drawn(scene, file, part)}")
         return
     from cranktopo.bodies.solid.files import export_solid
 
     volume = export_solid(scene, part, file, facet_mm)
     beside = _bolted_words(scene, part, file.suffix.lower())
-    click.echo(f"{file}: {part}, {volume:.1f} mm3{_of_raw(scene, part)}{beside}")
+    tell(f"{file}: {part}, {volume:.1f} mm3{_of_raw(scene, part)}{beside}")
 
 
 def _reduced(design: str, file: Path) -> str:

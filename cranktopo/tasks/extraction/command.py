@@ -5,7 +5,6 @@ Surface of a run, or of any iteration of it, as STL, 3MF or GLB.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +13,7 @@ import click
 from cranktopo.base.formats import SURFACES, SurfaceFormat
 from cranktopo.base.notes import detail
 from cranktopo.cli.options import Choice, runs
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def command(
 
     detail(f"{run}: extracting the surface")
     found, path = extract_surface(run, iteration, out, chosen)
-    click.echo(json.dumps(found.as_json()) if as_json else _text(found, path))
+    tell(found.as_json() if as_json else _text(found, path), indent=None)
 
 
 def _format(form: SurfaceFormat | None, out: Path | None, force: bool) -> SurfaceFormat:

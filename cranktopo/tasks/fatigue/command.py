@@ -5,7 +5,6 @@ Fatigue safety of designs with true fillets: local stress analysis, FKM, IACS UR
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,6 +22,7 @@ from cranktopo.cli.options import (
     loads_option,
     throw_option,
 )
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 from cranktopo.tasks.fatigue.criteria import METHODS
 
@@ -115,7 +115,7 @@ def command(
     if report is not None:
         write_dossier(found, report, ["cranktopo", *sys.argv[1:]])
         note(str(report))
-    click.echo(json.dumps(found.as_json(), indent=2) if as_json else _text(found))
+    tell(found.as_json() if as_json else _text(found))
     accepted = all(check.verdict == "accepted" for check in found.checks)
     return ExitCode.DONE if accepted else ExitCode.CRITERION_NOT_MET
 

@@ -5,13 +5,13 @@ Minimum oil film and largest film pressure of the plain bearings over the cycle.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
 
 from cranktopo.base.notes import note
 from cranktopo.cli.options import DEFAULT_DESIGN, Speeds, designs, throw_option
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 
 
@@ -51,8 +51,8 @@ def command(
     if plot_path is not None:
         plot_films(scene, plot_path, None if speeds is None else speeds[-1])
     if as_json:
-        click.echo(json.dumps(result.as_json(), indent=2))
+        tell(result.as_json())
         return
-    click.echo(film_text(result))
+    tell(film_text(result))
     if result.assumed:
         note(assumed_text(result.assumed))

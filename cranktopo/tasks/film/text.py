@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from textwrap import fill
 
 from cranktopo.design.misfire import silent_words
-from cranktopo.report.result_table import WIDTH, text_table
+from cranktopo.report.result_table import text_table
 from cranktopo.tasks.film.permitted import beyond_permitted, film_words
 from cranktopo.tasks.film.result import BearingFilm, FilmResult, FilmsAtSpeed
 
@@ -17,7 +16,7 @@ def film_text(result: FilmResult) -> str:
     oil = "" if result.temperature_C is None else f"{named} at {result.temperature_C:g} degC, "
     heading = f"{result.design}: oil film, {oil}{result.viscosity_mPas:.2f} mPa s\nloads: {result.loads}"
     gas = "" if result.gas else "\nthe scene tells no gas pressure: inertia alone loads the bearings"
-    gas += f"\n{fill(result.pressure, WIDTH)}" if result.pressure else ""
+    gas += f"\n{result.pressure}" if result.pressure else ""
     silent = f"\n{silent_words(result.misfire)}; the big end is of one that does" if result.misfire else ""
     parts = [_verdict(result), heading + gas + silent]
     parts += [_one_speed(result.speeds[0]) if len(result.speeds) == 1 else _by_speed(result.speeds)]

@@ -5,7 +5,6 @@ The whole loop: remove a little, extract, re-model, evaluate, again inside the n
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,6 +25,7 @@ from cranktopo.cli.options import (
     web_option,
     with_bound_option,
 )
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
@@ -119,6 +119,6 @@ def command(
         done = start_loop(scene, settings, out, design_text(name), command_line)
     files = {what: str(done.folder / name) for what, name in LOOP_FILES.items()}
     printed = {**done.result.as_json(), "files": files}
-    click.echo(json.dumps(printed) if as_json else loop_summary(done.result, done.folder))
+    tell(printed if as_json else loop_summary(done.result, done.folder), indent=None)
     if done.result.lost_step:
         raise click.exceptions.Exit(ExitCode.NOT_CONVERGED)

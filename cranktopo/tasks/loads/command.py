@@ -5,13 +5,13 @@ Forces over the working cycle, their extremes, and the load cases.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
 
 from cranktopo.base.notes import note, warn
 from cranktopo.cli.options import DEFAULT_DESIGN, Speeds, designs, throw_option
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 
 
@@ -57,12 +57,12 @@ def command(
     if as_json:
         sweep = results if len(results) > 1 else None
         found = results[0].model_copy(update={"sweep": sweep})
-        click.echo(json.dumps(found.as_json(), indent=2))
+        tell(found.as_json())
         return
     from cranktopo.design.assumed import LOADS, THROW, VIBRATION, assumed_text, assumptions
     from cranktopo.tasks.loads.text import loads_text, sweep_text
 
-    click.echo(loads_text(results[0]) if len(results) == 1 else sweep_text(results))
+    tell(loads_text(results[0]) if len(results) == 1 else sweep_text(results))
     assumed = assumptions(scene, (THROW, LOADS, VIBRATION))
     if assumed:
         note(assumed_text(assumed))

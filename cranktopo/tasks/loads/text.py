@@ -8,7 +8,7 @@ from cranktopo.base.units import enough_decimals
 from cranktopo.engine.balance.crank import CrankMass
 from cranktopo.engine.balance.throw import is_as_needed
 from cranktopo.engine.load_case import LoadCase
-from cranktopo.report.result_table import in_width, text_table
+from cranktopo.report.result_table import text_table
 from cranktopo.tasks.loads.result import Loads, LoadState, PistonExtremes, Range, ThrowMassProperties
 
 _LABELS = {"inertia_force": "inertia force of piston"}
@@ -32,7 +32,7 @@ def loads_text(loads: Loads) -> str:
     parts += [_balance(loads.balance), crank_words(loads.crank)]
     parts += [clearance and f"room of web and counterweight: {clearance}"]
     parts += [_cases(loads.load_cases), _redundant(loads.extreme_states)]
-    return in_width("\n\n".join(part for part in parts if part))
+    return "\n\n".join(part for part in parts if part)
 
 
 def sweep_text(sweep: Sequence[Loads]) -> str:
@@ -56,7 +56,7 @@ def sweep_text(sweep: Sequence[Loads]) -> str:
         values.append([*forces, torque.mean, torque.max, torque.min])
     columns = [[f"{loads.speed_rpm:g}" for loads in sweep], *map(_numbers, zip(*values, strict=True))]
     table = text_table("r" * len(header), header, list(zip(*columns, strict=True)))
-    return in_width(f"{sweep[0].pressure}\n\n{table}".lstrip())
+    return f"{sweep[0].pressure}\n\n{table}".lstrip()
 
 
 def _heading(loads: Loads) -> str:
@@ -171,7 +171,7 @@ def crank_words(crank: CrankMass | None) -> str:
         return ""
     ends = f"{crank.free_end_kg:.3f} kg at the free end, {crank.output_end_kg:.3f} kg at the output"
     return (
-        f"whole crank: mass {crank.mass_kg:.3f} kg ({ends}), inertia {crank.inertia_kg_mm2:.0f} kg mm2,\n"
+        f"whole crank: mass {crank.mass_kg:.3f} kg ({ends}), inertia {crank.inertia_kg_mm2:.0f} kg mm2, "
         f"unbalance {crank.unbalance_kg_mm:.3f} kg mm at {crank.unbalance_deg:.1f} deg from throw 1, couple "
         f"{crank.couple_kg_mm2:.1f} kg mm2 at {crank.couple_deg:.1f} deg"
     )

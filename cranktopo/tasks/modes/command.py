@@ -5,13 +5,13 @@ Natural vibrations of the whole crankshaft: bending, torsion, axial; whirl over 
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import get_args
 
 import click
 
 from cranktopo.cli.options import CELL_MM, DEFAULT_DESIGN, SpeedRange, bearings_option, body_options, designs
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 
 
@@ -66,4 +66,4 @@ def command(
     print_assumed([resolved], (*shaft_tables(resolved.scene, support), *CARRIED))
     note(f"{resolved.name}: condensing one throw")
     found = shaft_modes(resolved, support, element_size_mm, speeds_rpm=speeds_rpm or (), report=report)
-    click.echo(json.dumps(found.as_json(), indent=2) if as_json else modes_text(found))
+    tell(found.as_json() if as_json else modes_text(found))

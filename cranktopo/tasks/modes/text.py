@@ -33,7 +33,7 @@ def modes_text(modal: ShaftModes) -> str:
 
 
 PLANES = (
-    "In plane and across: of throw 1. Shares are those of the kinetic energy, each half throw taken as the\n"
+    "In plane and across: of throw 1. Shares are those of the kinetic energy, each half throw taken as the "
     "rigid body whose motion is nearest to its own."
 )
 
@@ -121,7 +121,7 @@ def fluid_sentence(modal: ShaftModes) -> str:
     with_it = ", ".join(f"{frequency:.1f}" for frequency in modal.disks_with_fluid_Hz)
     return (
         "The fluid of shaft.damper is left out, as all damping is: a ring without springs turns loose.\n"
-        f"cranktopo vibration has the fluid: torsion by disks is at {with_it} Hz with it."
+        f"`cranktopo vibration` has the fluid: torsion by disks is at {with_it} Hz with it."
     )
 
 
@@ -130,7 +130,7 @@ def error_sentence(modal: ShaftModes) -> str:
     worst = max(modal.modes, key=lambda mode: abs(mode.last_step_percent))
     mesh = modal.stiffness_error_percent / 2
     return (
-        f"{modal.unknowns} unknowns. The last of {modal.steps} steps of the reduction changed a frequency\n"
+        f"{modal.unknowns} unknowns. The last of {modal.steps} steps of the reduction changed a frequency "
         f"by at most {abs(worst.last_step_percent):.2g} % (mode {worst.mode}). Mesh: frequencies of torsion "
         f"are at most {mesh:.2g} % too high."
     )

@@ -5,7 +5,6 @@ Optimise the web's density under bending and torsion; write a run with STL.
 
 from __future__ import annotations
 
-import json
 import sys
 import time
 from pathlib import Path
@@ -34,6 +33,7 @@ from cranktopo.cli.options import (
     with_bound_option,
     with_goal_options,
 )
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import NORMAL, level, verbosity_options
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ def command(design: str | None, out: Path | None, resume: str | None, as_json: b
             scene = _scene(name, **options)
             command_line = ["cranktopo", *sys.argv[1:]]
             run = optimise_design(scene, out, design_text(name), command_line, bar, began)
-    click.echo(json.dumps(run.metrics.as_json()) if as_json else run_summary(run.metrics, run.folder))
+    tell(run.metrics.as_json() if as_json else run_summary(run.metrics, run.folder), indent=None)
     return _exit_code(run.metrics)
 
 

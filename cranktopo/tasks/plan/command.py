@@ -5,12 +5,11 @@ Which effects a design calls for, why, and what each would cost.
 
 from __future__ import annotations
 
-import json
-
 import click
 
 from cranktopo.base.notes import note, warn
 from cranktopo.cli.options import DEFAULT_DESIGN, designs, goal_options, throw_option, with_goal_options
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 
 
@@ -45,9 +44,9 @@ def command(
     scene = with_goal_options(taken, minimise, maximise, limits)
     found = design_plan(scene)
     if as_json:
-        click.echo(json.dumps(found.as_json(), indent=2))
+        tell(found.as_json())
         return
-    click.echo(plan_text(found, scene))
+    tell(plan_text(found, scene))
     if found.assumed:
         note(assumed_text(found.assumed))
     for warning in plan_warnings(scene):

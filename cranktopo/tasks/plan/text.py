@@ -9,7 +9,7 @@ from cranktopo.design.goal.limit import goal_text
 from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.effect import Effect
-from cranktopo.report.result_table import in_width, text_table
+from cranktopo.report.result_table import text_table
 from cranktopo.tasks.plan.result import DesignPlan
 
 
@@ -26,7 +26,7 @@ def plan_text(design_plan: DesignPlan, scene: Scene) -> str:
         )
     if words := outside_words(design_plan.outside_envelope):
         lines.append(words)
-    return in_width("\n".join([*lines, "", _effects_text(design_plan.effects)]))
+    return "\n".join([*lines, "", _effects_text(design_plan.effects)])
 
 
 def _effects_text(effects: Sequence[Effect]) -> str:

@@ -5,13 +5,13 @@ Fit a parametric web that can be made to a run: scene, STEP, STL, drawing, shape
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import click
 
 from cranktopo.cli.options import limit_options, runs
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 
 
@@ -36,4 +36,4 @@ def command(run: str, out: Path | None, no_evaluation: bool, as_json: bool, **li
     from cranktopo.tasks.refit.stage import remodel_run
 
     data = remodel_run(run, out, limits, not no_evaluation)
-    click.echo(json.dumps(data.as_json()) if as_json else refit_text(data))
+    tell(data.as_json() if as_json else refit_text(data), indent=None)

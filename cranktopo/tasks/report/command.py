@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 
 from cranktopo.cli.options import runs
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 
 
@@ -46,4 +47,4 @@ def command(run: str, out: Path | None, stress: bool, as_markdown: bool) -> None
         check_report_path(out)
     store = open_run(run)
     target = out or (store.path / "report.md" if as_markdown else None)
-    click.echo(report_run(store, target, stress))
+    tell(str(report_run(store, target, stress)))

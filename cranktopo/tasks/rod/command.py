@@ -5,7 +5,6 @@ Strength of the connecting rod: masses, stresses, buckling, fatigue, piston pin,
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
@@ -14,6 +13,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.formats import DRAWINGS
 from cranktopo.base.notes import note
 from cranktopo.cli.options import CELL_MM, Choice, designs
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 from cranktopo.tasks.fatigue.criteria import LOCAL_METHODS
 
@@ -125,4 +125,4 @@ def command(
     if drawing is not None:
         draw_rod(scene, drawing)
         note(str(drawing))
-    click.echo(json.dumps(found.as_json(), indent=2) if as_json else rod_text(found))
+    tell(found.as_json() if as_json else rod_text(found))

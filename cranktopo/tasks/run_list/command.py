@@ -5,7 +5,6 @@ List, show or clean up runs.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +13,7 @@ import click
 from cranktopo.cli.group import SuggestingGroup
 from cranktopo.cli.options import Choice
 from cranktopo.cli.options import runs as complete_runs
+from cranktopo.cli.output import tell
 
 if TYPE_CHECKING:
     from cranktopo.runs.kind import RunKind
@@ -45,11 +45,11 @@ def list_command(root: Path, as_json: bool) -> None:
 
     entries = summarise_runs(root)
     if as_json:
-        click.echo(json.dumps(RunList(runs=tuple(entries)).as_json(), indent=2))
+        tell(RunList(runs=tuple(entries)).as_json())
     elif entries:
-        click.echo(_table(entries))
+        tell(_table(entries))
     else:
-        click.echo(f"no runs under '{root}'; make one with: cranktopo optimise")
+        tell(f"no runs under '{root}'; make one with: cranktopo optimise")
 
 
 @command.command("show")
@@ -80,17 +80,17 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
         keys = {LOOP: "loop", SHAPE: "shape", SWEEP: "sweep", EACH_WEB: "each_web"}
         key = keys.get(kind, "metrics")
         whole = {"schema_version": 1, "manifest": manifest.as_json(), key: read_result(found)}
-        click.echo(json.dumps(whole, indent=2))
+        tell(whole)
         return
-    click.echo(f"{found.path}: {manifest.status}, started {manifest.started}")
-    click.echo(f"{' '.join(manifest.command)}\n")
+    tell(f"{found.path}: {manifest.status}, started {manifest.started}")
+    tell(f"{' '.join(manifest.command)}\n")
     result = run_result(found)
     if result is None:
-        click.echo(f"not finished; continue with: {resume_command(found)}")
+        tell(f"not finished; continue with: {resume_command(found)}")
         return
     with reading_results(found):
         summary = _summary(kind, result, found.path)
-    click.echo(summary)
+    tell(summary)
 
 
 def _summary(kind: RunKind, result: Any, folder: Path) -> str:
@@ -131,11 +131,11 @@ def clean_command(root: Path, states: tuple[str, ...], yes: bool) -> None:
 
     chosen = clean_runs(states, yes, root)
     for path in chosen:
-        click.echo(f"{'deleted' if yes else 'would delete'} {path}")
+        tell(f"{'deleted' if yes else 'would delete'} {path}")
     if not chosen:
-        click.echo(f"no run under '{root}' is {' or '.join(states)}")
+        tell(f"no run under '{root}' is {' or '.join(states)}")
     elif not yes:
-        click.echo("Add --yes to delete.")
+        tell("Add --yes to delete.")
 
 
 def _table(entries: list[RunEntry]) -> str:

@@ -5,7 +5,6 @@ The whole crankshaft: torsional stiffness, frequencies, all its bearings, safety
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, get_args
@@ -25,6 +24,7 @@ from cranktopo.cli.options import (
     body_options,
     designs,
 )
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 from cranktopo.tasks.fatigue.criteria import LOCAL_METHODS
 
@@ -149,7 +149,7 @@ def command(
         csv=csv_path,
         dynamic=dynamic,
     )
-    click.echo(json.dumps(shaft.as_json(), indent=2) if as_json else shaft_text(shaft))
+    tell(shaft.as_json() if as_json else shaft_text(shaft))
 
 
 def _check_loaded(loaded: bool, options: list[str]) -> None:

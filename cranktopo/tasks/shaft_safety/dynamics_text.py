@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from textwrap import fill
-
 from cranktopo.base.units import N_PER_KN, plain_number
-from cranktopo.report.result_table import WIDTH, ResultTable, Row, terminal
+from cranktopo.report.result_table import ResultTable, Row, terminal
 from cranktopo.tasks.dynamics.result import DynamicSpeed, Resonance, ShaftDynamics
 from cranktopo.tasks.shaft_safety.result import ShaftSafety
 
@@ -14,11 +12,11 @@ def dynamics_text(shaft: ShaftDynamics) -> list[str]:
     """Return what is told of the vibration of a shaft, by paragraph."""
     worst = shaft.worst
     paragraphs = [
-        fill(model_words(shaft), WIDTH),
-        f"Largest less smallest moments in the middle of each web at {worst.speed_rpm:,.0f} rpm,\n"
+        model_words(shaft),
+        f"Largest less smallest moments in the middle of each web at {worst.speed_rpm:,.0f} rpm, "
         "beside the quasi-static ones:",
         terminal(web_moments(worst)),
-        "Main bearings there, and the motions of the journals: of twist and axial motion\n"
+        "Main bearings there, and the motions of the journals: of twist and axial motion "
         "half the largest less the smallest, of tilt and offset the largest:",
         terminal(bearing_forces(worst)),
         terminal(journal_motions(worst)),
@@ -51,7 +49,7 @@ def _resonances(shaft: ShaftDynamics) -> list[str]:
     added = shaft.added_speed_rpm
     said = f"{added:,.0f} rpm, the worst of them, is added to the speeds." if added is not None else ""
     words = f"Orders that meet modes between them and change a moment by 5 % or more. {said}".rstrip()
-    return [fill(words, WIDTH), terminal(resonance_table(shaft.resonances))]
+    return [words, terminal(resonance_table(shaft.resonances))]
 
 
 def web_moments(at: DynamicSpeed) -> ResultTable:
@@ -143,7 +141,7 @@ def resonance_table(resonances: tuple[Resonance, ...]) -> ResultTable:
 def dynamic_safety_text(still: ShaftSafety, moving: ShaftSafety) -> list[str]:
     """Return the safety of the shaft that vibrates beside that without its mass, by paragraph."""
     paragraphs = [
-        f"Least safety of each web of the shaft that vibrates by method {moving.method!r}, beside the\n"
+        f"Least safety of each web of the shaft that vibrates by method {moving.method!r}, beside the "
         "quasi-static one:",
         terminal(safety_by_web(still, moving)),
         safety_sentence(still, moving),

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from textwrap import fill
 
 from cranktopo.base.units import N_PER_KN
-from cranktopo.report.result_table import WIDTH, ResultTable, Row, labelled, terminal
+from cranktopo.report.result_table import ResultTable, Row, labelled, terminal
 from cranktopo.tasks.fatigue.criteria import shortfall_words
 from cranktopo.tasks.fatigue.least import PARTS
 from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftEvaluation
@@ -29,10 +28,10 @@ def shaft_text(shaft: ShaftAssessment) -> str:
     """Return what `cranktopo shaft` prints."""
     error = shaft.error_percent
     errors = f"stiffnesses +-{error:.2g} %, frequencies +-{error / 2:.2g} % at most"
-    remarks = shaft.silent, fill(shaft.pressure, WIDTH), fill(shaft.added_words, WIDTH)
+    remarks = shaft.silent, shaft.pressure, shaft.added_words
     said = [line for line in remarks if line]
     beyond = ["\n".join(shaft.beyond_permitted)] if shaft.beyond_permitted else []
-    left_off = [fill(f"{words}.", WIDTH)] if shaft.safety and (words := shaft.safety.left_off) else []
+    left_off = [f"{words}."] if shaft.safety and (words := shaft.safety.left_off) else []
     parts = [*left_off, *beyond, *_torsion(shaft), *said, *_on_bearings(shaft)]
     if shaft.safety is not None:
         parts += safety_text(shaft.safety)
@@ -53,8 +52,8 @@ def safety_text(shaft: ShaftSafety) -> list[str]:
         "\n".join(
             [
                 worst_sentence(shaft),
-                *(fill(line, WIDTH, break_on_hyphens=False) for line in unsure_words(shaft)),
-                *([fill(f"The safety {short}.", WIDTH)] if short else []),
+                *unsure_words(shaft),
+                *([f"The safety {short}."] if short else []),
             ]
         ),
     ]
@@ -94,11 +93,11 @@ def speed_table(shaft: ShaftSafety) -> ResultTable:
 
 
 def worst_sentence(shaft: ShaftSafety) -> str:
-    """Return where and when the shaft is least safe, in two lines."""
+    """Return where and when the shaft is least safe."""
     worst = shaft.worst
     return (
         f"Least safety {shaft.safety:.3f}: web {worst.web} (throw {worst.throw}) at "
-        f"{worst.speed_rpm:,.0f} rpm, highest stress at {worst.highest_deg:g} deg,\n"
+        f"{worst.speed_rpm:,.0f} rpm, highest stress at {worst.highest_deg:g} deg, "
         f"lowest at {worst.lowest_deg:g} deg: {worst.critical.place}."
     )
 
@@ -142,9 +141,9 @@ def _on_bearings(shaft: ShaftEvaluation) -> list[str]:
     stiff = "rigid" if worst.spring_N_per_mm is None else f"of {worst.spring_N_per_mm:,.0f} N/mm"
     held = "in their oil films" if shaft.bearings == "film" else stiff
     paragraphs = [
-        f"On all its main bearings, {held}, at {worst.speed_rpm:,.0f} rpm. Bending moment in the middle\n"
+        f"On all its main bearings, {held}, at {worst.speed_rpm:,.0f} rpm. Bending moment in the middle "
         "of each web, largest less smallest over the cycle, beside a throw alone"
-        + (":" if not _swings(worst) else ";\ntorque there, and in the main journal beside it:"),
+        + (":" if not _swings(worst) else "; torque there, and in the main journal beside it:"),
         terminal(moment_table(worst)),
         "Main bearings, beside the sum of throws alone:",
         terminal(bearing_table(worst)),
@@ -220,7 +219,7 @@ def _conserving(at: ContinuousShaft) -> list[str]:
     told = "Mass-conserving films of those near what is permitted; then with the journal's tilt, at the edge"
     told += ", where 0 is a journal that touches a rigid bearing:" if touching else ":"
     return [
-        fill(told, WIDTH),
+        told,
         terminal(ResultTable({**digits, "edge_film_um": 2, "edge_pressure_MPa": 1}, rows)),
     ]
 

@@ -5,7 +5,6 @@ The best dimensions of a web that can be made, for a goal and limits: scene, STE
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,6 +27,7 @@ from cranktopo.cli.options import (
     with_bound_option,
     with_goal_options,
 )
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
@@ -112,7 +112,7 @@ def command(
         settings = shape_settings(scene, usual_limits(scene, **rules), loads)
         line = ["cranktopo", *sys.argv[1:]]
         run = shape_design(scene, settings, out, text, line, found.begun)
-    click.echo(json.dumps(run.result.as_json()) if as_json else shape_summary(run.result, run.folder))
+    tell(run.result.as_json() if as_json else shape_summary(run.result, run.folder), indent=None)
     return ExitCode.DONE if run.result.held and run.result.makeable else ExitCode.CRITERION_NOT_MET
 
 
@@ -157,5 +157,5 @@ def _each_web(
         scene = with_goal_options(scene, minimise, maximise, limits)
         settings = shape_settings(scene, usual_limits(scene, **rules))
         run = shape_each_web(scene, settings, out, design_text(name), ["cranktopo", *sys.argv[1:]])
-    click.echo(json.dumps(run.result.as_json()) if as_json else each_web_summary(run.result, run.folder))
+    tell(run.result.as_json() if as_json else each_web_summary(run.result, run.folder), indent=None)
     return ExitCode.DONE if run.result.held and run.result.makeable else ExitCode.CRITERION_NOT_MET

@@ -5,7 +5,6 @@ Many points of a design space on all cores or a cluster: table, Pareto front and
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,6 +24,7 @@ from cranktopo.cli.options import (
     seconds,
     typed,
 )
+from cranktopo.cli.output import tell, tell_error
 from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
@@ -127,11 +127,11 @@ def command(
     else:
         plan = _plan(target or DEFAULT_DESIGN, **options)
         done = run_sweep(plan, place, out, ["cranktopo", *sys.argv[1:]])
-    click.echo(json.dumps(done.result.as_json()) if as_json else sweep_summary(done.result, done.folder))
+    tell(done.result.as_json() if as_json else sweep_summary(done.result, done.folder), indent=None)
     if done.failed:
         return ExitCode.SOLVER
     if done.impossible:
-        click.echo(f"error: no point of the sweep is possible; the first: {done.impossible}", err=True)
+        tell_error(f"no point of the sweep is possible; the first: {done.impossible}")
         return ExitCode.INVALID_INPUT
     return ExitCode.DONE
 

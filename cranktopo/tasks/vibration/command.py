@@ -5,7 +5,6 @@ Torsional vibration of the whole shaft: critical speeds, torque and stress by or
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import get_args
 
@@ -21,6 +20,7 @@ from cranktopo.cli.options import (
     seconds,
     typed,
 )
+from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 
 
@@ -97,6 +97,6 @@ def command(
     )
     assumed = filter_by_table(resolved.assumed, (*SHAFT, LOADS, VIBRATION))
     if as_json:
-        click.echo(json.dumps(vibration_result(study, assumed).as_json(), indent=2))
+        tell(vibration_result(study, assumed).as_json())
     else:
-        click.echo(vibration_text(study))
+        tell(vibration_text(study))

@@ -19,11 +19,11 @@ from cranktopo.report.result_table import Cell, ResultTable, Row, terminal
 from cranktopo.tasks.vibration.barred import barred_sentence, passed_sentence
 
 DISKS = (
-    "Disks and springs stand for the body, which bends where it twists. Beside one body by finite elements\n"
-    "the first frequency was 10 to 14 % too low for a bare crank of four throws, within 1 % for fours and\n"
-    f"sixes with rods and pistons, and {FEW_THROWS_ERROR} for one to three throws:\n"
-    "too low where the mass of a flywheel holds the end of the shaft against bending, too high where\n"
-    "the shaft bends under the force at its crankpin (a V-twin).\n"
+    "Disks and springs stand for the body, which bends where it twists. Beside one body by finite elements "
+    "the first frequency was 10 to 14 % too low for a bare crank of four throws, within 1 % for fours and "
+    f"sixes with rods and pistons, and {FEW_THROWS_ERROR} for one to three throws: "
+    "too low where the mass of a flywheel holds the end of the shaft against bending, too high where "
+    "the shaft bends under the force at its crankpin (a V-twin). "
     "An error bound of the stiffness does not cover that."
 )
 """Error of the model itself, as the page of torsional vibration has it."""
@@ -283,7 +283,7 @@ def short_shaft_sentence(study: VibrationStudy) -> str:
         return ""
     count = len(study.scene.shaft_angles_deg)
     return (
-        f"This shaft has {count} throw{'s' * (count > 1)}: cranktopo modes gives frequencies and critical "
+        f"This shaft has {count} throw{'s' * (count > 1)}: `cranktopo modes` gives frequencies and critical "
         "speeds of its body."
     )
 

@@ -255,11 +255,9 @@ def test_a_throw_alone_with_the_loads_of_a_web_has_its_safety(stress: ShaftStres
 
 
 @pytest.mark.slow
-def test_each_speed_of_a_vibrating_shaft_is_judged_by_itself(
-    stress: ShaftStress, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_each_speed_of_a_vibrating_shaft_is_judged_by_itself(monkeypatch: pytest.MonkeyPatch) -> None:
     """The least safety of all speeds, as `shaft --method` has it; one range over both would be lower."""
-    data = stress.model.scene.model_dump(mode="json", exclude_none=True)
+    data = mikron_with().model_dump(mode="json", exclude_none=True)
     data["shaft"] = {
         "throw_stiffness_Nm_per_rad": 1.4e5,
         "speed_min_rpm": 2600.0,
@@ -273,15 +271,17 @@ def test_each_speed_of_a_vibrating_shaft_is_judged_by_itself(
     effects = shaft_effects(scene)
     speeds = speeds_of_range(scene, effects)
     assert engine_of(at_worst_speed(scene, effects)).speed_rpm in [engine_of(at).speed_rpm for at in speeds]
+    target = Target("mikron", scene)
+    stress = solve_shaft_stress(target, COARSE)  # of this scene: a throw that may vibrate has a load more
     monkeypatch.setattr(shaft_stress, "solve_shaft_stress", lambda *_: stress)
-    (found,) = worst_throw(Target("mikron", scene), ("lsa",), COARSE)
+    (found,) = worst_throw(target, ("lsa",), COARSE)
     by_speed = [loads(stress, scene.shaft_angles_deg, cycle_forces(at, effects), None) for at in speeds]
     each = list(np.stack(by_speed, axis=1))
     least = [safety.min() for one in least_safeties(stress.model, each, "lsa") for safety in one.values()]
     assert found.critical.safety == pytest.approx(min(least), rel=1e-9)
     joined = [own.reshape(1, -1, own.shape[-1]) for own in each]
     lower = [safety.min() for one in least_safeties(stress.model, joined, "lsa") for safety in one.values()]
-    assert min(lower) < 0.96 * min(least)  # 1.170 and 1.230
+    assert min(lower) < 0.96 * min(least)  # 1.169 and 1.227
 
 
 FACTORS = {"_mm": 2.0, "_kg": 8.0, "_rpm": 0.5}

@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.line_width import in_width
+from cranktopo.base.notes import pace_of
 from cranktopo.design.loading import design_text
 from cranktopo.tasks.bench.jobs import BenchJob, Jobs, reap
 from cranktopo.tasks.bench.results import job_numbers, job_words, variant_of
@@ -21,6 +23,7 @@ from cranktopo.tasks.shape.result import ShapeResult
 from tests.filled import filled
 
 TEXT = design_text("mikron-iiic-plain")
+MET = "met: mass -5.0 %, torsion +0.2 %, bending +1.5 % against the original web, in a sentence of two lines"
 
 
 def ended(jobs: Jobs, id_: str) -> BenchJob:
@@ -81,13 +84,21 @@ def test_the_words_of_a_job_name_what_governs_and_what_limits_cost(tmp_path: Pat
     assert lines[1] == "pin fillet: 0.9 by polynomials, 0.8 by elements; elements govern"
     assert job_numbers(ran)["m53_pin_elements"] == 0.8
     shape = BenchJob(ran.place, ran.known.model_copy(update={"kind": "shape"}))
-    (ran.place / "stdout.txt").write_text("met: mass -5.0 %\nmore\n", encoding="utf-8")
+    (ran.place / "stdout.txt").write_text(f"{in_width(MET)}\nmore\n", encoding="utf-8")
     shape.out.mkdir()
     price = {"quantity": "bending", "sense": ">=", "goal_percent_per_percent": 1.59}
     prices = [price, *({**price, "goal_percent_per_percent": nothing} for nothing in (0.0, None))]
     told = filled(ShapeResult, {"goal": {"minimise": "mass"}, "prices": prices})
     (shape.out / "shape.json").write_text(json.dumps(told), encoding="utf-8")
-    assert job_words(shape) == ["met: mass -5.0 %", "1 % of bending >= costs 1.59 % mass"]
+    assert job_words(shape) == [MET, "1 % of bending >= costs 1.59 % mass"]
+
+
+def test_a_note_that_goes_on_in_the_next_line_is_one(tmp_path: Path) -> None:
+    lines = [MET, "  part: begins", f"shape: [###---------] 4 of 12, {MET}, about 3 min left"]
+    job = finished(tmp_path, "shape", "")
+    (job.place / "notes.txt").write_text(in_width("\n".join(lines)), encoding="utf-8")
+    assert job.as_json(tmp_path)["notes"] == lines
+    assert pace_of(lines[-1]) == (0.25, "about 3 min")
 
 
 def finished(folder: Path, kind: str, printed: object, code: int = 0) -> BenchJob:
