@@ -137,7 +137,7 @@ def _too_oval(rod: RodStrength) -> Iterator[str]:
 
 
 def _way_through(rod: RodStrength) -> Iterator[tuple[bool, str]]:
-    """Yield whether and how the big end goes through the cylinder: where it does not, or a split is oblique."""
+    """Yield whether the big end goes through the cylinder, and how, where not or of an oblique split."""
     way = rod.passage
     size = f"{way.width_mm:.1f} mm across the rod, {way.over_corners_mm:.1f} mm over its corners"
     end, bore = f"the big end without its cap, {size}", f"the bore of {way.bore_mm:g} mm"

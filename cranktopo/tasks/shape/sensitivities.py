@@ -128,7 +128,8 @@ def _rules(rules: Rules, index: int, better: float, near_mm: float, prices: Arra
     share = np.abs(gradients) / np.maximum(np.abs(rules.gradients).max(axis=1), 1e-12)
     near = (np.abs(rules.excess) <= near_mm * np.abs(gradients)) & (gradients * better >= 0)
     priced = (prices > 0) & (gradients * (prices @ gradients) > 0)
-    for rule in sorted(np.flatnonzero((near | priced) & (share >= _SHARE)), key=lambda rule: (-round(float(share[rule]), 6), rule)):
+    holding = np.flatnonzero((near | priced) & (share >= _SHARE))
+    for rule in sorted(holding, key=lambda rule: (-round(float(share[rule]), 6), rule)):
         yield rules.names[rule]
 
 
