@@ -74,7 +74,7 @@ class ComparisonResult(Result):
     """Why a method did not judge a target, by method and target."""
     goals: dict[str, GoalOutcome] | None = UNLESS_NONE
     balance: dict[str, MovedBalance] | None = UNLESS_NONE
-    """Where the balance factor is another than the baseline's, by target, unless a limit holds it."""
+    """Balance factors that left the baseline's, by target; none that a limit holds."""
 
 
 @dataclass(frozen=True)
