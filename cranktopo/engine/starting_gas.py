@@ -248,22 +248,26 @@ def _refused(
     """Return a refusal with what is assumed and what would do."""
     engine = scene.engine
     assert engine is not None
+    assert engine.gas is not None
     per_MPa = target_kW / mean
     assumed = f"{'assumed ' if len(ratios) > 1 else ''}compression ratio {ratios[0]:g}"
     at = f"peak pressures of {_PEAK_MPA[0]:g} to {_PEAK_MPA[1]:g} MPa"
+    angle = f"assumed at {engine.gas.peak_angle_deg:g} deg after top dead centre"
     hint = "Look at bore, stroke, speed and number of cylinders."
     if peak is not None:
         assumed += f" to {ratios[-1]:g}" if len(ratios) > 1 else ""
         assumed += f", burn duration {_BURN_DEG[-1]:g} to {_BURN_DEG[0]:g} deg"
+        assumed += ", a mean pressure of {:g} to {:g} times that before compression".format(*_OF_CHARGE)
         at = f"the peak pressure of {peak:g} MPa"
         hint = f"It is indicated, before friction: that at the shaft over 0.8 to 0.9. {hint}"
         if needed := _peak_that_does(scene, mean, peak, pressure_range, ratios):
             hint += f" A peak pressure of {needed:g} MPa would do; or leave it out."
+        hint += " If it is at another angle, leave the power out and give engine.gas.peak_angle_deg."
     return invalid(
         "power_kW",
         target_kW,
-        f"it needs an indicated mean pressure of {plain_number(mean, 3)} MPa; with {at} and "
-        f"{assumed} this engine has "
+        f"it needs an indicated mean pressure of {plain_number(mean, 3)} MPa; with {at}, {angle}, and "
+        f"{assumed}, this engine has "
         f"{pressure_range.least_MPa * per_MPa:.0f} to {pressure_range.most_MPa * per_MPa:.0f} kW",
         hint,
     )

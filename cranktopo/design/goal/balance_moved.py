@@ -36,7 +36,10 @@ def balance_words(now_percent: float, before_percent: float) -> str:
 
 
 def balance_moved(
-    scene: Scene, result: Mapping[str, float], original: Mapping[str, float]
+    scene: Scene,
+    result: Mapping[str, float],
+    original: Mapping[str, float],
+    reference: str = "the original web",
 ) -> MovedBalance | None:
     """Return the balance factor of a web where it left the original's on a side without a limit.
 
@@ -44,6 +47,7 @@ def balance_moved(
 
     Args:
         result, original: quantities of both webs by name.
+        reference: what the original is called.
     """
     meant = scene.web.counterweight is not None or (
         scene.engine is not None and scene.engine.arranged.balanced_oscillating_share > 0
@@ -56,7 +60,7 @@ def balance_moved(
     bound = f"<= {before + FELT_PERCENT:.0f}" if now > before else f">= {before - FELT_PERCENT:.0f}"
     needed = "lighter" if now > before else "heavier"
     sentence = (
-        f"the balance factor is {plain_number(now, 3)} % of the oscillating mass, the original web has "
+        f"the balance factor is {plain_number(now, 3)} % of the oscillating mass, {reference} has "
         f"{plain_number(before, 3)} % (unbalance {plain_number(result[_UNBALANCE])} and "
         f"{plain_number(original[_UNBALANCE])} kg mm), and no limit holds it there: a {needed} counterweight "
         f"would do, or with a goal --limit '{_FACTOR} {bound} %'"

@@ -46,9 +46,8 @@ def change_words(comparison: Comparison, row: int, quantity: Quantity) -> str:
 
 def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
     """Return which entry has the best value of a quantity, or which are level."""
-    if not comparison.rated(quantity):
-        unrated = " and ".join(entry.name for entry in comparison.entries)
-        return Fact(label, "none", f"the rule judges none of {unrated}", "bad")
+    if len(comparison.rated(quantity)) < 2:
+        return _no_best(comparison, quantity, label)
     row, level = comparison.leading(quantity), comparison.level(quantity)
     rows = sorted((row, *level))
     failing = _failing(comparison, rows, quantity)
@@ -66,6 +65,18 @@ def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
         notes.append(method_words(comparison.fatigue))
     status: FactStatus = "neutral" if comparison.baseline in rows else "good"
     return Fact(label, name, "; ".join(notes), "bad" if failing else status)
+
+
+def _no_best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
+    """Return that none is best: the rule judges none, or one was judged alone."""
+    rated = comparison.rated(quantity)
+    if not rated:
+        unrated = " and ".join(entry.name for entry in comparison.entries)
+        return Fact(label, "none", f"the rule judges none of {unrated}", "bad")
+    failing = _failing(comparison, rated, quantity)
+    words = _value_words(comparison, rated[0], quantity)
+    note = "; ".join((f"only {comparison.entries[rated[0]].name} was judged: {words}", *failing.values()))
+    return Fact(label, "not compared", note, "bad" if failing else "unknown")
 
 
 def _value_words(comparison: Comparison, row: int, quantity: Quantity) -> str:

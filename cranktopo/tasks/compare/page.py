@@ -31,6 +31,7 @@ from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.compare.cards import best_facts, change_words, method_words
 from cranktopo.tasks.compare.result import Comparison
 from cranktopo.tasks.compare.text import (
+    balance_lines,
     comparison_tables,
     fillet_lines,
     left_off_lines,
@@ -143,10 +144,10 @@ def undercut_fact(undercuts: Sequence[DesignUndercuts], designs: int) -> Fact:
 
 
 def _headline(comparison: Comparison) -> str:
-    """Return the verdict; what fails by fatigue comes first, whatever is the stiffest."""
+    """Return the verdict; what fails by fatigue comes first, then a balance that moved."""
     failing = [f"{name} {what}" for one in comparison.fatigues for name, what in one.failing.items()]
     first = f"FATIGUE: {'; '.join(failing)}. " if failing else ""
-    return first + _stiffest(comparison)
+    return first + " ".join((*balance_lines(comparison), _stiffest(comparison)))
 
 
 def _stiffest(comparison: Comparison) -> str:

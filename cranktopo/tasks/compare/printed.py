@@ -11,6 +11,7 @@ from cranktopo.report.latex import PREAMBLE, latex, latex_text
 from cranktopo.report.result_table import ResultTable, comma_separated, escaped, markdown, terminal
 from cranktopo.tasks.compare.result import Comparison
 from cranktopo.tasks.compare.text import (
+    balance_lines,
     comparison_result,
     comparison_tables,
     fillet_lines,
@@ -52,7 +53,8 @@ def comparison_text(comparison: Comparison, form: str) -> str:
         return comma_separated(flat_table(comparison))
     by = _FORMS[form]
     tables = [by.table(table) for table in comparison_tables(comparison)]
-    above = [*left_off_lines(comparison), *fillet_lines(comparison.bare), *comparison.pitches]
+    above = [*balance_lines(comparison), *left_off_lines(comparison)]
+    above += [*fillet_lines(comparison.bare), *comparison.pitches]
     below = [*by.last, *star_lines(comparison), *method_lines(comparison)]
     parts = [*by.first, *map(by.line, above), *tables, *map(by.line, below), *_verdicts(comparison, by)]
     return "\n\n".join([*parts, *_goals(comparison, by)])

@@ -9,6 +9,7 @@ from typing import Literal
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.design.goal.balance_moved import MovedBalance
 from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.design.published import Published
 from cranktopo.report.result_table import Cell
@@ -57,7 +58,8 @@ class ComparisonResult(Result):
     """Rows of the table, by its columns."""
     change_error_percent: list[ChangeErrors]
     best: dict[str, str | None]
-    """Name of the best target by column; None where another is within the error estimate."""
+    """Name of the best target by column; None where another is within the error estimate, or none was judged
+    beside it."""
     published: list[dict[str, Cell]] | None
     """Percent of the baseline as computed (`ours`) and as printed elsewhere, and their difference."""
     fatigue: FatigueResult | None
@@ -71,6 +73,8 @@ class ComparisonResult(Result):
     not_judged: dict[str, dict[str, str]] | None = UNLESS_NONE
     """Why a method did not judge a target, by method and target."""
     goals: dict[str, GoalOutcome] | None = UNLESS_NONE
+    balance: dict[str, MovedBalance] | None = UNLESS_NONE
+    """Balance factors that left the baseline's, by target; none that a limit holds."""
 
 
 @dataclass(frozen=True)
@@ -129,6 +133,7 @@ class Comparison:
         balanced_kg_mm: unbalance that is wanted of a throw; the nearest to it is best, not the least.
         pitch_mm: distance of the throws of every entry, in their order; empty where all are alike.
         pitches: lines on those whose throws are farther apart, or closer, than the baseline's.
+        balance: where the balance factor went, by the name of each entry in which it left the baseline's.
         bare: surfaces of runs, for which all designs are compared without fillets.
     """
 
@@ -141,6 +146,7 @@ class Comparison:
     bare: tuple[str, ...] = ()
     pitch_mm: tuple[float, ...] = ()
     pitches: tuple[str, ...] = ()
+    balance: Mapping[str, MovedBalance] = field(default_factory=dict)
 
     @property
     def fatigues(self) -> tuple[FatigueComparison, ...]:
@@ -230,8 +236,12 @@ class Comparison:
         return [row for row in others if not self.differ(best, row, quantity)]
 
     def best(self, quantity: Quantity) -> int | None:
-        """Return the row of the best entry; None if another is within the error estimate, or none rated."""
-        return None if self.level(quantity) or not self.rated(quantity) else self.leading(quantity)
+        """Return the row of the best entry; None if another is within the error estimate.
+
+        One that is rated alone is the best of none.
+        """
+        alone = len(self.rated(quantity)) < 2
+        return None if alone or self.level(quantity) else self.leading(quantity)
 
 
 def safety_by(method: str) -> Quantity:

@@ -14,6 +14,7 @@ from cranktopo.bodies.cells.outside import outside_envelope, outside_words
 from cranktopo.bodies.prisms import with_bolted
 from cranktopo.bodies.solid.files import coarse_facet_mm
 from cranktopo.bodies.undercuts import half_throw_undercuts
+from cranktopo.design.goal.balance_moved import MovedBalance, balance_moved
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
 from cranktopo.design.goal.scene_goal import asks_for, goal_of
 from cranktopo.design.halves import difference, halves
@@ -129,6 +130,7 @@ def compare_targets(
         pitch_mm=tuple(target.scene.pitch_mm for target in targets) if pitches else (),
         pitches=pitches,
         goals=_evaluated_goals(targets, designed, entries, index),
+        balance=_moved_balance(targets, entries, index),
         balanced_kg_mm=balanced_kg_mm(targets[index].scene),
     )
     return ComparedTargets(comparison, tuple(targets), found.missed, loaded)
@@ -197,6 +199,26 @@ def _evaluated_goals(
         for row, goal in goals.items()
         if goal is not None
     }
+
+
+def _moved_balance(
+    targets: Sequence[Target], entries: Sequence[Entry], baseline: int
+) -> dict[str, MovedBalance]:
+    """Return where the balance factor of the baseline's engine went, as a run of `optimise` tells it."""
+    base, original = targets[baseline], _balance(entries[baseline])
+    found = {
+        target.name: balance_moved(
+            base.scene.model_copy(update={"goal": target.scene.goal}), _balance(entry), original, base.name
+        )
+        for target, entry in zip(targets, entries, strict=True)
+    }
+    return {name: moved for name, moved in found.items() if moved}
+
+
+def _balance(entry: Entry) -> dict[str, float]:
+    factor = entry.evaluation.balance_factor_percent
+    known = {} if factor is None else {"balance_factor": factor}
+    return known | {"unbalance": entry.evaluation.unbalance_kg_mm}
 
 
 def _values(target: Target, entry: Entry, *, swings: bool) -> dict[str, float]:

@@ -164,6 +164,12 @@ def _published_rows(comparison: Comparison) -> list[Row]:
     ]
 
 
+def balance_lines(comparison: Comparison) -> list[str]:
+    """Return a line for every target whose balance factor left the baseline's; no limit holds it there."""
+    base = comparison.base.name
+    return [f"{name}: {moved.words} as {base} has." for name, moved in comparison.balance.items()]
+
+
 def fillet_lines(bare: Sequence[str]) -> list[str]:
     """Return the line that a comparison beside the surfaces of these runs is without fillets."""
     if not bare:
@@ -320,6 +326,7 @@ def comparison_result(comparison: Comparison) -> ComparisonResult:
         verdicts=_answers(comparison) or None,
         not_judged={o.result.method: dict(o.not_judged) for o in comparison.fatigues if o.not_judged} or None,
         goals=dict(comparison.goals) or None,
+        balance=dict(comparison.balance) or None,
     )
 
 

@@ -103,6 +103,7 @@ def finalise_run(
         judged.result,
         judged.original,
         surface,
+        half_throw,
         goal=goal,
         seconds=run_seconds(state, now - began, now - optimised, clock.compile_s, **times),
         files=files,

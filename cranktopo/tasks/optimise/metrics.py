@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from statistics import fmean, median
 from typing import Any
 
@@ -13,11 +12,14 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.machine import peak_memory_MiB
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain
+from cranktopo.bodies.volume import bolted_mass
+from cranktopo.design.balance_factor import balance_factor_percent
 from cranktopo.design.goal.balance_moved import MovedBalance, balance_moved
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.load_type import load_type
 from cranktopo.engine.plan.planning import left_off
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.tasks.density.problem import Assessment, DensityProblem, model_error_percent
 from cranktopo.tasks.density.stage import Prepared
 from cranktopo.tasks.density.state import State
@@ -59,14 +61,16 @@ def run_metrics(
     result: Assessment,
     original: Assessment,
     surface: RunSurface | NoSurface,
+    half_throw: SurfaceMesh | None,
     **others: Any,
 ) -> RunMetrics:
     """Return the metrics of a finished optimisation, `others` among their fields.
 
-    The density is the physical one of the web's layers; result and original are on the same grid.
+    The density is the physical one of the web's layers; result and original are on the same grid. The half
+    throw is the surface itself, where there is one.
     """
     scene, domain = prepared.scene, prepared.domain
-    moved = _balance_moved(scene, result.quantities, original.quantities)
+    moved = None if half_throw is None else _balance_moved(scene, half_throw)
     remarks = (
         moved.told if moved else "",
         "" if scene.goal else _other_mass(scene, domain, state.last.volume_fraction, result, original),
@@ -97,16 +101,21 @@ def run_metrics(
     )
 
 
-def _balance_moved(
-    scene: Scene, result: Mapping[str, float], original: Mapping[str, float]
-) -> MovedBalance | None:
-    """Return what `balance_moved` does, of cells brought to what `balance` tells of the original."""
-    own = throw_balance(scene)
-    exact = {"balance_factor": own.balance_factor_percent, "unbalance": own.throw_unbalance_kg_mm}
-    known = {name: value for name, value in exact.items() if value is not None and name in original}
-    return balance_moved(
-        scene, {name: result[name] + value - original[name] for name, value in known.items()}, known
-    )
+def _balance_moved(scene: Scene, half_throw: SurfaceMesh) -> MovedBalance | None:
+    """Return what `balance_moved` does of the surface, as `evaluate` tells it of the run.
+
+    The original's is that of `balance`, with its fillets.
+    """
+    own, density = throw_balance(scene), density_kg_per_mm3(scene.material.density_kg_m3)
+    half_kg_mm = density * float(half_throw.first_moments_mm4[1]) + bolted_mass(scene).first_y
+    unbalances = 2 * half_kg_mm, own.throw_unbalance_kg_mm
+    result, original = ({"unbalance": one, **_factor(scene, one)} for one in unbalances)
+    return balance_moved(scene, result, original)
+
+
+def _factor(scene: Scene, unbalance_kg_mm: float) -> dict[str, float]:
+    factor = balance_factor_percent(scene, unbalance_kg_mm)
+    return {} if factor is None else {"balance_factor": factor}
 
 
 def _other_mass(

@@ -62,7 +62,8 @@ _FREE: tuple[Column[FreeDimension], ...] = (
 
 
 def rod_text(rod: RodStrength) -> str:
-    """Return what `cranktopo rod` prints."""
+    """Return what `cranktopo rod` prints: what is worse than permitted first."""
+    failing, holding = _verdicts(rod)
     masses = rod.masses
     speeds = " and ".join(f"{speed:g}" for speed in rod.speeds_rpm)
     kg = f"{masses.reciprocating_kg:.4f} kg oscillate, {masses.rotating_kg:.4f} kg rotate"
@@ -74,15 +75,9 @@ def rod_text(rod: RodStrength) -> str:
         ("small end", f"held {rod.held_deg:.0f} deg from its crown; bush {rod.bush_pressure_MPa:.1f} MPa"),
     )
     parts = [
+        *(["\n".join(failing)] if failing else []),
         *([_lighter(rod.lighter)] if rod.lighter else []),
-        "\n".join(
-            [
-                f"{rod.design}: {rod.shank} shank at {speeds} rpm",
-                least_safety(rod),
-                *_too_oval(rod),
-                *_way_through(rod),
-            ]
-        ),
+        "\n".join([f"{rod.design}: {rod.shank} shank at {speeds} rpm", *holding]),
         labelled(rows),
         *([_split(rod.oblique_split)] if rod.oblique_split else []),
         f"Stresses over the cycle, tension positive; fatigue by method {rod.method}",
@@ -97,6 +92,20 @@ def rod_text(rod: RodStrength) -> str:
     if rod.bolt:
         parts.append(bolts_text(BoltChecks(design=rod.design, joints=(rod.bolt,), assumed=rod.assumed)))
     return "\n\n".join(parts)
+
+
+def _verdicts(rod: RodStrength) -> tuple[list[str], list[str]]:
+    """Return the lines on what fails, and on what holds."""
+    least = least_safety(rod)
+    told = [
+        (not least.startswith(_NOT_SAFE), least),
+        *((False, line) for line in _too_oval(rod)),
+        *_way_through(rod),
+    ]
+    return [line for holds, line in told if not holds], [line for holds, line in told if holds]
+
+
+_NOT_SAFE = "NOT SAFE: "
 
 
 def least_safety(rod: RodStrength) -> str:
@@ -114,7 +123,7 @@ def least_safety(rod: RodStrength) -> str:
     if rod.bolt:
         worst["bolts by VDI 2230"] = rod.bolt.governing, rod.bolt.smallest_safety
     words = "; ".join(f"{what} {safety:.2f} ({place})" for what, (place, safety) in worst.items())
-    return f"{'' if min(safety for _, safety in worst.values()) >= 1 else 'NOT SAFE: '}least safety: {words}"
+    return f"{'' if min(safety for _, safety in worst.values()) >= 1 else _NOT_SAFE}least safety: {words}"
 
 
 def _too_oval(rod: RodStrength) -> Iterator[str]:
@@ -127,15 +136,15 @@ def _too_oval(rod: RodStrength) -> Iterator[str]:
                 yield f"TOO OVAL: {changed} under the {eye.load}{by}; permitted are {eye.permitted_um:g} um"
 
 
-def _way_through(rod: RodStrength) -> Iterator[str]:
-    """Yield how the big end goes through the cylinder, where it does not or the split is oblique."""
+def _way_through(rod: RodStrength) -> Iterator[tuple[bool, str]]:
+    """Yield whether the big end goes through the cylinder, and how, where not or of an oblique split."""
     way = rod.passage
     size = f"{way.width_mm:.1f} mm across the rod, {way.over_corners_mm:.1f} mm over its corners"
     end, bore = f"the big end without its cap, {size}", f"the bore of {way.bore_mm:g} mm"
     if not way.passes:
-        yield f"NOT THROUGH THE CYLINDER: {end}, does not pass {bore} from above"
+        yield False, f"NOT THROUGH THE CYLINDER: {end}, does not pass {bore} from above"
     elif rod.oblique_split:
-        yield f"{end}, passes {bore}"
+        yield True, f"{end}, passes {bore}"
 
 
 def _split(split: ObliqueSplit) -> str:

@@ -124,7 +124,8 @@ def _changes(optimum: ShapeOptimum) -> dict[str, float]:
 def _sensitivities(scene: Scene, optimum: ShapeOptimum) -> SensitivityTable:
     web, values, original = optimum.web, optimum.result.values, optimum.original.values
     goal = optimum.stated, optimum.responses, original
-    holders = active_constraints(scene, web, values, rules_at(scene, web, values), goal)
+    paid = None if too_loose(100 * optimum.multipliers.remainder) else optimum.multipliers
+    holders = active_constraints(scene, web, values, rules_at(scene, web, values), goal, paid)
     found = dimension_sensitivities(web, values, optimum.responses, original, holders)
     return sensitivity_table(found, scene.shape.tolerance_mm)
 

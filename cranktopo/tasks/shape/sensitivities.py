@@ -11,6 +11,7 @@ from cranktopo.design.goal.constraint import ACTIVE, Constraint
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.halves import usual_scale
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.optimisers.gradient_search import Multipliers
 from cranktopo.tasks.refit.family import parameter_unit
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.mesh_model import MeshResponses
@@ -83,20 +84,24 @@ def active_constraints(
     values: Array,
     rules: Rules,
     goal: tuple[SearchGoal, Quantities, Mapping[str, float]] | None = None,
+    paid: Multipliers | None = None,
 ) -> list[tuple[str, ...]]:
     """Return what holds each dimension, the most direct first; empty where nothing does.
 
     Args:
         goal: with its quantities at the web and those of the original: then only what keeps a dimension from
             being changed for the better counts, a limit of the goal where neither rule nor bound does.
+        paid: prices of rules and bounds: those that have one hold, too. A dimension that is worse for the
+            goal may want to change for the sake of a limit, as a counterweight does at the envelope.
     """
     near_mm, count = _NEAR_MM / usual_scale(scene), len(values)
+    paid = paid or Multipliers(np.zeros(0), np.zeros(len(rules.names)), np.zeros(count), 0.0)
     better = np.zeros(count) if goal is None else -np.sign(goal[0].objective_gradient(goal[1].gradients))
     found = []
     for index in range(count):
         names = [
-            *_bounds(web, index, float(values[index]), better[index], near_mm),
-            *_rules(rules, index, better[index], near_mm),
+            *_bounds(web, index, float(values[index]), better[index], near_mm, paid.bounds[index]),
+            *_rules(rules, index, better[index], near_mm, paid.rules),
         ]
         if goal is not None and not names:
             names = list(_limits(*goal, index, better[index]))
@@ -104,24 +109,27 @@ def active_constraints(
     return found
 
 
-def _bounds(web: ParametricWeb, index: int, value: float, better: float, near_mm: float) -> Iterator[str]:
+def _bounds(
+    web: ParametricWeb, index: int, value: float, better: float, near_mm: float, price: float
+) -> Iterator[str]:
     layout = web.layout
     name, low, high = layout.names[index], web.bounds[0][index], web.bounds[1][index]
     unit = parameter_unit(name)
-    for side, bound, blocked in (("least", low, better <= 0), ("greatest", high, better >= 0)):
+    sides = (("least", low, better <= 0 or price > 0), ("greatest", high, better >= 0 or price < 0))
+    for side, bound, blocked in sides:
         if blocked and abs(value - bound) < near_mm:
             of_outline = "draft" if unit == "deg" else "value of its range"
             what = "value in [shape.free]" if name in layout.dimensions else of_outline
             yield f"{side} {what}, {bound:.4g} {unit}"
 
 
-def _rules(rules: Rules, index: int, better: float, near_mm: float) -> Iterator[str]:
+def _rules(rules: Rules, index: int, better: float, near_mm: float, prices: Array) -> Iterator[str]:
     gradients = rules.gradients[:, index]
     share = np.abs(gradients) / np.maximum(np.abs(rules.gradients).max(axis=1), 1e-12)
-    near = (
-        (np.abs(rules.excess) <= near_mm * np.abs(gradients)) & (share >= _SHARE) & (gradients * better >= 0)
-    )
-    for rule in sorted(np.flatnonzero(near), key=lambda rule: (-round(float(share[rule]), 6), rule)):
+    near = (np.abs(rules.excess) <= near_mm * np.abs(gradients)) & (gradients * better >= 0)
+    priced = (prices > 0) & (gradients * (prices @ gradients) > 0)
+    holding = np.flatnonzero((near | priced) & (share >= _SHARE))
+    for rule in sorted(holding, key=lambda rule: (-round(float(share[rule]), 6), rule)):
         yield rules.names[rule]
 
 

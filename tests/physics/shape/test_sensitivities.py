@@ -11,6 +11,7 @@ from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.goal.constraint import Constraint, LimitSense
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.optimisers.gradient_search import Multipliers
 from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.refit.family import Layout, exact_web_of
@@ -90,9 +91,11 @@ def plain(changes: dict[str, float]) -> tuple[Scene, MeshedWebs, Layout, Array]:
     return scene, MeshedWebs(scene, usual_limits(scene), SIZE_MM), layout, values
 
 
-def holders(scene: Scene, web: ParametricWeb, values: Array, goal: Any = None) -> dict[str, tuple[str, ...]]:
+def holders(
+    scene: Scene, web: ParametricWeb, values: Array, goal: Any = None, paid: Multipliers | None = None
+) -> dict[str, tuple[str, ...]]:
     """What holds each dimension, by its name."""
-    told = active_constraints(scene, web, values, rules_at(scene, web, values), goal)
+    told = active_constraints(scene, web, values, rules_at(scene, web, values), goal, paid)
     return dict(zip(web.layout.names, told, strict=True))
 
 
@@ -185,3 +188,31 @@ def test_a_rule_holds_only_in_its_direction(gain: float, held: tuple[str, ...]) 
     slopes = {"mass": np.full(len(values), gain)}
     wanted = SearchGoal("mass", 1.0, 1.6, ()), MeshResponses({"mass": 1.7}, slopes), {"mass": 1.6}
     assert holders(scene, web, values, wanted)["groove.height"] == held
+
+
+def test_what_has_a_price_holds_for_the_sake_of_a_limit() -> None:
+    """A longer web and a shallower bevel weigh more and pay for a thinner outline: both stop at their ends.
+
+    The table of a counterweight at the envelope named the limit of the balance alone.
+    """
+    scene, webs, layout, values = plain({"y_high": 81.95, "bevel-journal.depth": 0.0})
+    web, count = webs.web(layout), len(values)
+    depth, length, width = (
+        layout.names.index(name) for name in ("bevel-journal.depth", "y_high", "half_width_3")
+    )
+    values[depth] = web.bounds[0][depth]
+    slopes = {"mass": np.zeros(count), "torsion": np.zeros(count)}
+    slopes["mass"][[length, depth, width]] = 0.01, -0.01, 0.05
+    slopes["torsion"][[length, depth, width]] = 1.0, -1.0, 1.0
+    found = MeshResponses({"mass": 1.6, "torsion": 100.0}, slopes)
+    goal = SearchGoal("mass", 1.0, 1.6, (Constraint("torsion", ">=", 100.0),))
+    paid = prices_of(scene, web, values, found, goal)
+    rules = rules_at(scene, web, values)
+    priced = {name for name, price in zip(rules.names, paid.rules, strict=True) if price > 0}
+    assert ENVELOPE in priced
+    assert paid.bounds[depth] > 0
+    told = holders(scene, web, values, (goal, found, {"mass": 1.6, "torsion": 100.0}), paid)
+    assert priced <= {name for names in told.values() for name in names}
+    assert ENVELOPE in told["y_high"]
+    assert told["bevel-journal.depth"][0].startswith("least value of its range")
+    assert told["half_width_3"] == ("limit: torsion >= 100 % of the original",)
