@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
@@ -86,7 +87,7 @@ def sentence(words: str) -> str:
 def origin_rows(manifest: Manifest) -> list[tuple[str, Any]]:
     """Return where a run comes from, for `pairs`: its command, start, settings and input files."""
     return [
-        ("command", " ".join(manifest.command)),
+        ("command", shlex.join(manifest.command)),
         ("started", clock_words(manifest.started)),
         ("settings, SHA-256", manifest.settings_sha256),
         *((f"{role}, SHA-256", file.sha256) for role, file in manifest.inputs.items()),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -312,7 +313,7 @@ def report_comparison(
         cases=cases,
         loads=analyse(scene, effects.enabled) if scene.engine else None,
         hashes=_hashes(compared.targets),
-        command=" ".join(command),
+        command=shlex.join(command),
         written=timestamp(),
         versions=versions(),
         bound=bound,

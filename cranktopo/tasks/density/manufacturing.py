@@ -35,6 +35,7 @@ from cranktopo.numerics.filters.processes import (
     reachable,
 )
 from cranktopo.tasks.density.material import web_cell_mm
+from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.web import kept_holes
 
 LEAST_CELLS = 2.0
@@ -195,8 +196,8 @@ def parting_of(domain: Domain, axis: int = X) -> Parting:
 def open_cells(scene: Scene, domain: Domain) -> Mask:
     """Return the web's cells (nx, ny, nw) that are no obstacle: designable, in a bore or in a journal.
 
-    Bores, holes of features, and holes through the envelope along the crank axis are drilled after forging
-    or casting.
+    Bores, oil drillings, holes of features, and holes through the envelope along the crank axis are drilled
+    after forging or casting.
     """
     first, last = domain.web_layers
     x, y, z = centres_mm(domain)
@@ -209,7 +210,7 @@ def open_cells(scene: Scene, domain: Domain) -> Mask:
         for contours, height in zip(through_holes(scene, z.tolist()), z, strict=True)
     ]
     drilled = np.zeros((len(x), len(y), len(z)), bool)
-    for body in kept_holes(scene):
+    for body in (*kept_holes(scene), *drill_bores(scene)):
         drilled |= holds(body.spans(y[None, :, None], z[None, None, :]), x[:, None, None])
     return filled[:, :, first:last] | bored[:, :, None] | np.stack(holes, axis=-1) | drilled
 

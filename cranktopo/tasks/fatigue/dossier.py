@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -78,7 +79,7 @@ def write_dossier(assessment: FatigueAssessment, path: Path, command: Sequence[s
         assumed=assumed_by(target.assumed, (assessment.method,)),
         drawings=() if target.file else _drawings(target),
         scene_sha256=settings_hash(scene.model_dump(mode="json"), {}),
-        command=" ".join(command),
+        command=shlex.join(command),
         written=timestamp(),
         versions=versions(),
         vibration=_vibration(target),

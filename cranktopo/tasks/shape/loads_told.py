@@ -12,10 +12,11 @@ from cranktopo.engine.histories import Loads, WebLoads
 from cranktopo.engine.performance import note_pressure
 from cranktopo.engine.plan.planning import note_left_off
 from cranktopo.tasks.fatigue.needs import alone_left_off
-from cranktopo.tasks.fatigue.taken_keys import assumed_by, note_unused
+from cranktopo.tasks.fatigue.taken_keys import note_unused
 from cranktopo.tasks.shaft.stage import shaft_left_off
 
-_METHODS = ("lsa",)
+METHODS = ("lsa",)
+"""What judges the safety of every web of a search."""
 
 
 def loads_left_off(scene: Scene, loads: Loads | None) -> str:
@@ -33,6 +34,6 @@ def note_loads(scene: Scene, loads: Loads | None, assumed: Sequence[Assumption])
     note_left_off(scene.name, loads_left_off(scene, loads))
     note_strength(scene.name, scene)
     note_pressure(scene.name, scene)
-    note_unused(scene.name, scene.fatigue, _METHODS)
-    if taken := assumed_by(assumed, _METHODS):
-        note(assumed_text(taken))
+    note_unused(scene.name, scene.fatigue, METHODS)
+    if assumed:
+        note(assumed_text(assumed))

@@ -27,13 +27,12 @@ from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
 from cranktopo.runs.manifest import Manifest
 from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.extraction.text import release_text, release_verdict
-from cranktopo.tasks.fatigue.verdicts import SAME
-from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.fea.quantities import SAFETY, STRESS
 from cranktopo.tasks.fea.section import clearance_sections
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.text import (
     QUANTITIES_TOLD,
+    change_error_percent,
     changes_table,
     dimensions_table,
     ended_words,
@@ -81,7 +80,7 @@ def shape_page(shape: ShapeResult, manifest: Manifest, scene: Scene, bodies: tup
 def quantity_fact(shape: ShapeResult, key: str) -> Fact:
     """Return the change of a quantity, by its key in shape.json; red where the web fails by fatigue."""
     quantity = QUANTITIES_TOLD[key]
-    change, error = shape.change_percent[key], _change_error_percent(shape, key)
+    change, error = shape.change_percent[key], change_error_percent(shape, key)
     original, result, unit = value_words(shape, key)
     label, value = quantity.label.capitalize(), f"{result} {unit}".rstrip()
     note = f"{value} against the original's {f'{original} {unit}'.rstrip()}"
@@ -122,17 +121,6 @@ def release_fact(shape: ShapeResult) -> Fact:
         wholly = shape.undercuts.released and not shape.undercuts.without_draft
         status = "good" if wholly else "neutral" if shape.makeable else "bad"
     return Fact("Released by a die", release_verdict(shape.undercuts), release_text(shape.undercuts), status)
-
-
-def _change_error_percent(shape: ShapeResult, key: str) -> float:
-    if QUANTITIES_TOLD[key] in (SAFETY, STRESS):
-        return 100 * SAME
-    kind, entries = key.removesuffix("_per_mass"), (shape.original, shape.result)
-    if kind not in shape.original.error_estimate_percent:
-        return 0.0
-    one, other = (entry.error_estimate_percent[kind] for entry in entries)
-    triangles = any(entry.mesh.triangles for entry in entries)
-    return difference_bound_percent(one, other, triangles=triangles)
 
 
 def _goal_section(shape: ShapeResult) -> Section:

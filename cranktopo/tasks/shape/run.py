@@ -60,6 +60,7 @@ from cranktopo.tasks.bound.stage import bound_for_goal
 from cranktopo.tasks.drawing.raw_sheet import raw_pages
 from cranktopo.tasks.drawing.sheet import export_drawing, throw_sheets
 from cranktopo.tasks.extraction.release import shaped_undercuts
+from cranktopo.tasks.fatigue.taken_keys import assumed_by
 from cranktopo.tasks.film.stage import film_change
 from cranktopo.tasks.importing.imported_body import half_throw_surface
 from cranktopo.tasks.importing.original import check_original, original_file
@@ -70,7 +71,7 @@ from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.refit.stage import remodel_run
 from cranktopo.tasks.shape.assembled import assembled
 from cranktopo.tasks.shape.in_shaft import asks_for_shaft, left_alone, search_in_shaft
-from cranktopo.tasks.shape.loads_told import note_loads
+from cranktopo.tasks.shape.loads_told import METHODS, note_loads
 from cranktopo.tasks.shape.optimum import ShapeOptimum, ShapeSettings
 from cranktopo.tasks.shape.page import shape_page
 from cranktopo.tasks.shape.reachable import check_reachable
@@ -140,7 +141,7 @@ def shape_design(
     stress = plan_for_stress(scene)
     if stresses_in(goal.quantities):
         histories_of(scene, settings.loads, stress.enabled)  # refuses loads that the scene does not tell
-    assumed = assumptions(scene, TABLES)
+    assumed = assumed_by(assumptions(scene, TABLES), METHODS)
     if not isinstance(settings.loads, WebLoads):  # of the webs of a shaft it is told once
         shaft_alone = scene.effects.continuous_shaft == "on" and not left_alone(scene, goal)
         note_loads(scene, None if shaft_alone else settings.loads, assumed)

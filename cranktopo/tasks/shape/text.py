@@ -14,6 +14,8 @@ from cranktopo.report.goal_table import limits_table, short_percent, violated_li
 from cranktopo.report.result_table import Column, ResultTable, Row, tabulate, terminal
 from cranktopo.tasks.bound.text import bound_lines
 from cranktopo.tasks.extraction.text import release_text, release_verdict
+from cranktopo.tasks.fatigue.verdicts import SAME
+from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.fea.quantities import (
     BEARING_PRESSURE,
     COMPARED,
@@ -161,11 +163,29 @@ def named_first(shape: ShapeResult) -> tuple[str, ...]:
     return tuple(name for name in dict.fromkeys(names) if name in shape.change_percent)
 
 
+def change_error_percent(shape: ShapeResult, key: str) -> float:
+    """Return what both evaluations may be off in the change of a quantity, by its key in shape.json."""
+    if QUANTITIES_TOLD[key] in (SAFETY, STRESS):
+        return 100 * SAME
+    kind, entries = key.removesuffix("_per_mass"), (shape.original, shape.result)
+    if kind not in shape.original.error_estimate_percent:
+        return 0.0
+    one, other = (entry.error_estimate_percent[kind] for entry in entries)
+    triangles = any(entry.mesh.triangles for entry in entries)
+    return difference_bound_percent(one, other, triangles=triangles)
+
+
+def _change_words(shape: ShapeResult, key: str) -> str:
+    """Return a change; with its error where it is no larger than this."""
+    change, error = shape.change_percent[key], change_error_percent(shape, key)
+    return change_text(change, error if abs(change) <= error else 0.0)
+
+
 def shape_headline(shape: ShapeResult) -> str:
     """Return the result in one sentence; what cannot be made and limits that are missed come first."""
-    change, names = shape.change_percent, named_first(shape)
+    names = named_first(shape)
     missed = [*violated_limits(shape.goal), *_missed_in_shaft(shape)]
-    said = ", ".join(f"{name.replace('_', ' ')} {change_text(change[name])}" for name in names)
+    said = ", ".join(f"{name.replace('_', ' ')} {_change_words(shape, name)}" for name in names)
     nearly = f" within {100 * TOLERANCE:g} %" if any(map(short_percent, shape.goal.limits)) else ""
     judged = f"NOT MET: {'; '.join(missed)};" if missed else f"Every limit holds{nearly}:"
     unmade = "" if shape.makeable else f"CANNOT BE MADE: {release_text(shape.undercuts)}. "

@@ -12,7 +12,7 @@ from manifold3d import Manifold
 
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.undercuts import undercuts
-from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import apply_physics_plan
@@ -21,6 +21,7 @@ from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.numerics.surfaces.mesh import mesh_of
 from cranktopo.tasks.density.manufacturing import open_cells, parting_of, unreachable_share
 from cranktopo.tasks.density.stage import notices
+from tests.unit.extraction.surface_cases import drilled_beside
 
 LOW, HIGH, HALF = -30.0, 78.0, 32.0
 Z = (19.0, 40.0)
@@ -68,6 +69,19 @@ def test_nothing_is_cut_away_behind_a_hole(name: str, mikron: Scene, tmp_path: P
     # Cells that a boundary merely grazes may lie in the shadow of a corner of the holes' polygons.
     assert unreachable_share(scene, domain) < 1e-3
     assert np.count_nonzero(design & ~within) <= 0.01 * np.count_nonzero(design)
+    assert not any("left out" in sentence for sentence in notices(scene, domain))
+
+
+def test_nothing_is_cut_away_behind_an_oil_drilling() -> None:
+    """Wide enough for cells without material: behind them a die left pits on one side of the web."""
+    scene = drilled_beside(load_scene("mikron-iiic-plain"), 5.0)
+    scene = apply_physics_plan(scene, plan(scene))
+    domain = build_domain(scene, 1.5)
+    first, last = domain.web_layers
+    void = (domain.design_fraction + domain.passive_fraction)[:, :, first:last] == 0
+    within = ~void | open_cells(scene, domain)
+    assert np.count_nonzero(void & within) > 20, "cells in the drilling"
+    assert unreachable_share(scene, domain) == pytest.approx(0.0, abs=1e-12)
     assert not any("left out" in sentence for sentence in notices(scene, domain))
 
 

@@ -73,3 +73,15 @@ def united(*parts: Distance) -> Distance:
 def without(body: Distance, hole: Distance) -> Distance:
     """Distance inside the body and outside the hole."""
     return lambda x, y, z: np.minimum(body(x, y, z), -hole(x, y, z))
+
+
+def drilled_beside(scene: Scene, diameter_mm: float) -> Scene:
+    """Return a forged throw without bores, with a drilling that leans through the web beside x = 0."""
+    data = scene.model_dump(mode="json", exclude_none=True)
+    for journal in ("main_journal", "crankpin"):
+        data["throw"][journal]["bore_diameter_mm"] = 0.0
+    ends = {"from": ("main_journal", 180.0), "to": ("crankpin", 50.0)}
+    drilling = {key: {"on": on, "angle_deg": deg, "place_mm": 0.0} for key, (on, deg) in ends.items()}
+    data["throw"]["drilling"] = [{"diameter_mm": diameter_mm, **drilling}]
+    data["optimise"] |= {"process": "forged"}
+    return scene_from_dict(data)

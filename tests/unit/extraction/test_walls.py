@@ -6,12 +6,21 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
+from cranktopo.bodies.prisms import drillings
 from cranktopo.bodies.undercuts import Withdrawal, undercuts
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.tasks.extraction.cutter import closed
-from cranktopo.tasks.extraction.walls import Walls, drafts_deg, gaps_mm, least, members_mm, walls_of
-from tests.unit.extraction.surface_cases import scene_with
+from cranktopo.tasks.extraction.walls import (
+    Walls,
+    drafts_deg,
+    gaps_mm,
+    least,
+    measure,
+    members_mm,
+    walls_of,
+)
+from tests.unit.extraction.surface_cases import drilled_beside, scene_with
 
 PLATE = Manifold.cube((60, 40, 6)).rotate((20, 0, 30))
 SLOTTED = Manifold.cube((60, 40, 30)) - Manifold.cube((7, 50, 12)).translate((20, -5, 20))
@@ -61,6 +70,17 @@ def block(*voids: Manifold) -> SurfaceMesh:
     for void in voids:
         body -= void
     return mesh_of(body)
+
+
+def test_an_oil_drilling_is_no_wall_that_was_shaped() -> None:
+    """It leans, so that a die would be held by its lower half, and is no gap."""
+    drilled = drilled_beside(scene_with(effects__manufacturing_constraint="on"), 5.0)
+    wide = Manifold.cube((200, 200, 60)).translate((-100, -100, 0))
+    found, plain = (measure(block(tool), wide, drilled, 1.5) for tool in (drillings(drilled), Manifold()))
+    assert found.least_draft_deg == pytest.approx(plain.least_draft_deg, abs=0.01)
+    assert found.least_gap_mm == plain.least_gap_mm is None
+    own = Manifold.cylinder(40, 2.5, 2.5, 64, center=True).rotate((0, 60, 0)).translate((20, 0, 30))
+    assert measure(block(own), wide, drilled, 1.5).least_draft_deg < -20, "another hole is a wall"
 
 
 def scene_of(**settings: object) -> Scene:

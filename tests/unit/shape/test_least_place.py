@@ -27,7 +27,7 @@ from cranktopo.tasks.shape import evaluated_web as module
 from cranktopo.tasks.shape.evaluated_web import Judging, evaluated_web
 from cranktopo.tasks.shape.page import quantity_fact, shape_page
 from cranktopo.tasks.shape.result import ShapeResult
-from cranktopo.tasks.shape.text import shape_summary
+from cranktopo.tasks.shape.text import shape_headline, shape_summary
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.page import sweep_html
 from cranktopo.tasks.sweep.stages import run_stage
@@ -109,8 +109,12 @@ def test_a_change_within_the_scatter_of_the_worst_node_is_no_gain() -> None:
     data["values"]["result"]["fatigue_safety"] = 1.02
     for percent, status in ((0.7, "neutral"), (-1.9, "neutral"), (2.1, "good"), (-2.1, "bad")):
         data["change_percent"] = {"fatigue_safety": percent}
-        fact = quantity_fact(ShapeResult.of_json(data, "shape.json"), "fatigue_safety")
+        found = ShapeResult.of_json(data, "shape.json")
+        fact = quantity_fact(found, "fatigue_safety")
         assert fact.status == status
+        assert f"fatigue safety {fact.value if status == 'neutral' else f'{percent:+g} %'}" in shape_headline(
+            found
+        )
 
 
 def test_a_result_of_an_earlier_version_names_none() -> None:

@@ -84,7 +84,7 @@ def test_where_the_balance_went_is_first_on_the_page(data: dict[str, Any]) -> No
 
 def test_a_limit_that_is_just_missed_is_no_zero(data: dict[str, Any]) -> None:
     data["change_percent"] = {"mass": -4.7, "torsion": -0.034}
-    assert "mass -4.7 %, torsion -0.03 %" in shape_headline(_found(data))
+    assert "mass -4.7 %, torsion -0.03 +-0.04 %" in shape_headline(_found(data)), "within its error"
 
 
 def test_limits_cost_and_rules_give_in_words(data: dict[str, Any]) -> None:

@@ -36,12 +36,13 @@ from cranktopo.runs.kind import (
     result_file,
     working_in,
 )
+from cranktopo.tasks.fatigue.taken_keys import assumed_by
 from cranktopo.tasks.shape.each_web.groups import ALIKE_PERCENT, WebGroup, is_mirrored, web_groups
 from cranktopo.tasks.shape.each_web.loaded_shaft import LoadedShaft, loaded_shaft
 from cranktopo.tasks.shape.each_web.page import each_web_page
 from cranktopo.tasks.shape.each_web.result import EachWebResult
 from cranktopo.tasks.shape.each_web.rounds import CrankSearch
-from cranktopo.tasks.shape.loads_told import loads_left_off, note_loads
+from cranktopo.tasks.shape.loads_told import METHODS, loads_left_off, note_loads
 from cranktopo.tasks.shape.optimum import ShapeSettings
 from cranktopo.tasks.shape.run import (
     TABLES,
@@ -83,7 +84,7 @@ def shape_each_web(
     check_device()
     _check(scene)
     settings = settings or shape_settings(scene)
-    assumed = assumptions(scene, TABLES)
+    assumed = assumed_by(assumptions(scene, TABLES), METHODS)
     note_loads(scene, None, assumed)
     options: dict[str, Any] = {EACH_WEB: kept_settings(replace(settings, loads="extremes"))}
     run = new_run(scene, assumed, out, design_toml, command, options)
