@@ -7,11 +7,12 @@ from typing import Any
 
 import pytest
 
+from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.tasks.shape import run as module
 
 
-class _Begun(Exception):
+class _BegunError(Exception):
     """The run would begin here."""
 
 
@@ -22,12 +23,12 @@ def test_a_run_lists_no_assumption_that_its_method_does_not_take(
 
     def begin(_: Any, assumed: Any, *__: Any) -> None:
         listed.extend(item.key for item in assumed)
-        raise _Begun
+        raise _BegunError
 
     monkeypatch.setattr(module, "new_run", begin)
     monkeypatch.setattr(module, "check_reachable", lambda *_: None)
-    scene = load_scene("mikron-iiic-plain")
-    with pytest.raises(_Begun):
+    scene = with_goal(load_scene("mikron-iiic-plain"), minimise="mass", limits=("fatigue_safety >= 100 %",))
+    with pytest.raises(_BegunError):
         module.shape_design(scene, out=tmp_path / "out")
     assert "fatigue.additional_stress_MPa" not in listed
     assert any(key.startswith("fatigue.") for key in listed)
