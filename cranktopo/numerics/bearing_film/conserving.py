@@ -288,12 +288,10 @@ class _Balance:
         """Return what a move of the journal along both axes takes from the outflow."""
         found, film, part = [], self.film, 3 * self.later
         pressure = np.where(self.active, self.pressure, 0.0)
-        for way in (1 + 0j, 1j):
-            moved = self.cells.thickness(way, 0j)
-            g = self.cells.conductance(
-                part * film.around**2 * (moved.around - 1), part * film.along**2 * (moved.along - 1)
-            )
-            more = (moved.cell - 1) * (self.cells.area / self.step.length)
+        around, along = part * film.around**2, part * film.along**2
+        for moved in self.cells.unit_moves:
+            g = self.cells.conductance(around * moved.around, along * moved.along)
+            more = moved.cell * (self.cells.area / self.step.length)
             found.append(-(g.outflow(pressure, self.step.supply.edge) + more))
         return found[0], found[1]
 

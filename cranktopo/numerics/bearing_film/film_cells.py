@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import scipy.linalg as sl
+from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array, Complex, Index, Mask
 from cranktopo.base.errors import solver_error
@@ -67,12 +68,19 @@ class FilmCells:
         return np.asarray(np.exp(1j * self.angle) * np.sinc(self.step / 2 / np.pi))[:, None]
 
     @cached_property
+    def _across(self) -> tuple[Array, Array, Array]:
+        """Unit vectors, (2, around, 1): means over cells, between a cell and the next one, in the middles."""
+        between, own = (np.exp(1j * (self.angle + turn))[:, None] for turn in (self.step / 2, 0.0))
+        mean, edge, middle = (np.stack([way.real, way.imag]) for way in (self.toward, between, own))
+        return mean, edge, middle
+
+    @cached_property
     def edges(self) -> Array:
         """Places of the edges along the width, (along + 1)."""
         first = 0.0 if self.sides == "symmetric" else -1.0
         return np.linspace(first, 1.0, self.along + 1, dtype=np.float64)
 
-    @property
+    @cached_property
     def middles(self) -> Array:
         """Places of the middles of the cells along the width."""
         return np.asarray((self.edges[1:] + self.edges[:-1]) / 2)
@@ -86,12 +94,18 @@ class FilmCells:
     def thickness(self, eccentricity: complex, tilt: complex) -> Thickness:
         """Return the film where the axis of the journal is at eccentricity + place * tilt."""
 
-        def at(toward: Complex, place: Array | float) -> Array:
-            return np.asarray(1 - ((eccentricity + tilt * place) * toward.conj()).real)
+        def at(toward: Array, place: Array) -> Array:
+            x, y = eccentricity.real + tilt.real * place, eccentricity.imag + tilt.imag * place
+            return np.asarray(1 - (toward[0] * x + toward[1] * y))
 
-        edge = np.exp(1j * (self.angle + self.step / 2))[:, None]
-        own = np.exp(1j * self.angle)[:, None]
-        return Thickness(at(self.toward, self.middles), at(edge, self.middles), at(own, self.edges))
+        mean, edge, own = self._across
+        return Thickness(at(mean, self.middles), at(edge, self.middles), at(own, self.edges))
+
+    @cached_property
+    def unit_moves(self) -> tuple[Thickness, Thickness]:
+        """Change of the film by a move of 1 along either axis."""
+        x, y = (self.thickness(way, 0j) for way in (1 + 0j, 1j))
+        return x.less(1.0), y.less(1.0)
 
     def conductance(self, around: Array, along: Array) -> Conductance:
         """Return that of every face, of the cubed thickness at the faces (`Thickness`).
@@ -99,8 +113,8 @@ class FilmCells:
         It is linear in them, so that it also takes their derivatives.
         """
         across = along * (self.step / self.length / self.width_over_diameter**2)
-        first = 0.0 if self.sides == "symmetric" else 2.0
-        across = across * np.r_[first, np.ones(self.along - 1), 2.0]
+        across[:, 0] *= 0.0 if self.sides == "symmetric" else 2.0
+        across[:, -1] *= 2.0
         return Conductance(around * (self.length / self.step), across)
 
     def solve(self, g: Conductance, feed: Array, active: Mask, right: Array) -> Array:
@@ -108,7 +122,7 @@ class FilmCells:
         m, order = self.along, self._folded
         diagonal = g.diagonal + feed
         on = active[order]
-        links = np.where(active & np.roll(active, -1, axis=0), -g.around, 0.0)
+        links = np.where(active & _next(active), -g.around, 0.0)
         band = np.zeros((2 * m + 1, self.around, m))
         band[0] = np.where(on, diagonal[order], 1.0)
         if m > 1:
@@ -139,6 +153,10 @@ class Thickness:
     around: Array
     along: Array
 
+    def less(self, film: float) -> Thickness:
+        """Return what is more than an even film."""
+        return Thickness(self.cell - film, self.around - film, self.along - film)
+
 
 @dataclass(frozen=True)
 class Conductance:
@@ -150,13 +168,24 @@ class Conductance:
     @property
     def diagonal(self) -> Array:
         """Flow out of each cell per its own pressure."""
-        both = self.around + np.roll(self.around, 1, axis=0)
+        both = self.around + _last(self.around)
         return np.asarray(both + self.along[:, 1:] + self.along[:, :-1])
 
     def outflow(self, pressure: Array, at_begin: float) -> Array:
         """Return the flow out of every cell, where the film begins at a pressure."""
-        ahead = self.around * (pressure - np.roll(pressure, -1, axis=0))
-        ends = np.pad(pressure, ((0, 0), (1, 1)))
-        ends[:, 0] = at_begin
-        right = self.along * (ends[:, :-1] - ends[:, 1:])
-        return np.asarray(ahead - np.roll(ahead, 1, axis=0) + right[:, 1:] - right[:, :-1])
+        ahead = self.around * (pressure - _next(pressure))
+        right = np.empty_like(self.along)
+        right[:, 1:-1] = self.along[:, 1:-1] * (pressure[:, :-1] - pressure[:, 1:])
+        right[:, 0] = self.along[:, 0] * (at_begin - pressure[:, 0])
+        right[:, -1] = self.along[:, -1] * pressure[:, -1]
+        return np.asarray(ahead - _last(ahead) + right[:, 1:] - right[:, :-1])
+
+
+def _next(cells: NDArray[Any]) -> NDArray[Any]:
+    """Return for each cell the value of the next one around; `numpy.roll` takes several times as long."""
+    return np.concatenate((cells[1:], cells[:1]))
+
+
+def _last(cells: NDArray[Any]) -> NDArray[Any]:
+    """Return for each cell the value of the one before it around."""
+    return np.concatenate((cells[-1:], cells[:-1]))

@@ -16,7 +16,7 @@ from cranktopo.tasks.fatigue.taken_keys import note_unused
 from cranktopo.tasks.shaft.stage import shaft_left_off
 
 METHODS = ("lsa",)
-"""What judges the safety of every web of a search."""
+"""Methods that judge the safety of every web of a search."""
 
 
 def loads_left_off(scene: Scene, loads: Loads | None) -> str:
