@@ -565,6 +565,7 @@ def test_a_balance_that_moved_is_said_first(
         assert first.startswith(MOVED)
 
 
+@pytest.mark.slow
 def test_the_headline_begins_with_a_balance_that_moved(balance_moved: Path, tmp_path: Path) -> None:
     page = tmp_path / "page.html"
     command = ["compare", str(balance_moved), "--baseline", "industrial-gas", "--quiet"]

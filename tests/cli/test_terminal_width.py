@@ -27,7 +27,6 @@ FAST = (
     "loads --speed 1000:2800:600",
     "balance",
     "balance car-diesel",
-    "film car-diesel",
     "bolts",
     "rod",
     "balancer",
@@ -46,6 +45,7 @@ FAST = (
 )
 """Command lines that a few seconds suffice for; between them and `SLOW` every command is called."""
 SLOW = (
+    "film car-diesel",
     "film industrial-gas --speed 900:1800:300",
     "compare opposed-piston-variant-2 --baseline opposed-piston --element-size-mm 12",
     "vibration car-diesel --element-size-mm 14",

@@ -92,6 +92,7 @@ def test_a_range_that_is_passed_through_is_not_judged() -> None:
     assert passed_sentence(whole) == ""
 
 
+@pytest.mark.slow
 def test_it_is_told_what_is_left_out_and_what_should_be() -> None:
     """With the loads of the plan as it is, the same as `vibration` tells."""
     exceeding = scene_with(0.02, permitted_shear_MPa=permitted_MPa())

@@ -289,6 +289,7 @@ def test_two_rods_on_a_pin_load_the_bearings_by_the_lever_rule(offset_mm: float 
         assert np.hypot(*bearing).max() == pytest.approx(expected.max(), rel=5e-3)
 
 
+@pytest.mark.slow
 def test_a_single_throw_has_the_bearing_forces_and_films_of_the_balance() -> None:
     """Direction and sense of rotation, too: the film follows the load as it turns."""
     scene = load_scene("car-diesel")
