@@ -20,21 +20,34 @@ def shaped_undercuts(half_throw: SurfaceMesh, scene: Scene) -> ShapedUndercuts:
     found = half_throw_undercuts(half_throw, scene)
     at_mm = None if found.negligible else found.deepest_at_mm
     holder = None if at_mm is None else _feature_at(scene, at_mm)
-    measures = dict(UndercutMeasures.of(found))
-    process = scene.optimise.process
-    return ShapedUndercuts(**measures, process=process, held_by=holder, without_draft=_without_draft(scene))
+    measures = dict(UndercutMeasures.of(found, _without_draft(scene)))
+    return ShapedUndercuts(**measures, process=scene.optimise.process, held_by=holder)
 
 
 def _without_draft(scene: Scene) -> tuple[str, ...]:
     """Return what has less draft than asked: bevels across the web with less, a web's outline has none."""
-    settings = scene.optimise
-    if settings.process not in ("forged", "cast") or not settings.draft_deg:
+    if not _drafted(scene):
         return ()
-    if settings.parting == "web_faces":
-        return ("web.outline",)
-    least = settings.draft_deg - _ROUNDED_DEG
+    kept = kept_without_draft(scene)
+    if scene.optimise.parting == "web_faces":
+        return ("web.outline", *kept)
+    least = scene.optimise.draft_deg - _ROUNDED_DEG
     bevels = ((key, one) for key, one in scene.web.features() if isinstance(one, EndBevel))
-    return tuple(key for key, bevel in bevels if bevel.draft_deg < least)
+    return (*(key for key, bevel in bevels if bevel.draft_deg < least), *kept)
+
+
+def kept_without_draft(scene: Scene) -> tuple[str, ...]:
+    """Return what no optimiser changes and has less draft than asked: the flanks of a counterweight."""
+    weight = scene.web.counterweight
+    if not _drafted(scene) or weight is None or weight.bolted or not weight.has_flanks(scene):
+        return ()
+    draft_deg = 0.0 if scene.optimise.parting == "web_faces" else weight.flank_draft_deg
+    return ("web.counterweight",) if draft_deg < scene.optimise.draft_deg - _ROUNDED_DEG else ()
+
+
+def _drafted(scene: Scene) -> bool:
+    """Tell whether a die or mould asks for a draft."""
+    return scene.optimise.process in ("forged", "cast") and bool(scene.optimise.draft_deg)
 
 
 def _feature_at(scene: Scene, at_mm: Point) -> str | None:

@@ -29,6 +29,7 @@ from cranktopo.tasks.density.state import damaged, from_checkpoint
 from cranktopo.tasks.extraction.checked_surface import CheckedSurface, SurfaceReport, checked_surface
 from cranktopo.tasks.extraction.cutter import build_cutter, fine_field, iso_surface_distances_mm
 from cranktopo.tasks.extraction.half_throw import WebSurface
+from cranktopo.tasks.extraction.release import kept_without_draft
 from cranktopo.tasks.extraction.result import (
     ExtractedSurface,
     Extraction,
@@ -99,7 +100,7 @@ def _measured(scene: Scene, checked: CheckedSurface) -> ExtractedSurface:
         minimum_member_cells=None if member is None else member / checked.cell_mm,
         minimum_gap_mm=gap,
         minimum_gap_cells=None if gap is None else gap / checked.cell_mm,
-        undercuts=UndercutMeasures.of(checked.undercuts(scene)),
+        undercuts=UndercutMeasures.of(checked.undercuts(scene), kept_without_draft(scene)),
     )
 
 

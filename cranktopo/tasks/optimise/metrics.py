@@ -24,6 +24,7 @@ from cranktopo.tasks.density.problem import Assessment, DensityProblem, model_er
 from cranktopo.tasks.density.stage import Prepared
 from cranktopo.tasks.density.state import State
 from cranktopo.tasks.extraction.checked_surface import CheckedSurface
+from cranktopo.tasks.extraction.release import kept_without_draft
 from cranktopo.tasks.extraction.result import (
     NoSurface,
     RunSurface,
@@ -215,7 +216,7 @@ def run_surface(surface: CheckedSurface | str, scene: Scene) -> RunSurface | NoS
     walls = surface.walls(scene) if measures_walls(scene) else None
     return RunSurface(
         **vars(quality(surface.surface, surface.report)),
-        undercuts=UndercutMeasures.of(surface.undercuts(scene)),
+        undercuts=UndercutMeasures.of(surface.undercuts(scene), kept_without_draft(scene)),
         walls=WallMeasures(**vars(walls), **minimum_lengths) if walls else None,
     )
 
