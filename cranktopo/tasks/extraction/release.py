@@ -5,14 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from cranktopo.bodies.undercuts import half_throw_undercuts
+from cranktopo.design.draft import asks_for_draft, kept_without_draft, least_draft_deg
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.tasks.extraction.result import ShapedUndercuts, UndercutMeasures
 from cranktopo.throw.bevel import EndBevel
 from cranktopo.throw.primitives import Point
-
-_ROUNDED_DEG = 0.0051
-"""Draft that rounding may take."""
 
 
 def shaped_undercuts(half_throw: SurfaceMesh, scene: Scene) -> ShapedUndercuts:
@@ -26,28 +24,14 @@ def shaped_undercuts(half_throw: SurfaceMesh, scene: Scene) -> ShapedUndercuts:
 
 def _without_draft(scene: Scene) -> tuple[str, ...]:
     """Return what has less draft than asked: bevels across the web with less, a web's outline has none."""
-    if not _drafted(scene):
+    if not asks_for_draft(scene):
         return ()
     kept = kept_without_draft(scene)
     if scene.optimise.parting == "web_faces":
         return ("web.outline", *kept)
-    least = scene.optimise.draft_deg - _ROUNDED_DEG
+    least = least_draft_deg(scene)
     bevels = ((key, one) for key, one in scene.web.features() if isinstance(one, EndBevel))
     return (*(key for key, bevel in bevels if bevel.draft_deg < least), *kept)
-
-
-def kept_without_draft(scene: Scene) -> tuple[str, ...]:
-    """Return what no optimiser changes and has less draft than asked: the flanks of a counterweight."""
-    weight = scene.web.counterweight
-    if not _drafted(scene) or weight is None or weight.bolted or not weight.has_flanks(scene):
-        return ()
-    draft_deg = 0.0 if scene.optimise.parting == "web_faces" else weight.flank_draft_deg
-    return ("web.counterweight",) if draft_deg < scene.optimise.draft_deg - _ROUNDED_DEG else ()
-
-
-def _drafted(scene: Scene) -> bool:
-    """Tell whether a die or mould asks for a draft."""
-    return scene.optimise.process in ("forged", "cast") and bool(scene.optimise.draft_deg)
 
 
 def _feature_at(scene: Scene, at_mm: Point) -> str | None:

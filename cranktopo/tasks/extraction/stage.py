@@ -14,6 +14,7 @@ from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.bodies.volume import bolted_mass
+from cranktopo.design.draft import kept_without_draft
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run
 from cranktopo.engine.plan.planning import planned_scene
@@ -29,7 +30,6 @@ from cranktopo.tasks.density.state import damaged, from_checkpoint
 from cranktopo.tasks.extraction.checked_surface import CheckedSurface, SurfaceReport, checked_surface
 from cranktopo.tasks.extraction.cutter import build_cutter, fine_field, iso_surface_distances_mm
 from cranktopo.tasks.extraction.half_throw import WebSurface
-from cranktopo.tasks.extraction.release import kept_without_draft
 from cranktopo.tasks.extraction.result import (
     ExtractedSurface,
     Extraction,

@@ -14,6 +14,7 @@ from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.balance_factor import balance_factor_percent
+from cranktopo.design.draft import kept_without_draft
 from cranktopo.design.goal.balance_moved import MovedBalance, balance_moved
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
@@ -24,7 +25,6 @@ from cranktopo.tasks.density.problem import Assessment, DensityProblem, model_er
 from cranktopo.tasks.density.stage import Prepared
 from cranktopo.tasks.density.state import State
 from cranktopo.tasks.extraction.checked_surface import CheckedSurface
-from cranktopo.tasks.extraction.release import kept_without_draft
 from cranktopo.tasks.extraction.result import (
     NoSurface,
     RunSurface,

@@ -92,8 +92,8 @@ def test_an_oil_drilling_is_no_wall_that_was_shaped() -> None:
 def test_a_counterweight_that_is_kept_is_no_wall_that_was_shaped() -> None:
     """Its flanks have 2 deg (90 - 88), the wedge on top of it 7."""
     weight = {"outer_radius_mm": 80.0, "half_angle_deg": 88.0}
-    on: dict[str, Any] = {"effects__manufacturing_constraint": "on", "envelope": {"shape": "box", "y_max_mm": 82.0}}
-    on["envelope"] |= {"half_width_mm": 82.0, "y_min_mm": -82.0}
+    box = {"shape": "box", "half_width_mm": 82.0, "y_min_mm": -82.0, "y_max_mm": 82.0}
+    on: dict[str, Any] = {"effects__manufacturing_constraint": "on", "envelope": box}
     scene = scene_with(**on, web__counterweight=weight)
     body = mesh_of(wedge(7.0).translate((-2, 50, sum(scene.web_z_mm) / 2)) + kept_solid(scene))
     wide = Manifold.cube((400, 400, 200)).translate((-200, -200, -50))

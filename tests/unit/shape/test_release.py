@@ -8,9 +8,10 @@ from typing import Any
 import pytest
 
 from cranktopo.bodies.solid.files import surface_of
+from cranktopo.design.draft import kept_without_draft
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.compare.stage import design_undercuts
-from cranktopo.tasks.extraction.release import kept_without_draft, shaped_undercuts
+from cranktopo.tasks.extraction.release import shaped_undercuts
 from cranktopo.tasks.extraction.result import ShapedUndercuts
 from cranktopo.tasks.extraction.text import release_text, release_verdict
 from cranktopo.tasks.refit.fit import scene_with_web
