@@ -135,7 +135,17 @@ def pair_text(design: str, file: Path, first: Scene | None = None, second: Scene
 
 
 def _table(scene: Scene) -> dict[str, Any]:
-    return scene.web.model_dump(mode="json", exclude_none=True)
+    """Return the table of a scene's web, without keys that were not given or change nothing."""
+    data = scene.model_dump(mode="json", include={"web"}, exclude_none=True, exclude_unset=True)
+    table: dict[str, Any] = _without_empty(without_idle_keys(scene, data)["web"])
+    return table
+
+
+def _without_empty(data: Any) -> Any:
+    """Return tables without lists of nothing, which a stored scene has for every list."""
+    if isinstance(data, dict):
+        return {key: _without_empty(value) for key, value in data.items() if value != []}
+    return [_without_empty(value) for value in data] if isinstance(data, list) else data
 
 
 def _check_throw(option: str, scene: Scene, half: Scene) -> None:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import pytest
 from matplotlib.figure import Figure
+from PIL import Image
 
 from cranktopo.report.drafting import INK, THIN
 from cranktopo.report.page import Fact, Page, Section, pairs
@@ -49,6 +51,17 @@ def wide_table() -> ResultTable:
     return ResultTable(columns, ({**dict.fromkeys(columns, 1357.1), "target": "my-diesel-shape"},) * 3)
 
 
+def outlets() -> ResultTable:
+    """What the dossier of a rule has for an outlet."""
+    numbers = {"angle_deg": 0, "gamma_B": 3, "gamma_T": 3, "gamma_B_FE": 3, "gamma_T_FE": 3, "bending_MPa": 1}
+    numbers |= {"torsion_MPa": 1, "equivalent_MPa": 1, "strength_MPa": 1, "Q": 3, "Q_FE": 3}
+    words = {"outlet": "throw.drilling[0]", "governed_by": "elements"}
+    words["not_valid"] = "leans 34 deg (valid for a radial bore)"
+    values = {name: 2.763 if digits == 3 else 189.3 for name, digits in numbers.items()}
+    row: Row = {**words, **values}
+    return ResultTable({"outlet": 0, **numbers, "governed_by": 0, "not_valid": 0}, (row,))
+
+
 def _curves(axes: Any) -> None:
     for number in range(10):
         axes.plot([0, 1], [number, 0])
@@ -61,6 +74,7 @@ def by_hand() -> Page:
         ("Few", numbers(3)),
         ("Many", numbers(12)),
         ("Wide", wide_table()),
+        ("Outlets", outlets()),
         ("Keys", ResultTable({"assumption": 0, "value": 0, "agreed_by": 0}, keys)),
         ("Reasons", ResultTable({"effect": 0, "state": 0, "size_percent": 1, "because": 0}, reasons)),
         ("Pairs", pairs([("mass", "1 kg")])),
@@ -159,6 +173,16 @@ def test_a_table_of_many_columns_fits_on_paper(opened: Any) -> None:
     page = opened(viewport={"width": 688, "height": 1017})
     page.emulate_media(media="print")
     assert table(page, "Wide").bounding_box()["width"] <= 688
+
+
+def test_a_table_of_many_columns_fits_a_window_and_a_shadow_tells_of_more(opened: Any) -> None:
+    """In 1200 px the last of 14 columns is whole; in 800 px the edge that hides some is dark."""
+    for width, whole in ((1200, True), (800, False)):
+        scroll = opened(viewport={"width": width, "height": 900}).locator('[aria-label="Outlets"]')
+        assert scroll.evaluate("e => e.scrollWidth <= e.clientWidth") == whole
+        picture = Image.open(BytesIO(scroll.screenshot())).convert("L")
+        edges = [picture.getpixel((x, picture.height - 4)) for x in (1, picture.width - 2)]
+        assert [edge > 245 for edge in edges] == [True, whole]
 
 
 def test_a_long_name_does_not_widen_a_phone(browser: Any, tmp_path: Path) -> None:

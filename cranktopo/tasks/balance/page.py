@@ -114,6 +114,8 @@ def _proposed(proposed: ProposedCounterweight | None) -> list[tuple[str, ResultT
         ("balanced share of the oscillating mass", f"{proposed.balance_factor_percent:z.1f} %"),
         ("room for it", proposed.refused or room_of(proposed)),
     ]
+    if proposed.draft:
+        rows.append(("draft", proposed.draft))
     if proposed.own_angle_refused:
         rows.append(("room with the half-angle of the web", proposed.own_angle_refused))
     return [("Proposed [web.counterweight] of each web", pairs(rows))]

@@ -13,6 +13,7 @@ from cranktopo.bodies.volume import counterweight_mass
 from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.clearance import pin_in_the_way, room_words
 from cranktopo.design.crank_throws import refuse_split_pins
+from cranktopo.design.draft import flank_draft_words, largest_half_angle_deg
 from cranktopo.design.halves import difference
 from cranktopo.design.named import with_values
 from cranktopo.design.schema import Scene
@@ -52,6 +53,8 @@ class ProposedCounterweight(Result):
     """Room that piston and crankcase leave beside it, in words; null where the scene names neither."""
     own_angle_refused: str | None = UNLESS_NONE
     """Why the web's own half-angle, or the usual 60 deg, was left for another one that fits."""
+    draft: str | None = UNLESS_NONE
+    """Draft that its flanks lack, in words, where the process asks for more than they have."""
 
 
 def with_share(scene: Scene, percent: float) -> Scene:
@@ -66,7 +69,8 @@ def propose_counterweight(scene: Scene, percent: float) -> ProposedCounterweight
 
     Its outer radius is found; thickness and face stay as they are, and the half-angle does where the scene
     has a place for it: 60 deg for a web without a counterweight. Elsewhere the nearest half-angle that fits
-    is taken, or none: then the result says what refuses it.
+    is taken, those whose flanks have the draft asked for first, or none: then the result says what refuses
+    it.
 
     Raises:
         CranktopoError: different webs, no oscillating mass, or no radius that balances so much or so little.
@@ -82,7 +86,7 @@ def propose_counterweight(scene: Scene, percent: float) -> ProposedCounterweight
     own_deg = scene.web.counterweight.half_angle_deg if scene.web.counterweight else _HALF_ANGLE_DEG
     own = found = _at_angle(scene, percent, own_deg)
     barred = (own is None or own.refused) and _barred(scene)
-    for angle_deg in [] if barred else _other_angles_deg(own_deg):
+    for angle_deg in [] if barred else _other_angles_deg(scene, own_deg):
         if found is not None and not found.refused:
             break
         found = _at_angle(scene, percent, angle_deg)
@@ -110,11 +114,12 @@ def _require_equal_halves(scene: Scene) -> None:
     )
 
 
-def _other_angles_deg(own_deg: float) -> list[float]:
-    """Half-angles to be tried beside the own one, the nearest first."""
+def _other_angles_deg(scene: Scene, own_deg: float) -> list[float]:
+    """Half-angles to be tried beside the own one, nearest first; those with less draft than asked last."""
     first, last, step = OTHER_ANGLES_DEG
-    angles = np.arange(first, last + step / 2, step).tolist()
-    return sorted((angle for angle in angles if angle != own_deg), key=lambda angle: abs(angle - own_deg))
+    most = largest_half_angle_deg(scene)
+    angles = {*np.arange(first, last + step / 2, step).tolist(), most} - {own_deg}
+    return sorted(angles, key=lambda angle: (angle > most, abs(angle - own_deg)))
 
 
 def _at_angle(scene: Scene, percent: float, angle_deg: float) -> ProposedCounterweight | None:
@@ -142,6 +147,7 @@ def _at_angle(scene: Scene, percent: float, angle_deg: float) -> ProposedCounter
         balance_factor_percent=_factor_percent(found),
         refused=_refusal(found),
         room=room_words(found) or None,
+        draft=flank_draft_words(found) or None,
     )
 
 

@@ -175,6 +175,7 @@ def proposal_words(data: Balance) -> str:
         [
             *_proposal_refusals(data, found),
             *([] if found.refused else [f"Room for the counterweight: {room_of(found)}."]),
+            *([f"Draft of the counterweight: {found.draft}."] if found.draft else []),
             f"Counterweight of each web, {found.thickness_mm:g} mm thick, for {share_words(found)} "
             f"(with it {found.balance_factor_percent:z.2f} %); other keys of these tables stay as they are:",
             "[web.counterweight]",

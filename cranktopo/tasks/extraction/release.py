@@ -5,14 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from cranktopo.bodies.undercuts import half_throw_undercuts
+from cranktopo.design.draft import asks_for_draft, kept_without_draft, least_draft_deg
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.tasks.extraction.result import ShapedUndercuts, UndercutMeasures
 from cranktopo.throw.bevel import EndBevel
 from cranktopo.throw.primitives import Point
-
-_ROUNDED_DEG = 0.0051
-"""Draft that rounding may take."""
 
 
 def shaped_undercuts(half_throw: SurfaceMesh, scene: Scene) -> ShapedUndercuts:
@@ -20,21 +18,20 @@ def shaped_undercuts(half_throw: SurfaceMesh, scene: Scene) -> ShapedUndercuts:
     found = half_throw_undercuts(half_throw, scene)
     at_mm = None if found.negligible else found.deepest_at_mm
     holder = None if at_mm is None else _feature_at(scene, at_mm)
-    measures = dict(UndercutMeasures.of(found))
-    process = scene.optimise.process
-    return ShapedUndercuts(**measures, process=process, held_by=holder, without_draft=_without_draft(scene))
+    measures = dict(UndercutMeasures.of(found, _without_draft(scene)))
+    return ShapedUndercuts(**measures, process=scene.optimise.process, held_by=holder)
 
 
 def _without_draft(scene: Scene) -> tuple[str, ...]:
     """Return what has less draft than asked: bevels across the web with less, a web's outline has none."""
-    settings = scene.optimise
-    if settings.process not in ("forged", "cast") or not settings.draft_deg:
+    if not asks_for_draft(scene):
         return ()
-    if settings.parting == "web_faces":
-        return ("web.outline",)
-    least = settings.draft_deg - _ROUNDED_DEG
+    kept = kept_without_draft(scene)
+    if scene.optimise.parting == "web_faces":
+        return ("web.outline", *kept)
+    least = least_draft_deg(scene)
     bevels = ((key, one) for key, one in scene.web.features() if isinstance(one, EndBevel))
-    return tuple(key for key, bevel in bevels if bevel.draft_deg < least)
+    return (*(key for key, bevel in bevels if bevel.draft_deg < least), *kept)
 
 
 def _feature_at(scene: Scene, at_mm: Point) -> str | None:

@@ -32,9 +32,11 @@ class UndercutMeasures(Result):
     volume_mm3: float
     released: bool
     by: str = "a die that parts in x = 0"
+    without_draft: tuple[str, ...] = ()
+    """Keys of what a die or mould with a draft releases along walls that have less of it, or none."""
 
     @classmethod
-    def of(cls, undercuts: Undercuts) -> Self:
+    def of(cls, undercuts: Undercuts, without_draft: tuple[str, ...] = ()) -> Self:
         """Return what is told of undercuts."""
         return cls(
             rays=undercuts.rays,
@@ -43,6 +45,7 @@ class UndercutMeasures(Result):
             volume_mm3=undercuts.volume_mm3,
             released=undercuts.negligible,
             by=undercuts.by,
+            without_draft=without_draft,
         )
 
 
@@ -53,8 +56,6 @@ class ShapedUndercuts(UndercutMeasures):
     """The process of the design; for `free` a die that parts in x = 0 is checked, although not required."""
     held_by: str | None
     """Feature of the web at the deepest of them; None where none is held, or where no feature is."""
-    without_draft: tuple[str, ...] = ()
-    """Keys of what a die or mould with a draft releases along walls that have less of it, or none."""
 
     @property
     def makeable(self) -> bool:

@@ -14,6 +14,7 @@ from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.bodies.volume import bolted_mass
+from cranktopo.design.draft import kept_without_draft
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run
 from cranktopo.engine.plan.planning import planned_scene
@@ -99,7 +100,7 @@ def _measured(scene: Scene, checked: CheckedSurface) -> ExtractedSurface:
         minimum_member_cells=None if member is None else member / checked.cell_mm,
         minimum_gap_mm=gap,
         minimum_gap_cells=None if gap is None else gap / checked.cell_mm,
-        undercuts=UndercutMeasures.of(checked.undercuts(scene)),
+        undercuts=UndercutMeasures.of(checked.undercuts(scene), kept_without_draft(scene)),
     )
 
 

@@ -81,14 +81,18 @@ def release_text(undercuts: ShapedUndercuts | None) -> str:
         return "not checked"
     obstacles = "; ".join(manufacturing_obstacles(0, undercuts))
     if not obstacles:
-        straight = ", ".join(undercuts.without_draft)
-        return f"{released_text(undercuts.by)} it" + f"; too little draft: {straight}" * bool(straight)
+        return f"{released_text(undercuts.by)} it{without_draft_text(undercuts)}"
     held = f", held by {undercuts.held_by}" if undercuts.held_by else ""
     remark = " (the process is free)" if undercuts.process == "free" else ""
     return f"{obstacles}{held}, {undercuts.deepest_mm:.1f} mm deep at most{remark}"
 
 
-def release_verdict(undercuts: ShapedUndercuts | None) -> str:
+def without_draft_text(undercuts: UndercutMeasures) -> str:
+    """Tell after a semicolon what has less draft than asked; empty where nothing has."""
+    return f"; too little draft: {', '.join(undercuts.without_draft)}" if undercuts.without_draft else ""
+
+
+def release_verdict(undercuts: UndercutMeasures | None) -> str:
     """Return yes, yes with too little draft, or no; "not checked" for results of an earlier version."""
     if undercuts is None:
         return "not checked"

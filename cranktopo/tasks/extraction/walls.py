@@ -1,7 +1,7 @@
 """The walls that an optimisation shaped, and what a workshop measures on them: draft, members and gaps.
 
-Web faces, envelope walls, bores, drillings and holes of features are given, not shaped: they are machined in
-any case.
+Web faces, envelope walls, bores, drillings, and holes and solids of features that no optimiser changes are
+given, not shaped: the flanks of a counterweight say.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import Z
-from cranktopo.bodies.prisms import drillings, feature_holes
+from cranktopo.bodies.prisms import drillings, feature_holes, kept_solid
 from cranktopo.bodies.undercuts import Withdrawal, withdrawal_of
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
@@ -69,7 +69,7 @@ def walls_of(mesh: SurfaceMesh, spacing_mm: float) -> Walls:
 
 
 def _shaped(walls: Walls, envelope: Manifold, scene: Scene) -> Walls:
-    """Return the walls between the web's faces that no envelope, bore, hole or journal bounds."""
+    """Return the walls between the web's faces that no envelope, bore, hole, journal or kept solid bounds."""
     start, end = scene.web_z_mm
     x, y, z = walls.points_mm.T
     inside = (z > start + _ON_MM) & (z < end - _ON_MM)
@@ -79,7 +79,7 @@ def _shaped(walls: Walls, envelope: Manifold, scene: Scene) -> Walls:
             inside &= ~((np.abs(radius - journal_radius) < _ON_MM) & (np.abs(walls.normals[:, Z]) < 0.01))
     found = walls.where(inside)
     found = found.where(slice(None, None, max(1, len(found.areas_mm2) // _MOST_POINTS)))
-    for given in (envelope, drillings(scene) + feature_holes(scene)):
+    for given in (envelope, drillings(scene) + feature_holes(scene), kept_solid(scene)):
         if not given.is_empty():
             found = found.where(distances_mm(found.points_mm, mesh_of(given)) > _ON_MM)
     return found

@@ -109,6 +109,8 @@ _LIMITS = {"crankcase": "#7a5195", "piston skirt": "#d1632a"}
 _BODIES = ("#1f6fb4", GREY)
 _FAR = 1.12
 """Length that it is drawn over the farthest point of the bodies."""
+_MARGIN = 1.04
+"""The same over a limit that is near all round, such as a crankcase."""
 
 
 def _draw_clearance(
@@ -118,7 +120,7 @@ def _draw_clearance(
     least: ClearanceLimit | None,
 ) -> None:
     """Draw loops (n, 2) of bodies and limits in the frame of the web, which turns about (0, 0)."""
-    far = _FAR * max(np.abs(loop).max() for loops in silhouettes.values() for loop in loops)
+    far = _drawn_to_mm(silhouettes, limits)
     for order, ((name, loops), colour) in enumerate(zip(silhouettes.items(), _BODIES, strict=False)):
         for number, loop in enumerate(loops):
             closed, label = np.vstack([loop, loop[:1]]), None if number else name
@@ -133,6 +135,13 @@ def _draw_clearance(
     axes.set_ylabel("y, to the crankpin (mm)", fontsize=9)
     axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.03, 0.5), frameon=False)
     plain(axes)
+
+
+def _drawn_to_mm(silhouettes: Mapping[str, Sequence[Array]], limits: Mapping[str, ClearanceLimit]) -> float:
+    """Return how far the axes reach to each side: over bodies, and over limits that are near all round."""
+    bodies = max(np.abs(loop).max() for loops in silhouettes.values() for loop in loops)
+    farthest = (limit.radius_mm.max() for limit in limits.values())
+    return max([_FAR * bodies, *(_MARGIN * radius for radius in farthest if radius < 2 * bodies)])
 
 
 def _near(limit: ClearanceLimit, far: float) -> Array:

@@ -14,6 +14,7 @@ from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.balance_factor import balance_factor_percent
+from cranktopo.design.draft import kept_without_draft
 from cranktopo.design.goal.balance_moved import MovedBalance, balance_moved
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
@@ -215,7 +216,7 @@ def run_surface(surface: CheckedSurface | str, scene: Scene) -> RunSurface | NoS
     walls = surface.walls(scene) if measures_walls(scene) else None
     return RunSurface(
         **vars(quality(surface.surface, surface.report)),
-        undercuts=UndercutMeasures.of(surface.undercuts(scene)),
+        undercuts=UndercutMeasures.of(surface.undercuts(scene), kept_without_draft(scene)),
         walls=WallMeasures(**vars(walls), **minimum_lengths) if walls else None,
     )
 

@@ -24,8 +24,10 @@ from cranktopo.tasks.extraction.text import (
     length_lines,
     length_text,
     manufacturing_obstacles,
+    release_verdict,
     released_text,
     required_lengths,
+    without_draft_text,
 )
 from cranktopo.tasks.fatigue.criteria import shortfall_words
 from cranktopo.tasks.fatigue.result import FatigueResult
@@ -98,8 +100,9 @@ def run_undercuts_fact(metrics: RunMetrics) -> Fact:
         return Fact(label, "no", "; ".join(found), "bad")
     if surface.undercuts is None:  # a run of an earlier version
         return Fact(label, "not checked", "the topology was free; undercuts are possible", "unknown")
-    note = f"{released_text(surface.undercuts.by)} it"
-    return Fact(label, "yes", f"{note}{_walls_text(surface.walls)}", "good")
+    note = f"{released_text(surface.undercuts.by)} it{without_draft_text(surface.undercuts)}"
+    status: FactStatus = "neutral" if surface.undercuts.without_draft else "good"
+    return Fact(label, release_verdict(surface.undercuts), f"{note}{_walls_text(surface.walls)}", status)
 
 
 def _walls_text(walls: WallMeasures | None) -> str:
@@ -256,4 +259,6 @@ def _case_row(name: str, metrics: RunMetrics) -> list[str]:
 def _surface_warning(surface: RunSurface | NoSurface) -> list[str]:
     if isinstance(surface, NoSurface):
         return [f"no STL: {surface.refusal}"]
-    return manufacturing_obstacles(surface.cavities, surface.undercuts)
+    undercuts = surface.undercuts
+    straight = without_draft_text(undercuts).removeprefix("; ") if undercuts else ""
+    return [*manufacturing_obstacles(surface.cavities, undercuts), *filter(None, [straight])]

@@ -24,6 +24,7 @@ from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.histories import WebLoads
+from cranktopo.report.goal_table import missed_words
 from cranktopo.tasks.refit.family import Layout, with_free
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.shape.evaluated_web import (
@@ -38,7 +39,7 @@ from cranktopo.tasks.shape.nearest_web import nearest_of, nearest_web, search_wi
 from cranktopo.tasks.shape.optimum import ShapeOptimum, ShapeRound, ShapeSettings
 from cranktopo.tasks.shape.refining import SHORTER, CorrectedSurrogate, Step, merit, stepped
 from cranktopo.tasks.shape.result import FeatureTrial
-from cranktopo.tasks.shape.search import HELD, SearchBudget, prices_of, shaped_scene, worst_violation
+from cranktopo.tasks.shape.search import SearchBudget, prices_of, shaped_scene, worst_violation
 from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal, goal_on_cells, search_goal_of
 from cranktopo.tasks.shape.start import first_on_cells, not_on_cells, scene_start
 from cranktopo.tasks.shape.text import TOLD_FIRST
@@ -315,10 +316,6 @@ def _round_text(label: str, shape_round: ShapeRound, original: EvaluatedWeb, goa
         for name in TOLD_FIRST
         if name in original.values
     )
-    missed = {
-        limit.quantity: f"{limit.quantity} by {excess:.2f} %"
-        for limit, excess in zip(goal.limits, shape_round.excess_percent, strict=True)
-        if excess > 100 * HELD
-    }
-    limits = f"limits missed: {', '.join(missed.values())}" if missed else "limits kept"
+    missed = missed_words([limit.quantity for limit in goal.limits], shape_round.excess_percent)
+    limits = f"limits missed: {missed}" if missed else "limits kept"
     return f"{label}: {changes} by the evaluation; {limits}"

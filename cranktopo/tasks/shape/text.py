@@ -10,7 +10,7 @@ from cranktopo.base.units import change_text, plain_number
 from cranktopo.design.goal.constraint import TOLERANCE, Constraint
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.engine.judged_histories import states_words
-from cranktopo.report.goal_table import limits_table, short_percent, violated_limits
+from cranktopo.report.goal_table import limits_table, missed_words, short_percent, violated_limits
 from cranktopo.report.result_table import Column, ResultTable, Row, tabulate, terminal
 from cranktopo.tasks.bound.text import bound_lines
 from cranktopo.tasks.extraction.text import release_text, release_verdict
@@ -52,8 +52,6 @@ _KILO_UNITS = {
     "kNm_per_rad_kg": "kN m/(rad kg)",
     "kN_per_mm_kg": "kN/(mm kg)",
 }
-_KEPT_PERCENT = 0.05
-"""Excess with which a limit still counts as kept, as in the search."""
 _MOVES = {"mm": "1 mm", "deg": "1 degree", "%": "1 %"}
 
 
@@ -144,15 +142,15 @@ def feature_trials_table(shape: ShapeResult) -> ResultTable:
 def rounds_table(shape: ShapeResult) -> ResultTable:
     """Return every web that was evaluated on the way, against the original, and its violations."""
     before, names = shape.values.original, named_first(shape)
-    columns = {"web": 0, **{f"{name}_percent": 2 for name in names}, "limits missed by": 0}
+    limited = [price.quantity for price in shape.prices]  # one for each limit of the search
+    columns = {"web": 0, **{f"{name}_percent": 2 for name in names}, "limits missed": 0}
     rows: tuple[Row, ...] = tuple(
         {
             "web": f"finish {number}" if number else "of the cells" if shape.trials else "of the start",
             **{f"{name}_percent": 100 * (web.values[name] / before[name] - 1) for name in names},
-            "limits missed by": f"{worst:.2f} %" if worst > _KEPT_PERCENT else "-",
+            "limits missed": missed_words(limited, web.excess_percent) or "-",
         }
         for number, web in enumerate(shape.rounds)
-        for worst in [max(web.excess_percent, default=0.0)]
     )
     return ResultTable(columns, rows)
 

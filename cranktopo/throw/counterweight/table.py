@@ -74,6 +74,16 @@ class Counterweight(Feature):
         """True if it is a part of its own, which has mass and no stiffness."""
         return self.density_kg_m3 is not None
 
+    @property
+    def flank_draft_deg(self) -> float:
+        """Draft of its flanks in a die that parts in x = 0, deg."""
+        return 90.0 - self.half_angle_deg
+
+    def has_flanks(self, scene: ThrowView) -> bool:
+        """Tell whether its flanks reach beyond the web's outline."""
+        x, y = self.sector(scene).corner.on_flank
+        return x > float(scene.web.half_width_mm(scene.throw.radius_mm, np.array([y]))[0])
+
     def sector(self, scene: ThrowView, key: str = "web.counterweight") -> Sector:
         """Its body without the fillets to the web."""
         z_mm = depth_range_mm(scene, self.face, self.thickness_mm or scene.web.thickness_mm)

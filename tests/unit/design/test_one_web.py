@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,8 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import redirected
 from cranktopo.design.assumed import THROW, assumptions
 from cranktopo.design.halves import difference, halves
-from cranktopo.design.loading import load_scene, one_web, parse_scene
+from cranktopo.design.idle_keys import idle_keys
+from cranktopo.design.loading import load_scene, one_web, parse_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import pair_text, toml_text
 from cranktopo.tasks.designs.run_webs import web_target
@@ -112,6 +114,18 @@ def test_both_webs_go_back_to_where_they_came_from(tmp_path: Path) -> None:
     pair = paired(tmp_path, scene, first=one_web(scene, "first"), second=one_web(scene, "second"))
     assert pair.name == "pair"
     assert halves(named(pair, scene.name)) == halves(scene)
+
+
+def test_a_pair_has_no_key_that_nobody_gave(tmp_path: Path) -> None:
+    """A run stores its scene with every key: the face of a counterweight as thick as its web, empty lists."""
+    own = scene_with(web={**WEB, "counterweight": {"outer_radius_mm": 34.0, "half_angle_deg": 70.0}})
+    stored = scene_from_dict(own.model_dump(mode="json"))
+    design = written(own, tmp_path / "two.toml")
+    text = pair_text(design, tmp_path / "pair.toml", first=stored, second=stored)
+    data = tomllib.loads(text)
+    assert data["second_web"]["counterweight"] == {"outer_radius_mm": 34.0, "half_angle_deg": 70.0}
+    assert idle_keys(parse_scene(text, whole=True), data) == ()
+    assert halves(parse_scene(text, whole=True))[1].web == own.web
 
 
 def test_a_web_brings_the_lengths_of_its_journals(tmp_path: Path) -> None:

@@ -37,3 +37,14 @@ def test_a_proposal_that_reaches_it_is_refused_or_wider() -> None:
     assert short.outer_radius_mm < 122.5 - 44.0
     assert none.refused is not None
     assert "past the axis of the piston pin at 71 mm" in none.refused
+
+
+def test_a_proposal_prefers_flanks_with_the_draft_asked_for() -> None:
+    """Of a forging in x = 0: 90 deg less the draft comes before wider ones; what is wider is told."""
+    drafted, wider = (
+        propose_counterweight(with_rod(122.5).with_optimise(process="forged", draft_deg=asked), 0.0)
+        for asked in (12.0, 15.0)
+    )
+    assert (drafted.half_angle_deg, drafted.draft, drafted.refused) == (78.0, None, None)
+    assert (wider.half_angle_deg, wider.refused) == (80.0, None)
+    assert wider.draft == "its flanks have 10 deg of draft, optimise.draft_deg asks for 15"

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from cranktopo.bodies.prisms import drillings
+from cranktopo.bodies.prisms import drillings, kept_solid
 from cranktopo.bodies.undercuts import Withdrawal, undercuts
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
@@ -47,15 +49,19 @@ def test_widths_of_known_bodies(body: Manifold, of: str, size_mm: float) -> None
     assert measured(body, of) == pytest.approx(size_mm, abs=0.05)
 
 
-@pytest.mark.parametrize("draft_deg", [3.0, 7.0])
-def test_draft_of_a_wedge(draft_deg: float) -> None:
+def wedge(draft_deg: float) -> Manifold:
     """A hull that narrows by tan(draft) on either side of its parting plane x = 2."""
     fall = 20 * np.tan(np.radians(draft_deg))
     corners = [(2, sy * 15, sz * 15) for sy in (-1, 1) for sz in (-1, 1)]
     corners += [
         (x, sy * (15 - fall), sz * (15 - fall)) for x in (-18, 22) for sy in (-1, 1) for sz in (-1, 1)
     ]
-    walls = walls_of(mesh_of(Manifold.hull_points(corners)), 2.0)
+    return Manifold.hull_points(corners)
+
+
+@pytest.mark.parametrize("draft_deg", [3.0, 7.0])
+def test_draft_of_a_wedge(draft_deg: float) -> None:
+    walls = walls_of(mesh_of(wedge(draft_deg)), 2.0)
     sides = walls.where(np.abs(walls.normals[:, 0]) < 0.9)
     for way in (Withdrawal("die", 0, 2.0), Withdrawal("mould", 0, None)):
         assert least(drafts_deg(sides, way), sides.areas_mm2) == pytest.approx(draft_deg, abs=1e-3)
@@ -81,6 +87,18 @@ def test_an_oil_drilling_is_no_wall_that_was_shaped() -> None:
     assert found.least_gap_mm == plain.least_gap_mm is None
     own = Manifold.cylinder(40, 2.5, 2.5, 64, center=True).rotate((0, 60, 0)).translate((20, 0, 30))
     assert measure(block(own), wide, drilled, 1.5).least_draft_deg < -20, "another hole is a wall"
+
+
+def test_a_counterweight_that_is_kept_is_no_wall_that_was_shaped() -> None:
+    """Its flanks have 2 deg (90 - 88), the wedge on top of it 7."""
+    weight = {"outer_radius_mm": 80.0, "half_angle_deg": 88.0}
+    box = {"shape": "box", "half_width_mm": 82.0, "y_min_mm": -82.0, "y_max_mm": 82.0}
+    on: dict[str, Any] = {"effects__manufacturing_constraint": "on", "envelope": box}
+    scene = scene_with(**on, web__counterweight=weight)
+    body = mesh_of(wedge(7.0).translate((-2, 50, sum(scene.web_z_mm) / 2)) + kept_solid(scene))
+    wide = Manifold.cube((400, 400, 200)).translate((-200, -200, -50))
+    assert measure(body, wide, scene, 1.5).least_draft_deg == pytest.approx(7.0, abs=1e-3)
+    assert measure(body, wide, scene_with(**on), 1.5).least_draft_deg == pytest.approx(2.0, abs=1e-3)
 
 
 def scene_of(**settings: object) -> Scene:

@@ -89,6 +89,9 @@ def test_terminal_names_what_got_worse() -> None:
     assert worse_line(metrics(-1.0, 1.0, 1.0).changes_percent, "it") == ""
 
 
+UNDRAFTED = {"released": True, "volume_mm3": 0.0, "without_draft": ["web.counterweight"]}
+
+
 @pytest.mark.parametrize(
     ("surface", "value", "status", "words"),
     [
@@ -96,6 +99,12 @@ def test_terminal_names_what_got_worse() -> None:
         ({"cavities": 2}, "no", "bad", "2 closed hollows"),
         ({"cavities": 0}, "not checked", "unknown", "undercuts are possible"),
         ({"cavities": 0, "undercuts": {"released": True, "volume_mm3": 0.0}}, "yes", "good", "x = 0"),
+        (
+            {"cavities": 0, "undercuts": UNDRAFTED},
+            "yes, too little draft",
+            "neutral",
+            "it; too little draft: web.counterweight",
+        ),
         ({"cavities": 0, "undercuts": {"released": False, "volume_mm3": 41.6}}, "no", "bad", "42 mm3"),
         (
             {"cavities": 1, "undercuts": {"released": True, "volume_mm3": 0.0}},

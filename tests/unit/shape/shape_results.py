@@ -24,8 +24,8 @@ def invented_data() -> dict[str, Any]:
         "prices_remainder_percent": 4.0,
         "values": {"original": {"mass": 2.0}, "result": {}},
         "rounds": [
-            {"values": {"mass": 1.8}, "excess_percent": [0.4, -2.0]},
-            {"values": {"mass": 1.75}, "excess_percent": []},
+            {"values": {"mass": 1.8}, "excess_percent": [0.026, 0.4, 0.0047]},
+            {"values": {"mass": 1.75}, "excess_percent": [-0.2, -3.0, 0.0]},
         ],
         "best_round": 1,
         "design": "invented",

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from cranktopo.bodies.solid.files import surface_of
+from cranktopo.design.draft import kept_without_draft
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.compare.stage import design_undercuts
 from cranktopo.tasks.extraction.release import shaped_undercuts
@@ -77,6 +78,34 @@ def test_what_a_die_releases_without_draft_is_named(
     released = found.model_copy(update={"released": True})
     assert release_text(released).endswith(ends)
     assert release_verdict(released) == ("yes, too little draft" if straight else "yes")
+
+
+@pytest.mark.parametrize(
+    ("weight", "asked", "named"),
+    [
+        ({"half_angle_deg": 88.0}, {}, True),
+        ({"half_angle_deg": 85.0}, {}, False),
+        ({"half_angle_deg": 88.0}, {"draft_deg": 2.0}, False),
+        ({"half_angle_deg": 85.0}, {"process": "cast", "parting": "web_faces"}, True),
+        ({"half_angle_deg": 88.0}, {"process": "milled"}, False),
+        ({"half_angle_deg": 88.0, "density_kg_m3": 17500.0}, {}, False),
+    ],
+    ids=["2 deg of 5", "5 of 5", "2 of 2", "along the crank axis", "a mill", "bolted on"],
+)
+def test_flanks_of_a_counterweight_with_less_draft_than_asked(
+    mikron: Scene, weight: dict[str, Any], asked: dict[str, Any], named: bool
+) -> None:
+    made_by = {"process": "forged", "parting": "lateral", "draft_deg": 5.0, **asked}
+    web = table(counterweight={"outer_radius_mm": 34.0, **weight})
+    scene = scene_with_web(mikron.with_optimise(**made_by), web)
+    assert kept_without_draft(scene) == (("web.counterweight",) if named else ())
+
+
+def test_flanks_within_the_outline_are_no_walls(mikron: Scene) -> None:
+    """The outline is 34 mm wide at the main journal's axis and ends 26 mm below it."""
+    made_by = mikron.with_optimise(process="forged", parting="lateral", draft_deg=5.0)
+    web = table(counterweight={"outer_radius_mm": 34.0, "half_angle_deg": 90.0})
+    assert kept_without_draft(scene_with_web(made_by, web)) == ()
 
 
 def told(undercuts: ShapedUndercuts | None) -> ShapeResult:

@@ -6,7 +6,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from cranktopo.tasks.shape.text import value_words
+from cranktopo.report.goal_table import missed_words
+from cranktopo.tasks.shape.result import ShapeResult
+from cranktopo.tasks.shape.text import rounds_table, value_words
+from tests.unit.shape.shape_results import invented_data
 
 
 @pytest.mark.parametrize(
@@ -23,3 +26,14 @@ def test_values_have_digits_and_a_unit(
 ) -> None:
     found = SimpleNamespace(values=SimpleNamespace(original={key: original}, result={key: result}))
     assert value_words(found, key) == words  # type: ignore[arg-type]
+
+
+def test_webs_on_the_way_name_the_limits_that_they_miss_as_the_terminal_does() -> None:
+    """What shows as 0.00 % is kept, by the table as by the terminal."""
+    found = ShapeResult.of_json(invented_data(), "shape.json")
+    told = [row["limits missed"] for row in rounds_table(found).rows]
+    quantities = [price.quantity for price in found.prices]
+    assert told == ["torsion by 0.03 %, unbalance by 0.40 %", "-"]
+    assert told[0] == missed_words(quantities, found.rounds[0].excess_percent)
+    assert missed_words(["torsion"], [0.0049]) == ""
+    assert missed_words(["torsion"], [0.0051]) == "torsion by 0.01 %"

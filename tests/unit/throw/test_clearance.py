@@ -7,17 +7,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.bodies.prisms import envelope_solid
 from cranktopo.bodies.solid.files import surface_of
-from cranktopo.design.clearance import CRANKCASE, PISTON, clearance_limit, clearances_mm
+from cranktopo.design.clearance import CRANKCASE, PISTON, ClearanceLimit, clearance_limit, clearances_mm
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.report.viewer.scene3d import ShownBody
-from cranktopo.tasks.fea.section import clearance_sections
+from cranktopo.tasks.fea.section import _draw_clearance, clearance_sections
 from cranktopo.tasks.loads.stage import loads_at_speeds
 from cranktopo.tasks.loads.text import loads_text
 from tests.unit.throw.counterweight_cases import PLAIN, roomy_scene, weighted
@@ -109,6 +110,19 @@ def test_the_page_tells_the_room(clear: Scene) -> None:
     assert table.rows[0]["to_the_piston_skirt_mm"] == pytest.approx(clearances_mm(clear)[PISTON], abs=0.05)
     assert section.text.startswith("The result leaves ")
     assert not clearance_sections(roomy_scene(clear).model_copy(update={"envelope": None}), bodies)
+
+
+@pytest.mark.parametrize(("radius_mm", "whole"), [(85.0, True), (140.0, True), (170.0, False)])
+def test_a_crankcase_is_drawn_whole_unless_it_is_far_away(radius_mm: float, whole: bool) -> None:
+    """Of a web that reaches 74 mm; a circle beyond twice that would make it small."""
+    angle = np.linspace(0.0, np.pi, 181)
+    limits = {CRANKCASE: ClearanceLimit(angle, np.full(181, radius_mm))}
+    limits[PISTON] = ClearanceLimit(angle, 90.0 / np.maximum(np.cos(angle), 1e-9))
+    axes = Figure().add_subplot()
+    _draw_clearance(axes, {"web": [np.array([[-74.0, -20.0], [74.0, -20.0], [0.0, 60.0]])]}, limits, None)
+    ends = *axes.get_xlim(), *axes.get_ylim()
+    assert all(abs(end) > radius_mm for end in ends) == whole
+    assert ends == pytest.approx((-ends[1], ends[1], -ends[1], ends[1]))
 
 
 def test_the_design_space_ends_there(clear: Scene) -> None:
