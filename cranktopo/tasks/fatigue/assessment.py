@@ -15,6 +15,7 @@ from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, FilletCheck
 from cranktopo.tasks.fatigue.m53_outlet import OutletCheck
 from cranktopo.tasks.fatigue.mesh_quality import JudgedQuality
 from cranktopo.tasks.fatigue.needs import safety_left_off
+from cranktopo.tasks.fatigue.remarks import cut_outlet_words
 from cranktopo.tasks.fatigue.result import (
     FatigueResult,
     FieldFatigue,
@@ -136,6 +137,7 @@ def _field_fatigue(
         critical=field.critical,
         at_outlet=field.at_outlet,
         at_sharp_edges=field.at_sharp_edges,
+        not_judged=cut_outlet_words(model) or None,
         judged_as="continuous_shaft" if field.on_bearings else "throw_alone",
         safety_as=field.safety_as or None,
         load_states=len(field.labels),

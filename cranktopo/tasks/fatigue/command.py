@@ -130,7 +130,9 @@ def _text(assessment: FatigueAssessment) -> str:
     if assessment.fields:
         parts = [terminal(tables.field_table(assessment.fields, baseline))]
         fields = assessment.fields
-        parts += ["\n".join([*tables.field_remarks(fields), *tables.inclusions(fields)])]
+        parts += [
+            "\n".join([*tables.field_remarks(fields), *tables.inclusions(fields), *tables.not_judged(fields)])
+        ]
     else:
         outside = "".join(
             f"\n{check.name}: outside the rule's polynomials: {'; '.join(check.outside)}."

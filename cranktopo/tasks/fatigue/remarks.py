@@ -22,9 +22,10 @@ _RPM = re.compile(r"(\d+) rpm")
 
 
 def note_quality(field: FatigueField) -> None:
-    """Tell in a line each what `quality_remarks` returns."""
+    """Tell in a line each what `quality_remarks` returns, but for outlets that results name."""
     for remark in quality_remarks(field):
-        note(f"note: {field.model.name}: {remark}")
+        if remark != cut_outlet_words(field.model):
+            note(f"note: {field.model.name}: {remark}")
 
 
 def quality_remarks(field: FatigueField) -> tuple[str, ...]:

@@ -147,6 +147,8 @@ class FieldFatigue(_TargetFatigue):
     """The point of least safety at the outlets of oil bores, where there are any."""
     at_sharp_edges: CriticalPoint | None
     """The point of least safety at sharp inner edges, which the mesh decides; null without any."""
+    not_judged: str | None = UNLESS_NONE
+    """Outlets of oil bores that are not judged, and from which place on they are."""
     judged_as: JudgedAs
     """Body of that safety: a throw alone, or one in its shaft on all main bearings."""
     safety_as: dict[JudgedAs, float] | None = UNLESS_NONE

@@ -13,6 +13,7 @@ from cranktopo.engine.judged_histories import states_words
 from cranktopo.report.result_table import Column, ResultTable, tabulate
 from cranktopo.tasks.fatigue.criteria import safety_method, shortfall_words
 from cranktopo.tasks.fatigue.remarks import (
+    cut_outlet_words,
     deciding_speed_words,
     overspeed_words,
     quality_remarks,
@@ -184,6 +185,12 @@ def inclusions(fields: Sequence[FatigueField]) -> list[str]:
     """Return one line for each method: what its safety counts, and the least safety that it asks for."""
     methods = dict.fromkeys(field.method for field in fields)
     return [f"A safety by {method} counts: {safety_method(method).includes}." for method in methods]
+
+
+def not_judged(fields: Sequence[FatigueField]) -> list[str]:
+    """Return one line for each target with outlets that are not judged."""
+    found = ((field.model.name, cut_outlet_words(field.model)) for field in fields)
+    return [f"{name}: {words}" for name, words in found if words]
 
 
 def _speed_remarks(fields: Sequence[FatigueField]) -> list[str]:

@@ -21,7 +21,7 @@ from cranktopo.tasks.dynamics.stress import moving_factors
 from cranktopo.tasks.fatigue.criteria import check_method, criterion
 from cranktopo.tasks.fatigue.least import PARTS, Part, least_safeties
 from cranktopo.tasks.fatigue.mesh_quality import JudgedQuality
-from cranktopo.tasks.fatigue.remarks import mesh_shortfall, note_quality, note_yielding
+from cranktopo.tasks.fatigue.remarks import cut_outlet_words, mesh_shortfall, note_quality, note_yielding
 from cranktopo.tasks.fatigue.safety_field import FatigueField, field_of_states
 from cranktopo.tasks.fatigue.shaft_stress import (
     ShaftStress,
@@ -161,6 +161,8 @@ class JudgedShaft:
             load_states=angle_deg.size * len(speeds),
             quality=JudgedQuality(**vars(quality), within_rule=quality.within_limits),
             mesh_shortfall=self.missed_checks or None,
+            not_judged=" ".join(dict.fromkeys(cut_outlet_words(one.model) for one in self.throws)).strip()
+            or None,
             left_off=None if self.moving else shaft_left_off(self.target.scene) or None,
             seconds=_seconds(self.throws, solved - begin, finished - solved),
             assumed=assumed_by(filter_by_table(self.target.assumed, USED), (self.method,)),

@@ -99,6 +99,8 @@ class ShaftSafety(Result):
     """The mesh of the throw with the worst point, and its checks."""
     mesh_shortfall: str | None = UNLESS_NONE
     """Checks of the rule that this mesh misses, so that the safety is not sure."""
+    not_judged: str | None = UNLESS_NONE
+    """Outlets of oil bores that are not judged, and from which place on they are."""
     left_off: str | None = UNLESS_NONE
     """Loads that the safety does not count although they are above the threshold, in words."""
     seconds: SafetySeconds

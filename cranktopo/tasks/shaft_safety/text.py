@@ -103,9 +103,10 @@ def worst_sentence(shaft: ShaftSafety) -> str:
 
 
 def unsure_words(shaft: ShaftSafety) -> list[str]:
-    """Return in a sentence why the safety is not sure, if so."""
-    missed = shaft.mesh_shortfall
-    return [f"Not sure: {missed}; a smaller --fillet-fraction helps."] if missed else []
+    """Return in sentences why the safety is not sure, if so, and which outlets it does not count."""
+    missed, left = shaft.mesh_shortfall, shaft.not_judged
+    unsure = [f"Not sure: {missed}; a smaller --fillet-fraction helps."] if missed else []
+    return unsure + ([left[0].upper() + left[1:]] if left else [])
 
 
 def _torsion(shaft: ShaftEvaluation) -> tuple[str, str]:
