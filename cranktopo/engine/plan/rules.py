@@ -188,7 +188,8 @@ def manufacturing_constraint(context: PlanningContext) -> Estimate:
 def fatigue(context: PlanningContext) -> Estimate:
     """Nominal stress amplitude of web bending and pin torsion over the fatigue strength in bending.
 
-    Loads are the extremes that fatigue judges, of both signs over the cycle, and the pull at overspeed.
+    Loads are the extremes that fatigue judges, of both signs over the cycle, and the pull at overspeed; the
+    slow speed that fatigue judges is among them.
 
     Nominal stresses of IACS UR M53: bending moment at the web's mid-plane over B W^2 / 6, torque over the
     pin's modulus; concentration in the fillets (factors of 2 to 3) comes on top.
