@@ -15,6 +15,8 @@ from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.histories import HistoryKind
 from cranktopo.engine.judged_histories import histories_of
 from cranktopo.engine.judged_speeds import rated_speeds, slow_speed_rpm, speeds_of_range
+from cranktopo.engine.plan.context import PlanningContext
+from cranktopo.engine.plan.cost import Costing, CostRates
 from cranktopo.tasks.fatigue import shaft_stress
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shape.each_web import loaded_shaft
@@ -101,6 +103,20 @@ def test_a_throw_that_stands_alone_is_judged_at_it(kind: HistoryKind, vibrating:
     assert len(slow) == (1 if kind == "extremes" else 4)
     pushes = [one.radial_N.max() for one in histories_of(scene, kind, enabled)]
     assert max(pushes) == pytest.approx(slow[0].radial_N.max(), rel=1e-9), "no other speed pushes as hard"
+
+
+@pytest.mark.parametrize("vibrating", [False, True])
+def test_the_plan_has_the_amplitudes_of_all_of_them(vibrating: bool) -> None:
+    scene = fast(speed_min_rpm=900.0, flywheel={"inertia_kg_m2": 0.05})
+    scene = scene.model_copy(update={"engine": engine_of(scene).model_copy(update={"overspeed_rpm": None})})
+    enabled = INERTIA_EFFECTS | {"bending", "torsion"} | ({"torsional_vibration"} if vibrating else set())
+    judged = histories_of(scene, "extremes", enabled)
+    assert len(judged) == 2
+    costing = Costing(scene, CostRates(), mirrored=True)
+    force, torque = PlanningContext(scene, costing, "", vibrating=vibrating).amplitudes
+    assert force == pytest.approx(max(np.ptp(one.radial_N) for one in judged) / 2, rel=1e-9)
+    assert torque == pytest.approx(max(np.ptp(one.torque_Nm) for one in judged) / 2, rel=1e-9)
+    assert force > np.ptp(judged[0].radial_N) / 2 * (1.0 if vibrating else 1.01)
 
 
 def test_fatigue_in_the_shaft_judges_them(monkeypatch: pytest.MonkeyPatch) -> None:
