@@ -154,7 +154,7 @@ class Effects(_LoadSwitches):
     torsional_vibration: _EffectState = "auto"
     """Torque of the vibrating shaft at its worst speed in place of the quasi-static one; needs `[shaft]`."""
     bearing_compliance: _EffectState = "auto"
-    """Springs of the main bearings in series with the throw."""
+    """Springs of the main bearings in series with the throw; on where one of `[supports]` is "spring"."""
     continuous_shaft: _EffectState = "auto"
     """Load states of `fatigue`, `compare` and `shape` from the shaft on all its bearings, over its range of
     speeds, in place of a throw alone; `auto` takes them where they bend a web more."""

@@ -185,7 +185,8 @@ class ShaftTable(SceneTable):
     """
 
     speed_min_rpm: TurningSpeed | None = Field(default=None, examples=[700.0])
-    """Lowest speed that is looked at; by default a third of `engine.speed_rpm`."""
+    """Lowest speed that is looked at; by default a third of `engine.speed_rpm`. Where it is given, safety
+    counts there as well, with the pressure of that speed, else with that of `engine.speed_rpm`."""
     speed_max_rpm: TurningSpeed | None = Field(default=None, examples=[2800.0])
     """Highest speed that is looked at; by default the overspeed, and 1.05 times the engine's speed
     where none is given."""

@@ -29,6 +29,7 @@ from cranktopo.engine.histories import (
     speed_words,
     throw_histories,
 )
+from cranktopo.engine.judged_speeds import slow_speed_rpm
 from cranktopo.engine.states import extreme_states
 
 _WORDS: dict[LoadsName, str] = {
@@ -51,25 +52,25 @@ def histories_of(scene: Scene, loads: Loads, enabled: frozenset[str]) -> Sequenc
 def histories_by_speed(
     scene: Scene, loads: Loads, enabled: frozenset[str]
 ) -> tuple[Sequence[LoadHistory], ...]:
-    """Return the histories of the engine's speed, and those of its overspeed where it has one.
+    """Return the histories of the engine's speed, then of its overspeed and of its `slow_speed_rpm`, if any.
 
-    The pull of the masses grows with the square of the speed. The rule of a classification society judges the
-    first alone. Those of webs in their shaft belong together, whatever their speeds.
+    The pull of the masses grows with the square of the speed, and at low speed they take less off the gas.
+    The rule of a classification society judges the first alone. Those of webs in their shaft belong together,
+    whatever their speeds.
     """
     if isinstance(loads, WebLoads):
         return (loads.histories,)
     rated, engine = [*rated_histories(scene, loads, enabled)], engine_of(scene)
     if loads == "extremes" and counts_tangential(scene, loads, enabled):
         rated += _bounding(cycle_histories(scene, enabled))
-    if engine.overspeed_rpm is None or engine.overspeed_rpm == engine.speed_rpm:
-        return (rated,)
-    return rated, _at_overspeed(scene, engine.overspeed_rpm, loads, enabled)
+    further = [*engine.own_speeds_rpm[1:], slow_speed_rpm(scene, enabled)]
+    return rated, *(_at_further_speed(scene, rpm, loads, enabled) for rpm in further if rpm is not None)
 
 
-def _at_overspeed(
+def _at_further_speed(
     scene: Scene, speed_rpm: float, kind: HistoryKind, enabled: frozenset[str]
 ) -> list[LoadHistory]:
-    """Return the histories of the highest speed; torques of a vibrating shaft are the worst of all speeds."""
+    """Return the histories of another speed; extremes of a vibrating shaft join the torques of all speeds."""
     at = at_speed(all_firing(scene), speed_rpm)
     if kind == "cycle":
         found = throw_histories(at, enabled)

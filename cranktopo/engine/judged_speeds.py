@@ -7,7 +7,7 @@ import numpy as np
 from cranktopo.design.checks.engine import speed_range_rpm
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import passed_through
-from cranktopo.engine.analysis import at_speed, at_worst_speed, engine_of
+from cranktopo.engine.analysis import analyse, at_speed, at_worst_speed, engine_of
 from cranktopo.engine.vibration.barred import barred_key, ranges_words, too_near_words
 from cranktopo.engine.vibration.vibrating_shaft import ranges_to_bar_rpm
 
@@ -18,14 +18,44 @@ goes evenly, and the worst speed of one that does is added."""
 
 
 def rated_speeds(scene: Scene, enabled: frozenset[str]) -> tuple[Scene, ...]:
-    """Return the scene at the engine's speed and its overspeed, of a vibrating shaft also at its worst speed.
+    """Return the scene at the engine's speed, its overspeed and its `slow_speed_rpm`.
 
-    Ascending, each speed once. The pull of the masses grows with the square of the speed.
+    Of a vibrating shaft also at its worst speed. Ascending, each speed once. The pull of the masses grows
+    with the square of the speed.
     """
-    found = set(engine_of(scene).own_speeds_rpm)
+    slow = slow_speed_rpm(scene, enabled)
+    found = {*engine_of(scene).own_speeds_rpm, *([] if slow is None else [slow])}
     if "torsional_vibration" in enabled:
         found.add(engine_of(at_worst_speed(scene, enabled)).speed_rpm)
     return tuple(at_speed(scene, rpm) for rpm in sorted(found))
+
+
+def slow_speed_rpm(scene: Scene, enabled: frozenset[str]) -> float | None:
+    """Return the speed below the engine's own at which gas less inertia pushes a web hardest, rpm.
+
+    With one pressure for all speeds it is the lowest of the range that the scene states, by
+    `shaft.speed_min_rpm` or `engine.gas.map`: there the masses take least off the gas. With a map it is that
+    speed or one of the map. None where the scene states no lower speed, or no gas.
+    """
+    speeds = _stated_slower_rpm(scene)
+    if len(speeds) < 2:
+        return next(iter(speeds), None)
+
+    def push_N(rpm: float) -> float:
+        cycle = analyse(at_speed(scene, rpm), enabled - {"torsional_vibration"}).cycle
+        return cycle.extreme("web_force_N")[0].value if cycle else 0.0
+
+    return max(speeds, key=push_N)
+
+
+def _stated_slower_rpm(scene: Scene) -> list[float]:
+    """Return the lowest speed that the scene states and those of its gas map, below the engine's own."""
+    engine = engine_of(scene)
+    if engine.gas is None:
+        return []
+    known = [at.rpm for at in engine.gas.map]
+    least = (scene.shaft.speed_min_rpm if scene.shaft else None) or min(known, default=engine.speed_rpm)
+    return [rpm for rpm in sorted({least, *known}) if least <= rpm < engine.speed_rpm and runs_at(scene, rpm)]
 
 
 def speeds_of_range(scene: Scene, enabled: frozenset[str]) -> tuple[Scene, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -13,11 +14,12 @@ from cranktopo.design.goal.limit import Goal
 from cranktopo.design.halves import halves, of_halves
 from cranktopo.design.misfire import all_firing
 from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import analyse
+from cranktopo.engine.analysis import analyse, at_speed
 from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
 from cranktopo.engine.extreme_state import ExtremeState
 from cranktopo.engine.forces import INERTIA_EFFECTS, RotatingForces, rotating_forces
-from cranktopo.engine.histories import joined_extremes
+from cranktopo.engine.histories import LoadHistory, joined_extremes
+from cranktopo.engine.judged_speeds import slow_speed_rpm
 from cranktopo.engine.load_type import load_types
 from cranktopo.engine.plan.cost import Costing
 from cranktopo.engine.plan.simulated import strip_features
@@ -57,9 +59,12 @@ class PlanningContext:
 
     def states_without(self, *inertia: str) -> tuple[ExtremeState, ...]:
         """Return the extreme load states without some of the inertia effects."""
+        return extreme_states(self.scene, INERTIA_EFFECTS - set(inertia) | self._decided)
+
+    @property
+    def _decided(self) -> set[str]:
         decided = {"torsional_vibration": self.vibrating, "centrifugal": self.centrifugal}
-        on = {name for name, is_on in decided.items() if is_on}
-        return extreme_states(self.scene, INERTIA_EFFECTS - set(inertia) | on)
+        return {name for name, is_on in decided.items() if is_on}
 
     @property
     def tells_stress(self) -> bool:
@@ -68,11 +73,22 @@ class PlanningContext:
 
     @cached_property
     def amplitudes(self) -> tuple[float, float]:
-        """Half the range of the radial force (N) and of the torque (N m), overspeed included."""
-        history = joined_extremes(analyse(all_firing(self.scene), INERTIA_EFFECTS), self.states)
+        """Half the range of the radial force (N) and of the torque (N m), largest of all judged speeds."""
+        history = _joined(self.scene, self.states)
         pulls = [state.case.radial_N for state in self.states if state.name == "overspeed_inertia"]
-        radial = [*history.radial_N, *pulls]
-        return float(np.ptp(radial)) / 2, float(np.ptp(history.torque_Nm)) / 2
+        radial, torque = [np.ptp([*history.radial_N, *pulls])], [np.ptp(history.torque_Nm)]
+        if (slow := self._slow) is not None:
+            radial, torque = [*radial, np.ptp(slow.radial_N)], [*torque, np.ptp(slow.torque_Nm)]
+        return float(max(radial)) / 2, float(max(torque)) / 2
+
+    @property
+    def _slow(self) -> LoadHistory | None:
+        """Joined extremes at `slow_speed_rpm`; torques of a vibrating shaft are those of all its speeds."""
+        if self.scene.engine is None or (rpm := slow_speed_rpm(self.scene, INERTIA_EFFECTS)) is None:
+            return None
+        at = at_speed(self.scene, rpm)
+        states = self.states if self.vibrating else extreme_states(at, INERTIA_EFFECTS | self._decided)
+        return _joined(at, states)
 
     @cached_property
     def compliance(self) -> ThrowCompliance:
@@ -156,3 +172,7 @@ class PlanningContext:
     def energy_Nmm(self) -> dict[str, float]:
         """Closed-form strain energy of the throw in each load case, N mm."""
         return {kind.name: kind.energy_Nmm(self) for kind in load_types()}
+
+
+def _joined(scene: Scene, states: Sequence[ExtremeState]) -> LoadHistory:
+    return joined_extremes(analyse(all_firing(scene), INERTIA_EFFECTS), states)

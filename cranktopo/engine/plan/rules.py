@@ -81,7 +81,10 @@ def check_goal_cases(context: PlanningContext, goal: Goal, cases: Collection[str
 
 
 def bearing_compliance(context: PlanningContext) -> Estimate:
-    """Two bearing springs in series with the bending stiffness of the throw (beam formula)."""
+    """Two bearing springs in series with the bending stiffness of the throw (beam formula).
+
+    It is on where a support is "spring": the supports of the scene decide what its stiffness has in it.
+    """
     scene = context.scene
     spring = bearing_spring_N_per_mm(scene)
     if spring is None:
@@ -91,12 +94,14 @@ def bearing_compliance(context: PlanningContext) -> Estimate:
     own = context.compliance.bending_mm_per_N
     percent = 100 * (1 / (2 * spring)) / (own + 1 / (2 * spring))
     because = f"springs of {spring:,.0f} N/mm lower the bending stiffness by {percent:.3g} %"
-    held = "spring" in (scene.supports.torsion, scene.supports.bending)
-    needed = "a support is 'spring'" if held else ""
-    stiffer = 100 * (1 / (2 * spring)) / own
-    changes = (
-        f"reported bending stiffness {signed_percent(stiffer)}; the best shape stays, springs are in series"
-    )
+    supports = scene.supports
+    if "spring" not in (supports.torsion, supports.bending):
+        absent = f"supports.bending = '{supports.bending}' has no spring in it; 'spring' would take it in"
+        return Estimate(percent, because, "nothing", absent=absent, impossible=absent)
+    needed, changes = "a support is 'spring'", "nothing: the best shape stays, springs are in series"
+    if supports.bending == "spring":
+        stiffer = signed_percent(100 * (1 / (2 * spring)) / own)
+        changes = f"reported bending stiffness {stiffer}; the best shape stays, springs are in series"
     return Estimate(percent, because, changes, needed=needed, indispensable=needed)
 
 
@@ -188,7 +193,8 @@ def manufacturing_constraint(context: PlanningContext) -> Estimate:
 def fatigue(context: PlanningContext) -> Estimate:
     """Nominal stress amplitude of web bending and pin torsion over the fatigue strength in bending.
 
-    Loads are the extremes that fatigue judges, of both signs over the cycle, and the pull at overspeed.
+    Loads are the extremes that fatigue judges, of both signs over the cycle, and the pull at overspeed; the
+    slow speed that fatigue judges is among them.
 
     Nominal stresses of IACS UR M53: bending moment at the web's mid-plane over B W^2 / 6, torque over the
     pin's modulus; concentration in the fillets (factors of 2 to 3) comes on top.

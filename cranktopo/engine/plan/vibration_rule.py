@@ -48,7 +48,7 @@ def torsional_vibration(context: PlanningContext) -> Estimate:
     """Torque amplitude of the load states with the vibration against that without it.
 
     These are the states of `fatigue`: of the vibrating shaft the extremes over the range of speeds, barred
-    ones apart, of one that does not twist those at the engine's speed and its overspeed.
+    ones apart, of one that does not twist those of `rated_speeds`.
     """
     absent = _absent(context.scene)
     if absent:
@@ -60,7 +60,7 @@ def torsional_vibration(context: PlanningContext) -> Estimate:
     because = (
         f"first natural frequency {frequency_text(found.frequency_Hz)}{source}, torque amplitude of the load "
         f"states {signed_percent(found.percent, 3)} ({signed_percent(found.twist_percent, 3)} by the twist, "
-        f"{signed_percent(found.speeds_percent, 3)} as the whole range of speeds is judged with it), "
+        f"{signed_percent(found.speeds_percent, 3)} as torques of the whole range of speeds count with it), "
         f"worst at {found.speed_rpm:.0f} rpm by order {found.order:g}"
     )
     change = 100 * (1 / (1 + found.percent / 100) - 1)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from cranktopo.base.notes import note, warn
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import joins_extremes, speed_words
+from cranktopo.engine.judged_speeds import slow_speed_rpm
 from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.engine.vibration.vibrating_shaft import extreme_speeds_rpm
 from cranktopo.tasks.fatigue.criterion import larger_end_MPa
@@ -46,21 +47,33 @@ def _sharp_words(sharp: CriticalPoint) -> str:
     )
 
 
-def overspeed_words(field: FatigueField) -> str:
-    """Return that the least safety is that at the overspeed; empty where it is not."""
-    engine = field.model.scene.engine
-    if not engine or not engine.overspeed_rpm:
+def further_speed_words(field: FatigueField) -> str:
+    """Return that the least safety is that at the overspeed or at the slow speed; empty where it is not."""
+    scene, state = field.model.scene, field.critical.states[0]
+    where = next((words for rpm, words in _further_speeds(scene) if state.endswith(speed_words(rpm))), "")
+    if not where:
         return ""
-    state = field.critical.states[0]
-    if not state.endswith(speed_words(engine.overspeed_rpm)):
-        return ""
-    torques = _torque_speeds(field.model.scene) if joins_extremes(state) else ""
+    torques = _torque_speeds(scene) if joins_extremes(state) else ""
     beside = f", with the vibrating shaft's largest and smallest torque, of {torques} rpm" if torques else ""
-    return f"the least safety is that at the overspeed of {engine.overspeed_rpm:g} rpm{beside}."
+    return f"the least safety is that at {where}{beside}."
+
+
+def _further_speeds(scene: Scene) -> list[tuple[float, str]]:
+    """Return the speeds that are judged beside the engine's own, with their words."""
+    engine = scene.engine
+    if engine is None:
+        return []
+    found = [(rpm, f"the overspeed of {rpm:g} rpm") for rpm in engine.own_speeds_rpm[1:]]
+    slow = slow_speed_rpm(scene, plan_for_stress(scene).enabled)
+    if slow is None or engine.gas is None:
+        return found
+    taken = "" if engine.gas.map else f" (with the pressure of {engine.speed_rpm:g} rpm)"
+    words = f"{slow:g} rpm, the slower speed at which gas less inertia pushes hardest{taken}"
+    return [*found, (slow, words)]
 
 
 def deciding_speed_words(field: FatigueField) -> str:
-    """Return the speed of the states that decide, where the overspeed does not; empty where one is judged."""
+    """Return the speed of the states that decide, where no further one does; empty where one is judged."""
     judged = {rpm for label in field.labels for rpm in _RPM.findall(label)}
     deciding = dict.fromkeys(rpm for label in field.critical.states for rpm in _RPM.findall(label))
     if not deciding:
@@ -104,7 +117,7 @@ def vibration_sets_words(fields: Sequence[FatigueField]) -> str:
 
 def safety_remarks(field: FatigueField) -> list[str]:
     """Return all that stands beside a least safety: the speed that decides, and `quality_remarks`."""
-    return [*filter(None, [overspeed_words(field)]), *quality_remarks(field)]
+    return [*filter(None, [further_speed_words(field)]), *quality_remarks(field)]
 
 
 def mesh_shortfall(model: StressModel) -> str:

@@ -15,7 +15,7 @@ from cranktopo.tasks.fatigue.criteria import safety_method, shortfall_words
 from cranktopo.tasks.fatigue.remarks import (
     cut_outlet_words,
     deciding_speed_words,
-    overspeed_words,
+    further_speed_words,
     quality_remarks,
     vibration_sets_words,
 )
@@ -196,7 +196,7 @@ def not_judged(fields: Sequence[FatigueField]) -> list[str]:
 def _speed_remarks(fields: Sequence[FatigueField]) -> list[str]:
     """Return one line for each target that is judged at several speeds: the one that decides."""
     found = [
-        (field.model.name, overspeed_words(field) or deciding_speed_words(field))
+        (field.model.name, further_speed_words(field) or deciding_speed_words(field))
         for field in fields
         if field.model.scene.engine
     ]

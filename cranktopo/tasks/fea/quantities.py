@@ -202,25 +202,47 @@ _COLUMNS: tuple[Column[Evaluation], ...] = (
 
 
 _SECOND_WEB: Column[Evaluation] = Column("second_web_kg", MASS.digits, lambda e: e.second_web_kg)
+_TORSION_SPRING: Column[Evaluation] = Column(
+    "torsion_spring_kNm_per_rad", 2, lambda e: _kilo(e.fine.torsion["spring"])
+)
+_BENDING_SPRING: Column[Evaluation] = Column(
+    "bending_spring_kN_per_mm", 2, lambda e: _kilo(e.fine.bending["spring"])
+)
 
 
 def evaluation_table(evaluations: Sequence[Evaluation]) -> ResultTable:
     """Return one row per evaluation: mass, inertia, unbalance, stiffnesses, error estimates, mesh, seconds.
 
-    Where the webs of a throw differ, both have a column.
+    Where the webs of a throw differ, both have a column, and where a support is "spring" that stiffness has
+    one. The errors are those with the supports of each design.
     """
     different = any(e.second_web_kg is not None for e in evaluations)
-    columns = (*_COLUMNS[:3], *((_SECOND_WEB,) if different else ()), *_COLUMNS[3:])
+    twisted = any(e.torsion_support == "spring" for e in evaluations)
+    bent = any(e.bending_support == "spring" for e in evaluations)
+    columns = [
+        *_COLUMNS[:3],
+        *([_SECOND_WEB] if different else []),
+        *_COLUMNS[3:7],
+        *([_TORSION_SPRING] if twisted else []),
+        *_COLUMNS[7:9],
+        *([_BENDING_SPRING] if bent else []),
+        *_COLUMNS[9:],
+    ]
     return tabulate(columns, evaluations)
 
 
 def result_line(e: Evaluation) -> str:
     """Return both stiffnesses of the design's supports, each with its estimate, and what they took."""
     return (
-        f"{e.target}: torsion {e.torsion_Nm_per_rad / 1000:.2f} kN m/rad, "
-        f"+-{e.torsion_error_percent:.2g} %; bending {e.bending_N_per_mm / 1000:.2f} kN/mm, "
-        f"+-{e.bending_error_percent:.2g} %; {e.total_seconds:.1f} s"
+        f"{e.target}: torsion{_support(e.torsion_support)} {e.torsion_Nm_per_rad / 1000:.2f} kN m/rad, "
+        f"+-{e.torsion_error_percent:.2g} %; bending{_support(e.bending_support)} "
+        f"{e.bending_N_per_mm / 1000:.2f} kN/mm, +-{e.bending_error_percent:.2g} %; {e.total_seconds:.1f} s"
     )
+
+
+def _support(name: str) -> str:
+    """Return a support for beside its stiffness; empty of those by default."""
+    return "" if name in ("free", "pinned") else f" ({name})"
 
 
 def estimate_line(torsion_percent: Iterable[float], bending_percent: Iterable[float]) -> str:

@@ -89,7 +89,7 @@ class EvaluationResult(Result):
     fatigue_loads: LoadsName | None = UNLESS_NONE
     """Load states of that minimum: "extremes", "cycle" or "shaft"; None in earlier versions too."""
     fatigue_remarks: tuple[str, ...] | None = UNLESS_NONE
-    """Sentences on that minimum: missed checks of the mesh, places not judged, the overspeed that decides."""
+    """Sentences on that minimum: missed checks of the mesh, places not judged, the speed that decides."""
     stress_MPa: float | None = UNLESS_NONE
     """Largest von Mises stress over the same load states, where requested."""
 

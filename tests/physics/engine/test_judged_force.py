@@ -21,6 +21,8 @@ from tests.fast_twin import ENGINE, fast_twin
 
 VIBRATING = INERTIA_EFFECTS | {"bending", "torsion", "torsional_vibration"}
 OUTLET_PLACE_MM, PIN_MM, RADIUS_M = 11.0, 44.0, 0.03375
+SLOW_RPM = 4000.0
+"""Lowest speed of its range."""
 FAR_RPM = 8000.0
 """Speed of the engine from which that of the largest swing is far away."""
 
@@ -61,10 +63,11 @@ def test_over_the_cycle_it_is_that_of_one_web_at_one_speed(rpm: float) -> None:
     """A web of 44,900 N was judged by 49,100: the maximum of one web at one speed with the minimum of the
     other web at another."""
     scene = twin(speed_rpm=rpm)
-    speeds = rpm, worst_speed_rpm(scene, VIBRATING)
+    speeds = rpm, worst_speed_rpm(scene, VIBRATING), SLOW_RPM
     by_hand = [amplitude for speed in speeds for amplitude in amplitudes_by_hand_N(scene, speed)]
     found = [float(np.ptp(one.radial_N)) / 2 for one in histories_of(scene, "cycle", VIBRATING)]
     assert found == pytest.approx(by_hand, rel=1e-3)
+    by_hand = by_hand[:4]  # the rule judges no slower speed
     judged = radial_amplitude_N(scene, "cycle", VIBRATING)
     assert judged == pytest.approx(max(by_hand), rel=1e-3)
     joined = float(np.ptp(load_history(scene, "cycle", VIBRATING).radial_N)) / 2

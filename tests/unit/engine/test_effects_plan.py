@@ -114,6 +114,11 @@ def test_centrifugal_needs_a_weight_and_grows_with_the_fourth_power_of_speed():
             r"effects\.bearing_compliance = 'on': the scene gives neither",
         ),
         (
+            OPPOSED,
+            {"bearing_compliance": "on"},
+            r"effects\.bearing_compliance = 'on': supports\.bending = 'pinned' has no spring",
+        ),
+        (
             MIKRON.model_copy(update={"engine": None}),
             {"fatigue": "on"},
             r"effects\.fatigue = 'on': unit loads",
@@ -162,11 +167,26 @@ def test_load_cases_without_any_weight_are_refused(scene, weights, effects, name
 
 
 def test_bearing_estimate_is_springs_in_series():
-    effect = plan(OPPOSED)["bearing_compliance"]
+    effect = plan(with_part(OPPOSED, "supports", bending="spring"))["bearing_compliance"]
     own = 1 / throw_compliance(strip_features(OPPOSED, "fillets")).bending_mm_per_N
     together = 1 / (1 / own + 1 / (2 * 1.072e6))
     assert effect.estimate_percent == pytest.approx(100 * (1 - together / own), rel=1e-12)
     assert effect.state == "on"
+    assert effect.changes.startswith(f"reported bending stiffness +{100 * (own / together - 1):.2g} %")
+
+
+def test_a_bearing_spring_counts_where_a_support_has_it() -> None:
+    """The plan had it on with rigid supports, where the stiffness was the same with the effect off."""
+    effect = plan(OPPOSED)["bearing_compliance"]
+    assert OPPOSED.supports.bending == "pinned"
+    assert (effect.state, effect.changes) == ("off", "nothing")
+    assert effect.reason.startswith("supports.bending = 'pinned' has no spring in it")
+    sprung = plan(with_part(OPPOSED, "supports", bending="spring"))["bearing_compliance"]
+    assert effect.estimate_percent == sprung.estimate_percent, "its size is told all the same"
+    assert plan(with_effects(OPPOSED, bearing_compliance="off"))["bearing_compliance"].state == "off"
+    twisted = plan(with_part(OPPOSED, "supports", torsion="spring"))["bearing_compliance"]
+    assert twisted.state == "on"
+    assert twisted.changes.startswith("nothing")
 
 
 def test_asymmetry_switches_the_mirror_off():

@@ -10,8 +10,13 @@ import pytest
 
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import engine_of
-from cranktopo.engine.judged_speeds import rated_speeds, speeds_of_range
+from cranktopo.engine.analysis import analyse, at_speed, engine_of
+from cranktopo.engine.forces import INERTIA_EFFECTS
+from cranktopo.engine.histories import HistoryKind
+from cranktopo.engine.judged_histories import histories_of
+from cranktopo.engine.judged_speeds import rated_speeds, slow_speed_rpm, speeds_of_range
+from cranktopo.engine.plan.context import PlanningContext
+from cranktopo.engine.plan.cost import Costing, CostRates
 from cranktopo.tasks.fatigue import shaft_stress
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shape.each_web import loaded_shaft
@@ -43,6 +48,75 @@ def test_each_speed_once_and_in_order() -> None:
     assert whole == pytest.approx([700.0, 2025.0, 2100.0, 3350.0, 4675.0, 6000.0])
     given = fast(speed_min_rpm=900.0, speed_max_rpm=2900.0)
     assert rpm(speeds_of_range(given, frozenset())) == [900.0, 1400.0, 1900.0, 2100.0, 2400.0, 2900.0, 6000.0]
+
+
+def mapped(*peaks: tuple[float, float]) -> dict[str, Any]:
+    """Pressures over the speed, of the same kind as the Mikron's own."""
+    return {
+        "map": [{"rpm": rpm, "peak_pressure_MPa": p, "peak_angle_deg": 12.0} for rpm, p in peaks],
+        "compression_ratio": 6.0,
+    }
+
+
+@pytest.mark.parametrize(
+    ("shaft", "gas", "expected"),
+    [
+        ({}, None, None),
+        ({"speed_min_rpm": 900.0}, None, 900.0),
+        ({"speed_min_rpm": 900.0, "barred_rpm": [[800.0, 1000.0]]}, None, None),
+        ({"speed_min_rpm": 2100.0}, None, None),
+        ({}, mapped((800.0, 5.0), (2100.0, 5.0)), 800.0),
+        ({"speed_min_rpm": 900.0}, mapped((800.0, 5.0), (2100.0, 5.0)), 900.0),
+        ({}, mapped((800.0, 3.0), (1400.0, 6.0), (2800.0, 5.0)), 1400.0),
+        ({"speed_min_rpm": 1500.0}, mapped((800.0, 3.0), (1400.0, 6.0), (2800.0, 5.0)), 1500.0),
+    ],
+)
+def test_the_slower_speed_that_pushes_hardest(
+    shaft: dict[str, Any], gas: dict[str, Any] | None, expected: float | None
+) -> None:
+    """The lowest that the scene states: where its pressure rises with the speed, that of the map's peak."""
+    data = fast(**shaft).model_dump(mode="json", exclude_none=True)
+    if gas:
+        data["engine"]["gas"] = gas
+    scene = scene_from_dict(data)
+    assert slow_speed_rpm(scene, INERTIA_EFFECTS) == expected
+    assert expected is None or expected in rpm(rated_speeds(scene, frozenset()))
+
+
+@pytest.mark.parametrize("kind", ["extremes", "cycle"])
+@pytest.mark.parametrize("vibrating", [False, True])
+def test_a_throw_that_stands_alone_is_judged_at_it(kind: HistoryKind, vibrating: bool) -> None:
+    """A single diesel of 1000 to 3000 rpm had 1.436; alone at 1000 rpm it has 1.390."""
+    scene = fast(speed_min_rpm=900.0, flywheel={"inertia_kg_m2": 0.05})
+    enabled = (
+        INERTIA_EFFECTS
+        | {"bending", "torsion", "centrifugal"}
+        | ({"torsional_vibration"} if vibrating else set())
+    )
+    slow = [one for one in histories_of(scene, kind, enabled) if one.labels[0].endswith(", 900 rpm")]
+    bare = enabled - {"torsional_vibration"}
+    for one in slow:
+        cycle = analyse(at_speed(scene, 900.0), bare).cycle
+        assert cycle is not None
+        assert one.radial_N.max() == pytest.approx(cycle.extreme("web_force_N")[0].value, rel=1e-3)
+        assert one.angular_speed_rad_s == pytest.approx(np.pi * 30)
+    assert len(slow) == (1 if kind == "extremes" else 4)
+    pushes = [one.radial_N.max() for one in histories_of(scene, kind, enabled)]
+    assert max(pushes) == pytest.approx(slow[0].radial_N.max(), rel=1e-9), "no other speed pushes as hard"
+
+
+@pytest.mark.parametrize("vibrating", [False, True])
+def test_the_plan_has_the_amplitudes_of_all_of_them(vibrating: bool) -> None:
+    scene = fast(speed_min_rpm=900.0, flywheel={"inertia_kg_m2": 0.05})
+    scene = scene.model_copy(update={"engine": engine_of(scene).model_copy(update={"overspeed_rpm": None})})
+    enabled = INERTIA_EFFECTS | {"bending", "torsion"} | ({"torsional_vibration"} if vibrating else set())
+    judged = histories_of(scene, "extremes", enabled)
+    assert len(judged) == 2
+    costing = Costing(scene, CostRates(), mirrored=True)
+    force, torque = PlanningContext(scene, costing, "", vibrating=vibrating).amplitudes
+    assert force == pytest.approx(max(np.ptp(one.radial_N) for one in judged) / 2, rel=1e-9)
+    assert torque == pytest.approx(max(np.ptp(one.torque_Nm) for one in judged) / 2, rel=1e-9)
+    assert force > np.ptp(judged[0].radial_N) / 2 * (1.0 if vibrating else 1.01)
 
 
 def test_fatigue_in_the_shaft_judges_them(monkeypatch: pytest.MonkeyPatch) -> None:

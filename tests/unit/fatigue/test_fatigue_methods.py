@@ -220,6 +220,19 @@ def test_the_overspeed_that_decides_is_told_with_the_speeds_of_the_torques() -> 
     assert field_remarks([judged_field("a", off, joined)]) == [f"{at}."]
 
 
+def test_the_slower_speed_that_decides_is_told_with_its_pressure() -> None:
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
+    data["shaft"] = {"flywheel": {"inertia_kg_m2": 0.2}, "speed_min_rpm": 900.0}
+    scene = scene_from_dict(data | {"effects": {"torsional_vibration": "off"}})
+    at = "a: the least safety is that at 900 rpm, the slower speed at which gas less inertia pushes hardest"
+    decided = judged_field("a", scene, ("12 deg, 900 rpm",))
+    assert field_remarks([decided]) == [f"{at} (with the pressure of 2100 rpm)."]
+    peaks = [{"rpm": rpm, "peak_pressure_MPa": 5.0, "peak_angle_deg": 12.0} for rpm in (900.0, 2100.0)]
+    data["engine"]["gas"] = {"map": peaks, "compression_ratio": 6.0}
+    mapped = scene_from_dict(data | {"effects": {"torsional_vibration": "off"}})
+    assert field_remarks([judged_field("a", mapped, ("12 deg, 900 rpm",))]) == [f"{at}."]
+
+
 @pytest.mark.parametrize(
     ("method", "safety", "words"),
     [

@@ -88,7 +88,7 @@ class LoadedShaft:
 
 
 def loaded_shaft(design: Scene | str, fillet_fraction: float) -> LoadedShaft:
-    """Return the shaft of a design at the engine's speed and overspeed, of a vibrating one at its worst too.
+    """Return the shaft of a design at the speeds of `rated_speeds`.
 
     Where the effect `continuous_shaft` is on, the range of speeds counts. Main bearings are springs where the
     design tells them, else rigid.
