@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, PathPatch
 from matplotlib.path import Path
 from matplotlib.transforms import Bbox
+from scipy.spatial.distance import cdist
 
 from cranktopo.base.units import MM_PER_INCH
 
@@ -80,6 +81,30 @@ def over_lines(figure: Figure) -> list[str]:
             )
         )
     ]
+
+
+def near_leaders(figure: Figure, least_mm: float = 1.0) -> list[tuple[str, str]]:
+    """Texts of a column whose leaders come closer to each other than so much paper, as if they were one."""
+    found = []
+    for axes in figure.axes:
+        for (one, a), (other, b) in combinations(leaders(axes), 2):
+            apart = float(cdist(_along(a), _along(b)).min()) * MM_PER_INCH / figure.dpi
+            if apart < least_mm:
+                found.append((one, other))
+    return found
+
+
+def leaders(axes: Any) -> Iterator[tuple[str, Any]]:
+    """Texts of a column with the corners of their leaders, in pixels: one ends at the height of its text."""
+    levels = {float(text.get_position()[1]): text.get_text() for text in axes.texts if text.get_text()}
+    for line in axes.lines:
+        end = float(line.get_ydata()[-1])
+        if len(line.get_xdata()) == 4 and end in levels:
+            yield levels[end], axes.transData.transform(line.get_xydata())
+
+
+def _along(corners: Any) -> Any:
+    return np.vstack([np.linspace(a, b, 60) for a, b in pairwise(corners)])
 
 
 def _ringed(axes: Any, text: Any, box: Bbox) -> Bbox:

@@ -5,8 +5,8 @@ A throw ends at the middle of its main journals, and so does what its own drilli
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
 from typing import TYPE_CHECKING
@@ -63,11 +63,11 @@ class Crossing:
 
 @dataclass(frozen=True)
 class Taken:
-    """Volume and integrals of all that drillings take out of the neighbours of their throws, mm.
+    """Volume and integrals of what drillings take out of the neighbours of their throws, mm.
 
     Attributes:
         first: integral of the place across the crank, real along throw 1, imaginary toward +x.
-        product: the same times the place along the crank, from the middle of main journal 0.
+        product: the same times the place along the crank.
     """
 
     volume: float
@@ -115,26 +115,46 @@ def _goes_on(scene: Scene, journal: int, throws: int) -> bool:
     return journal < throws or bool(crank_end(scene, "output"))
 
 
-@lru_cache(maxsize=8)
 def taken_beyond(scene: Scene) -> Taken:
-    """Return what the drillings of a crank take out of the neighbours of their throws.
+    """Return all that the drillings of a crank take out, its product from the middle of main journal 0."""
+    places = main_journal_places_mm(scene)
+    return _sum(_moved(one, place) for one, place in zip(taken_at_journals(scene), places, strict=True))
 
-    Where those of two throws meet in a main journal, what is common to them counts once.
+
+@lru_cache(maxsize=8)
+def taken_at_journals(scene: Scene) -> tuple[Taken, ...]:
+    """Return what drillings take out of the neighbours of their throws, by the main journal they cross.
+
+    Products are from the middle of that journal. Where the drillings of two throws meet there, what is common
+    to them counts once.
     """
-    parts = [_of_one(one) for one in crank_crossings(scene)]
-    parts += [_common(*pair) for pair in combinations(crank_crossings(scene), 2) if _meet(*pair)]
-    return Taken(
-        sum(one.volume for one in parts),
-        sum(one.polar for one in parts),
-        sum((one.first for one in parts), 0j),
-        sum((one.product for one in parts), 0j),
+    crossings = crank_crossings(scene)
+    parts = [(one.plane_mm, _of_one(one)) for one in crossings]
+    parts += [(pair[0].plane_mm, _common(*pair)) for pair in combinations(crossings, 2) if _meet(*pair)]
+    return tuple(
+        _sum(part for plane, part in parts if plane == place) for place in main_journal_places_mm(scene)
     )
+
+
+def _sum(parts: Iterable[Taken]) -> Taken:
+    found = tuple(parts)
+    return Taken(
+        sum(one.volume for one in found),
+        sum(one.polar for one in found),
+        sum((one.first for one in found), 0j),
+        sum((one.product for one in found), 0j),
+    )
+
+
+def _moved(one: Taken, by_mm: float) -> Taken:
+    """Return the same for places along the crank that are larger."""
+    return replace(one, product=one.product + by_mm * one.first)
 
 
 def _of_one(one: Crossing) -> Taken:
     turn = complex(np.exp(1j * np.radians(one.angle_deg)))
     own, beyond = (turn * complex(m.first_y, m.first_x) for m in (one.taken, one.taken_beyond))
-    return Taken(one.taken.volume, one.taken.polar, own, own * one.plane_mm + one.outward * beyond)
+    return Taken(one.taken.volume, one.taken.polar, own, one.outward * beyond)
 
 
 def _meet(one: Crossing, other: Crossing) -> bool:
@@ -154,7 +174,8 @@ def _common(one: Crossing, other: Crossing) -> Taken:
         ring -= Manifold.cylinder(journal.length_mm, inner, inner, _CHORDS)
     material = ring.translate((0.0, 0.0, one.plane_mm - journal.length_mm / 2))
     common = one.tool ^ other.tool ^ material
-    return _counted_twice(mesh_of(common).corners_mm) if common.num_tri() else Taken(0.0, 0.0, 0j, 0j)
+    found = _counted_twice(mesh_of(common).corners_mm) if common.num_tri() else Taken(0.0, 0.0, 0j, 0j)
+    return _moved(found, -one.plane_mm)
 
 
 _CHORDS = 1440

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import combinations
-from typing import Any
+from typing import Any, Literal
 
 import pytest
 from manifold3d import CrossSection, Manifold
@@ -15,11 +15,12 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.drawing.raw_sheet import raw_pages
 from cranktopo.tasks.drawing.sheet import drawing_figures
-from cranktopo.tasks.drawing.views import Sheet
+from cranktopo.tasks.drawing.views import Sheet, front_view
 from cranktopo.throw.bevel import EndBevel
 from cranktopo.throw.counterweight.table import Counterweight
 from cranktopo.throw.profile import ProfileWeb
 from cranktopo.throw.raw_part.table import Forging
+from tests.drawn_texts import leaders, near_leaders
 
 
 @pytest.fixture(scope="module")
@@ -49,6 +50,43 @@ def test_labels_of_the_front_view_are_apart(scene: Scene) -> None:
     for one, other in combinations(labels, 2):
         a, b = (text.get_window_extent(renderer) for text in (one, other))
         assert not a.overlaps(b), (one.get_text(), other.get_text())
+
+
+@pytest.mark.parametrize("low_mm", [-35.0, -37.83, -38.6, -40.0, -42.0])
+def test_leaders_of_the_front_view_are_apart(low_mm: float) -> None:
+    """That of a station ran to the corner of the counterweight, from where that of its angle began."""
+    web = ProfileWeb(
+        outline="profile",
+        thickness_mm=26.0,
+        stations_mm=(-45.18, low_mm, -17.73, 9.73, 37.19, 57.29, 64.65),
+        half_widths_mm=(0.0, 29.53, 36.6, 41.72, 34.65, 19.63, 0.0),
+        counterweight=Counterweight(outer_radius_mm=74.0, half_angle_deg=58.55),
+    )
+    figure, _ = drawn(load_scene("mikron-iiic-plain").model_copy(update={"web": web}))
+    named = [text for text, _ in leaders(figure.axes[0])]
+    assert len(named) == 9
+    assert {"2 × 58.55°", f"2:  y {low_mm:.2f}, x 29.53"} <= set(named)
+    assert not near_leaders(figure)
+
+
+@pytest.mark.parametrize(("half", "way"), [("first", 1), ("second", -1)])
+def test_points_and_features_on_one_side_have_one_sign(
+    scene: Scene, half: Literal["first", "second"], way: int
+) -> None:
+    """Of the second web x runs to the left: its pocket had -30.91 there, its outline x +35.20."""
+    pocket = {"shape": "side", "y_mm": 17.0, "length_mm": 20.0, "height_mm": 8.0, "depth_mm": 6.0}
+    web = ProfileWeb.model_validate({**scene.web.model_dump(exclude_none=True), "pocket": [pocket]})
+    sheet = Sheet(scene.model_copy(update={"web": web}), Manifold.cube(), half=half, placed=True)
+    axes = Figure().subplots()
+    front_view(axes, sheet, 1.0)
+    ((x, _),) = sheet.places
+    texts = [text.get_text() for text in axes.texts]
+    assert f"{way * x:.2f}" in texts
+    stations = [text.split(", x ")[1] for text in texts if ", x " in text]
+    half_widths = [f"{way * wide:.2f}" if wide else "0.00" for wide in web.half_widths_mm]
+    assert sorted(stations) == sorted(half_widths)
+    marks = {text.get_text(): text.get_position()[0] for text in axes.texts if text.get_text() in ("x", "y")}
+    assert (marks["x"] - marks["y"]) * way > 0
 
 
 @pytest.mark.parametrize("name", ["mikron-iiic", "industrial-gas", "opposed-piston-variant-2"])

@@ -14,7 +14,7 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.crank_drawing.crank_shape import crank_shape
 from cranktopo.tasks.crank_drawing.sheet import crank_figure
 from cranktopo.tasks.drawing.sheet import drawing_figures, throw_sheets
-from tests.drawn_texts import beyond_frame, over_each_other, over_edges, over_lines
+from tests.drawn_texts import beyond_frame, near_leaders, over_each_other, over_edges, over_lines
 from tests.physics.throw.test_crossing_drillings import drilled_twin
 
 WEIGHT: dict[str, Any] = {"outer_radius_mm": 85.0, "half_angle_deg": 60.0}
@@ -46,7 +46,7 @@ def sheets(scene: Scene) -> list[Figure]:
 
 
 def check(figure: Figure) -> None:
-    for misplaced in (over_each_other, over_edges, over_lines, beyond_frame):
+    for misplaced in (over_each_other, over_edges, over_lines, beyond_frame, near_leaders):
         assert not misplaced(figure), misplaced.__name__
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cranktopo.engine.balance.crank import EndMass
+from cranktopo.engine.balance.crank import JournalMass
 from cranktopo.engine.balance.free_forces import (
     ORDERS,
     ForceEllipse,
@@ -92,6 +92,7 @@ def masses(case: Case) -> TurningMasses:
     cylinders = [(throw, bank) for throw in range(throws) for bank in range(2)]
     place = ((throws - 1) / 2 - np.arange(throws)) * PITCH_MM
     angle = np.array(case.throws_deg) % 360
+    journals = (np.arange(throws + 1) - throws / 2) * PITCH_MM
     layout = EngineLayout(
         throw_of=tuple(throw for throw, _ in cylinders),
         throw_angle_deg=angle,
@@ -102,10 +103,10 @@ def masses(case: Case) -> TurningMasses:
         firing_deg=np.zeros(len(cylinders)),
         cylinder_z_mm=np.array([place[throw] + (0.5 - bank) * RODS_APART_MM for throw, bank in cylinders]),
         web_places_mm=(-1.0, 1.0),
-        bearing_z_mm=(np.arange(throws + 1) - throws / 2) * PITCH_MM,
+        journal_z_mm=journals,
+        bearing_z_mm=journals,
         bay_of=tuple(range(throws)),
     )
-    nothing = EndMass(0.0, 0.0, 0j, 0j)
     return TurningMasses(
         layout=layout,
         throw_kg_mm=complex(UNBALANCE_KG_MM),
@@ -118,7 +119,7 @@ def masses(case: Case) -> TurningMasses:
         counterweight_kg_mm=0j,
         harmonics=acceleration_harmonics(RADIUS_MM, ROD_MM, ORDERS),
         w2=(SPEED_RPM * np.pi / 30) ** 2,
-        ends=(nothing, nothing),
+        journals=(JournalMass(0j, 0j),) * (throws + 1),
     )
 
 

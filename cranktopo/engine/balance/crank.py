@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.base.units import density_kg_per_mm3
-from cranktopo.bodies.crank_drillings import taken_beyond
+from cranktopo.bodies.crank_drillings import taken_at_journals, taken_beyond
 from cranktopo.bodies.crank_ends import crank_end, main_journal_places_mm
 from cranktopo.design.crank import Side
 from cranktopo.design.crank_throws import throw_scenes
@@ -60,6 +60,30 @@ def end_mass(scene: Scene, side: Side) -> EndMass:
 
 
 @dataclass(frozen=True)
+class JournalMass:
+    """Unbalance of what a crank has at a main journal beside its throws, and its moment about the journal.
+
+    An end, less what drillings of throws take out beyond the middle of the journal. Both fixed in the shaft,
+    real along throw 1; places along the crank count toward the output.
+    """
+
+    unbalance_kg_mm: complex
+    couple_kg_mm2: complex
+
+
+def journal_masses(scene: Scene) -> tuple[JournalMass, ...]:
+    """Return what every main journal has beside the throws, from the free end."""
+    density = density_kg_per_mm3(scene.material.density_kg_m3)
+    found = [JournalMass(-density * one.first, -density * one.product) for one in taken_at_journals(scene)]
+    for place, end in ((0, end_mass(scene, "free")), (-1, end_mass(scene, "output"))):
+        taken = found[place]
+        found[place] = JournalMass(
+            end.unbalance_kg_mm + taken.unbalance_kg_mm, end.couple_kg_mm2 + taken.couple_kg_mm2
+        )
+    return tuple(found)
+
+
+@dataclass(frozen=True)
 class CrankMass:
     """Mass properties of the whole crank without rods, as drawn: throws, own main journals and ends.
 
@@ -100,12 +124,11 @@ def drawn_crank_mass(scene: Scene) -> CrankMass:
     planes = places[:-1] + [halves(throw)[0].pitch_mm / 2 for throw in throws] - middle
     product = (first * planes).sum() + (along * [one.throw_couple for one in turned]).sum()
     free, output = end_mass(scene, "free"), end_mass(scene, "output")
-    product += free.couple_kg_mm2 + output.couple_kg_mm2
-    product += middle * (output.unbalance_kg_mm - free.unbalance_kg_mm)
+    beside = list(zip(journal_masses(scene), places - middle, strict=True))
+    product += sum(one.couple_kg_mm2 + z * one.unbalance_kg_mm for one, z in beside)
     taken, density = taken_beyond(scene), density_kg_per_mm3(scene.material.density_kg_m3)
-    product -= density * (taken.product - middle * taken.first)
-    total = first.sum() - density * taken.first + free.unbalance_kg_mm + output.unbalance_kg_mm
-    scale = np.abs(first).sum() + abs(free.unbalance_kg_mm) + abs(output.unbalance_kg_mm)
+    total = first.sum() + sum(one.unbalance_kg_mm for one, _ in beside)
+    scale = np.abs(first).sum() + sum(abs(one.unbalance_kg_mm) for one, _ in beside)
     return CrankMass(
         mass_kg=sum(b.mass_kg for b in balances) + free.mass_kg + output.mass_kg - density * taken.volume,
         free_end_kg=free.mass_kg,

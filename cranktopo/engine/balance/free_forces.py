@@ -18,7 +18,7 @@ from cranktopo.base.units import MM_PER_M, angular_speed_rad_s
 from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
-from cranktopo.engine.balance.crank import ROUNDING, EndMass, end_mass, unless_rounding
+from cranktopo.engine.balance.crank import ROUNDING, JournalMass, journal_masses, unless_rounding
 from cranktopo.engine.balance.layout import EngineLayout, engine_layout, unit_vectors
 from cranktopo.engine.balance.throw import throw_balance, turning_throw
 from cranktopo.engine.kinematics import acceleration_harmonics
@@ -119,7 +119,8 @@ class TurningMasses:
             along the throw.
         harmonics: Fourier coefficients of the pistons' acceleration for `ORDERS`.
         w2: angular speed squared, 1/s2.
-        ends: of the crank, free end first; counterweights leave them as they are.
+        journals: what each main journal has beside the throws, from the free end; counterweights leave it as
+            it is.
     """
 
     layout: EngineLayout
@@ -133,18 +134,17 @@ class TurningMasses:
     counterweight_couple_kg_mm2: complex | Complex
     harmonics: Array
     w2: float
-    ends: tuple[EndMass, EndMass]
+    journals: tuple[JournalMass, ...]
 
     @property
-    def ends_kg_mm(self) -> tuple[complex, complex]:
-        """Unbalance of both ends together, and its moment about the middle of the shaft, kg mm2.
+    def beside_throws_kg_mm(self) -> tuple[complex, complex]:
+        """Unbalance of all that journals have beside throws, and its moment about the middle, kg mm2.
 
         Fixed in the shaft, real along throw 1.
         """
-        bearing = self.layout.bearing_z_mm
-        pairs = list(zip(self.ends, (float(bearing[0]), float(bearing[-1])), strict=True))
-        moment = sum(end.couple_kg_mm2 + z * end.unbalance_kg_mm for end, z in pairs)
-        return sum(end.unbalance_kg_mm for end, _ in pairs), moment
+        pairs = list(zip(self.journals, self.layout.journal_z_mm.tolist(), strict=True))
+        moment = sum((one.couple_kg_mm2 + z * one.unbalance_kg_mm for one, z in pairs), 0j)
+        return sum((one.unbalance_kg_mm for one, _ in pairs), 0j), moment
 
     def on_webs(self, force: Any, couple: Any) -> tuple[Any, Any]:
         """Return what both webs of a throw carry of a force in its cylinder's plane and a couple about it."""
@@ -181,7 +181,7 @@ def turning_masses(scene: Scene) -> TurningMasses:
         counterweight_couple_kg_mm2=of_throws(one.balanced_couple_kg_mm2 for one in turning),
         harmonics=acceleration_harmonics(radius, engine.rod_length_mm, ORDERS),
         w2=angular_speed_rad_s(engine.speed_rpm) ** 2,
-        ends=(end_mass(scene, "free"), end_mass(scene, "output")),
+        journals=journal_masses(scene),
     )
 
 
@@ -189,14 +189,16 @@ def rotating_force(masses: TurningMasses, counterweighted: bool = False) -> Free
     """Free force and moment of all that turns with the shaft, with its counterweights or as it is."""
     throw = masses.throw_kg_mm - (masses.counterweight_kg_mm if counterweighted else 0.0)
     parts = unit_vectors(masses.layout.throw_deg) * throw * masses.w2 / MM_PER_M
-    found = _free_force(1, parts, np.zeros_like(parts), masses.layout.throw_z_mm) + _force_of_ends(masses)
+    found = _free_force(1, parts, np.zeros_like(parts), masses.layout.throw_z_mm) + _force_beside_throws(
+        masses
+    )
     return found + _couple_of_product(masses, counterweighted)
 
 
-def _force_of_ends(masses: TurningMasses) -> FreeForce:
-    """Return what the ends of the crank leave free; counterweights of throws do not take it."""
+def _force_beside_throws(masses: TurningMasses) -> FreeForce:
+    """Return what is free of ends and drillings beyond throws; counterweights of throws do not take it."""
     turned = complex(unit_vectors(masses.layout.throw_deg[:1])[0]) * masses.w2 / MM_PER_M
-    force, moment = masses.ends_kg_mm
+    force, moment = masses.beside_throws_kg_mm
     return FreeForce(1, ForceEllipse(turned * force), ForceEllipse(turned * moment / MM_PER_M))
 
 
@@ -239,10 +241,10 @@ def counterweights(masses: TurningMasses) -> tuple[NeededCounterweight, ...]:
     own = (along[:, None] * np.stack(on_webs, axis=-1)).ravel()
     middle = _sum(layout.web_z_mm.astype(np.complex128)).real / len(own)
     z = layout.web_z_mm - middle
-    ends, of_ends = masses.ends_kg_mm
+    beside, of_beside = masses.beside_throws_kg_mm
     moment = _sum(np.array([_sum(throw * (layout.throw_z_mm - middle)), _sum(couple)]))
-    moment -= of_ends - middle * ends
-    shaft = (_sum(throw) - ends) / len(z) + moment / (z**2).sum() * z
+    moment -= of_beside - middle * beside
+    shaft = (_sum(throw) - beside) / len(z) + moment / (z**2).sum() * z
     web_kg_mm, own_kg_mm = (
         np.broadcast_to(np.stack(of_webs, axis=-1), (len(along), 2)).ravel()
         for of_webs in (masses.web_kg_mm, masses.own_kg_mm)
@@ -272,7 +274,7 @@ class InnerMoment:
 def inner_moment(masses: TurningMasses, weights: Sequence[NeededCounterweight] = ()) -> InnerMoment:
     """Return the largest inner bending moment of the shaft as a beam on its two outer main bearings.
 
-    The ends of the crank beyond them are left out.
+    The ends of the crank beyond them, and what drillings take out beyond their throw, are left out.
 
     Where the shaft is balanced as a whole these carry nothing and it is the textbook's inner moment.
     Rods pull in the planes of their cylinders, crankpins in the middle between these, webs with their

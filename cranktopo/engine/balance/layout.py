@@ -32,7 +32,8 @@ class EngineLayout:
         axis_deg: direction of each cylinder's axis, from the crank axis to the piston.
         web_places_mm: middle of either web of a throw from the plane of its cylinder; one for each throw
             where these differ.
-        bearing_z_mm: each main bearing, where neighbouring throws meet; by default one more than throws.
+        journal_z_mm: each main journal, where neighbouring throws meet; one more than throws.
+        bearing_z_mm: those of them that sit in a bearing; by default all.
         bay_of: index of the bearing before each throw.
     """
 
@@ -45,6 +46,7 @@ class EngineLayout:
     firing_deg: Array
     cylinder_z_mm: Array
     web_places_mm: tuple[float | Array, float | Array]
+    journal_z_mm: Array
     bearing_z_mm: Array
     bay_of: tuple[int, ...]
 
@@ -85,6 +87,7 @@ def engine_layout(scene: Scene) -> EngineLayout:
         firing_deg=np.array(engine.firing_angles_deg),
         cylinder_z_mm=throw_z[list(throw_of)] + from_middle * rod_offset[list(throw_of)],
         web_places_mm=web_places,
+        journal_z_mm=journal_z,
         bearing_z_mm=journal_z[bearings],
         bay_of=tuple(sum(number <= throw for number in bearings) - 1 for throw in range(throws)),
     )

@@ -90,10 +90,11 @@ def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = F
         _share(load, layout.bearing_z_mm, layout.bay_of[throw], z, turned)
         turned = directions[throw] * couple[throw] * masses.w2 / MM_PER_M
         _pair(load, layout.bearing_z_mm, layout.bay_of[throw], turned)
-    for end, bay, z in zip(masses.ends, (0, layout.bay_of[-1]), layout.bearing_z_mm[[0, -1]], strict=True):
-        turned = directions[0] * masses.w2 / MM_PER_M
-        _share(load, layout.bearing_z_mm, bay, z, turned * end.unbalance_kg_mm)
-        _pair(load, layout.bearing_z_mm, bay, turned * end.couple_kg_mm2)
+    turned = directions[0] * masses.w2 / MM_PER_M
+    bays = (*layout.bay_of, layout.bay_of[-1])
+    for beside, bay, z in zip(masses.journals, bays, layout.journal_z_mm, strict=True):
+        _share(load, layout.bearing_z_mm, bay, z, turned * beside.unbalance_kg_mm)
+        _pair(load, layout.bearing_z_mm, bay, turned * beside.couple_kg_mm2)
     return LoadedMainBearings(angle, load * unit_vectors(angle), gas)
 
 

@@ -17,7 +17,7 @@ from cranktopo.engine.judged_speeds import rated_speeds, speeds_of_range
 from cranktopo.engine.plan.context import PlanningContext
 from cranktopo.engine.plan.effect import Estimate
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
-from cranktopo.engine.vibration.vibrating_shaft import worst_order, worst_speed_rpm
+from cranktopo.engine.vibration.vibrating_shaft import worst_orders_words, worst_speed_rpm
 
 _OFF = frozenset(INERTIA_EFFECTS)
 _ON = _OFF | {"torsional_vibration"}
@@ -29,7 +29,7 @@ class _Amplification:
 
     Attributes:
         frequency_Hz: first natural frequency.
-        order: the one with the largest share where the shaft swings most.
+        orders: of which the torque is where the shaft swings most, in words.
         speed_rpm: where it swings most, of the speeds at which the engine runs.
         percent: change of the torque amplitude between the load states that strength is judged by.
         speeds_percent: the same of a shaft that does not twist, by judging the speeds of the range as well.
@@ -37,7 +37,7 @@ class _Amplification:
     """
 
     frequency_Hz: float
-    order: float
+    orders: str
     speed_rpm: float
     percent: float
     speeds_percent: float
@@ -61,7 +61,7 @@ def torsional_vibration(context: PlanningContext) -> Estimate:
         f"first natural frequency {frequency_text(found.frequency_Hz)}{source}, torque amplitude of the load "
         f"states {signed_percent(found.percent, 3)} ({signed_percent(found.twist_percent, 3)} by the twist, "
         f"{signed_percent(found.speeds_percent, 3)} as torques of the whole range of speeds count with it), "
-        f"worst at {found.speed_rpm:.0f} rpm by order {found.order:g}"
+        f"worst at {found.speed_rpm:.0f} rpm, {found.orders}"
     )
     change = 100 * (1 / (1 + found.percent / 100) - 1)
     return Estimate(abs(found.percent), because, f"torque amplitude {signed_percent(change)}")
@@ -90,7 +90,7 @@ def _amplification(context: PlanningContext) -> _Amplification:
     over_the_range = _stiff_Nm(speeds_of_range(scene, _OFF), join=True)
     return _Amplification(
         estimated_chain(scene).chain.damped_modes()[0].frequency_Hz,
-        worst_order(scene, _ON),
+        worst_orders_words(scene, _ON),
         worst_speed_rpm(scene, _ON),
         100 * (on / off - 1),
         100 * (over_the_range / off - 1),

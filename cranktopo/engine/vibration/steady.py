@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array, Complex, Mask
-from cranktopo.base.units import angular_speed_rad_s
+from cranktopo.base.units import angular_speed_rad_s, number_text
 from cranktopo.design.shaft import passed_through
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
 from cranktopo.engine.vibration.torque_harmonics import (
@@ -53,11 +53,12 @@ class CriticalSpeed:
 
 @dataclass(frozen=True)
 class Worst:
-    """Place where the torque of the crankshaft swings most, and the order with the largest share in it."""
+    """Place where the torque of the crankshaft swings most, and the largest order there with its torque."""
 
     speed_index: int
     section: int
     order: float
+    order_Nm: float
 
 
 @dataclass(frozen=True)
@@ -115,8 +116,12 @@ class Vibration:
         inside = np.array(self.shaft.in_crankshaft)
         amplitude = np.where(inside & self.running[:, None], self.torque_amplitude_Nm, -1.0)
         speed, section = (int(i) for i in np.unravel_index(int(amplitude.argmax()), amplitude.shape))
-        order = self.orders[int(np.abs(self.torque_Nm[speed, :, section]).argmax())]
-        return Worst(speed, section, float(order))
+        return Worst(speed, section, *self.largest_order(speed, section))
+
+    def largest_order(self, speed: int, section: int) -> tuple[float, float]:
+        """Return the order with the largest torque in a section at a speed, by their numbers, and it, N m."""
+        torque = np.abs(self.torque_Nm[speed, :, section])
+        return float(self.orders[int(torque.argmax())]), float(torque.max())
 
     @property
     def worst_Nm(self) -> float:
@@ -132,6 +137,13 @@ class Vibration:
     def shear_MPa(self) -> Array:
         """Largest nominal alternating shear stress of the crankshaft's sections, (speeds,)."""
         return np.asarray(self.shaft.shear_MPa(1.0) * self.crankshaft_amplitude_Nm)
+
+
+def order_words(order: float, order_Nm: float, amplitude_Nm: float) -> str:
+    """Return of which orders a swing of torque is, by its largest order and the torque of that alone."""
+    if order_Nm > amplitude_Nm / 2:
+        return f"mostly of order {order:g}"
+    return f"of many orders, the largest of them order {order:g} with {number_text(order_Nm)} N m"
 
 
 def critical_speeds(

@@ -22,7 +22,7 @@ from cranktopo.engine.vibration.barred import (
     too_near_words,
 )
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, varying_inertia_percent
-from cranktopo.engine.vibration.steady import ORDERS, CriticalSpeed, Vibration, vibration
+from cranktopo.engine.vibration.steady import ORDERS, CriticalSpeed, Vibration, order_words, vibration
 from cranktopo.engine.vibration.telling import left_out, telling
 from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics, VaryingPart, torque_harmonics
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_shaft
@@ -143,13 +143,19 @@ class Swing:
 
     Attributes:
         section: of the shaft, by its number.
-        order: with the largest share in it.
+        order, order_Nm: the largest of it, and its torque alone.
     """
 
     section: int
     speed_rpm: float
     torque_amplitude_Nm: float
     order: float
+    order_Nm: float
+
+    @property
+    def orders_words(self) -> str:
+        """Of which orders it is."""
+        return order_words(self.order, self.order_Nm, self.torque_amplitude_Nm)
 
 
 def largest_swing(response: Vibration, section: int) -> Swing:
@@ -164,9 +170,15 @@ def worst_speed(response: Vibration, section: int) -> int:
 
 def swing_at(response: Vibration, section: int, speed: int) -> Swing:
     """Return how a section's torque swings at a speed, given by its number."""
-    order = response.orders[int(np.abs(response.torque_Nm[speed, :, section]).argmax())]
     amplitude = float(response.torque_amplitude_Nm[speed, section])
-    return Swing(section, float(response.speeds_rpm[speed]), amplitude, float(order))
+    return Swing(
+        section, float(response.speeds_rpm[speed]), amplitude, *response.largest_order(speed, section)
+    )
+
+
+def worst_swing(response: Vibration) -> Swing:
+    """Return the largest torque amplitude of the crankshaft."""
+    return swing_at(response, response.worst.section, response.worst.speed_index)
 
 
 @dataclass(frozen=True)

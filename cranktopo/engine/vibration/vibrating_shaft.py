@@ -21,6 +21,7 @@ from cranktopo.engine.vibration.steady import (
     Vibration,
     critical_speeds,
     on_disks,
+    order_words,
     orders_to_solve,
     section_curves_Nm,
     speeds_to_solve,
@@ -110,9 +111,9 @@ def vibrating_torque(scene: Scene, enabled: frozenset[str]) -> ShaftTorque:
     return ShaftTorque(angle, curves[shaft.behind], np.vstack([free, ahead]))
 
 
-def worst_order(scene: Scene, enabled: frozenset[str]) -> float:
-    """Return the order with the largest share of the torque at the worst speed."""
-    return _decisive_speeds(scene, enabled, trace_states(scene)).worst_order
+def worst_orders_words(scene: Scene, enabled: frozenset[str]) -> str:
+    """Return of which orders the torque of the crankshaft is at the worst speed."""
+    return _decisive_speeds(scene, enabled, trace_states(scene)).worst_orders
 
 
 def worst_speed_rpm(scene: Scene, enabled: frozenset[str]) -> float:
@@ -132,7 +133,7 @@ def ranges_to_bar_rpm(scene: Scene, enabled: frozenset[str]) -> tuple[tuple[floa
 
 class _DecisiveSpeeds(NamedTuple):
     worst_rpm: float
-    worst_order: float
+    worst_orders: str
     extreme_rpm: tuple[float, ...]
     above_rpm: tuple[tuple[float, float], ...]
 
@@ -147,7 +148,8 @@ def _decisive_speeds(
     above = () if permitted is None else ranges_above(found, permitted, model.at)
     worst = found.worst
     worst_rpm = float(found.speeds_rpm[worst.speed_index])
-    return _DecisiveSpeeds(worst_rpm, worst.order, found.extreme_speeds_rpm, above)
+    orders = order_words(worst.order, worst.order_Nm, found.worst_Nm)
+    return _DecisiveSpeeds(worst_rpm, orders, found.extreme_speeds_rpm, above)
 
 
 def _model(scene: Scene, enabled: frozenset[str]) -> VibratingShaft:

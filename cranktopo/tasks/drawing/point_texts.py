@@ -5,28 +5,74 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import combinations, pairwise, product
 from typing import Any
 
 import numpy as np
+from scipy.spatial.distance import cdist
 
-from cranktopo.report.drafting import TEXT_SIZE, THIN, circle, leader
+from cranktopo.base.arrays import Array
+from cranktopo.report.drafting import INK, TEXT_SIZE, THIN, circle, leader
+from cranktopo.throw.profile import ProfileWeb
 
 PLACE_MM = 15.0
 """Paper for running dimensions of places."""
+_CLEAR_MM = 1.5
+"""Paper between two leaders that is enough."""
 NamedPoint = tuple[tuple[float, float], str]
 """A point of a view and the text about it."""
 
 
+def stations(axes: Any, web: ProfileWeb, x_way: int) -> Iterator[NamedPoint]:
+    """Mark the stations on the right of the outline; yield each with its number and place.
+
+    `x_way` is -1 in a view in which x runs to the left.
+    """
+    for number, (y, x) in enumerate(zip(web.stations_mm, web.half_widths_mm, strict=True), 1):
+        axes.plot(x, y, "o", ms=3.0, color=INK)
+        yield (x, y), f"{number}:  y {y:.2f}, x {x_way * x + 0.0:.2f}"
+
+
 def text_column(axes: Any, named: Sequence[NamedPoint], beside: float, paper_mm: float) -> None:
-    """Write texts of points in a column right of all that is `beside` the axis, clear of each other."""
-    ordered = sorted(named, key=lambda one: one[0][1])
-    levels = _spread([y for (_, y), _ in ordered], 3.4 * paper_mm)
-    for ((x, y), text), (_, level) in zip(ordered, levels, strict=True):
-        bend = beside + 2.5 * paper_mm
-        axes.plot([x, beside, bend, beside + 4 * paper_mm], [y, y, level, level], color=THIN, lw=0.4)
+    """Write texts of points in a column right of all that is `beside` the axis, clear of each other.
+
+    So are their leaders, which go over to the heights of their texts at the column, or at once at their
+    points where that keeps them farther apart; texts that stand too close make room upward, or downward.
+    """
+    ordered, least = sorted(named, key=lambda one: one[0][1]), 3.4 * paper_mm
+    tips, heights = [tip for tip, _ in ordered], [y for (_, y), _ in ordered]
+    up, down = _spread(heights, least), _spread([-y for y in heights], least)[::-1]
+    ways = [level for _, level in up], [-level for _, level in down]
+    lines = max(
+        (_leader_lines(tips, *one, beside, paper_mm) for one in product(ways, (False, True))),
+        key=lambda found: min(_least_gap(found), _CLEAR_MM * paper_mm),
+    )
+    for (_, text), line in zip(ordered, lines, strict=True):
+        axes.plot(*line.T, color=THIN, lw=0.4)
         white = {"fc": "white", "ec": "none", "pad": 0.4}  # lines of places pass under the column
+        level = float(line[-1, 1])
         axes.text(beside + 5 * paper_mm, level, text, fontsize=TEXT_SIZE, va="center", bbox=white)
+
+
+def _leader_lines(
+    tips: Sequence[tuple[float, float]],
+    levels: Sequence[float],
+    at_once: bool,
+    beside: float,
+    paper_mm: float,
+) -> list[Array]:
+    """Return the corners (4, 2) of each leader from its point to its text's level in the column."""
+    over, end = 2.5 * paper_mm, beside + 4 * paper_mm
+    starts = [x if at_once else beside + paper_mm for x, _ in tips]
+    places = zip(tips, starts, levels, strict=True)
+    return [np.array([(x, y), (at, y), (at + over, level), (end, level)]) for (x, y), at, level in places]
+
+
+def _least_gap(lines: Sequence[Array]) -> float:
+    """Return the least distance between two lines of corners."""
+    dense = [np.vstack([np.linspace(a, b, 50) for a, b in pairwise(line)]) for line in lines]
+    return min((float(cdist(one, other).min()) for one, other in combinations(dense, 2)), default=np.inf)
 
 
 def texts_about(axes: Any, named: Sequence[NamedPoint], gap: float) -> list[float]:

@@ -5,7 +5,7 @@ Distances from the body to its dimension lines are millimetres of paper, so that
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -34,8 +34,8 @@ from cranktopo.report.drafting import (
 from cranktopo.tasks.drawing.bolt_views import bolt_feature, draw_bolts, draw_threads
 from cranktopo.tasks.drawing.point_texts import (
     PLACE_MM,
-    NamedPoint,
     running_dimensions,
+    stations,
     text_column,
     texts_about,
 )
@@ -201,7 +201,7 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
     front_body(axes, sheet)
     web, radius = sheet.scene.web, sheet.scene.throw.radius_mm
     gap, line, (y, half) = _GAP_MM / scale, _LINE_MM / scale, outline_points(sheet.scene)
-    low, high = sheet.web_y_mm
+    (low, high), x_way = sheet.web_y_mm, -1 if sheet.turned else 1
     widest, place = web.largest_half_width_mm, float(y[np.argmax(half)])
     under, beside = sheet.y_range_mm[0], sheet.half_width_mm
     dimension(axes, (-widest, place), (widest, place), (0, under - gap - place), f"{2 * widest:.2f}")
@@ -211,21 +211,14 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
     named = [one for feature in sheet.features for one in feature.named]
     taken: list[float] = []
     if isinstance(web, ProfileWeb):  # its stations fill the paper right of the body
-        text_column(axes, [*_stations(axes, web), *named], beside, 1 / scale)
+        text_column(axes, [*stations(axes, web, x_way), *named], beside, 1 / scale)
     else:
         taken = texts_about(axes, named, gap)
     across = beside + _TEXT_MM / scale if isinstance(web, ProfileWeb) else beside
     corner = across, sheet.y_range_mm[1]
-    running_dimensions(axes, sheet.places, corner, 1 / scale, taken, -1 if sheet.turned else 1)
-    axis_mark(axes, (-beside - gap - 0.8 * line, under - 1.3 * gap), -1 if sheet.turned else 1, 1 / scale)
+    running_dimensions(axes, sheet.places, corner, 1 / scale, taken, x_way)
+    axis_mark(axes, (-beside - gap - 0.8 * line, under - 1.3 * gap), x_way, 1 / scale)
     finish(axes, "Front, from the crankpin side")
-
-
-def _stations(axes: Any, web: ProfileWeb) -> Iterator[NamedPoint]:
-    """Mark the stations of the outline; yield each with its number and place."""
-    for number, (y, x) in enumerate(zip(web.stations_mm, web.half_widths_mm, strict=True), 1):
-        axes.plot(x, y, "o", ms=3.0, color=INK)
-        yield (x, y), f"{number}:  y {y:.2f}, x {x:.2f}"
 
 
 def bolted_cut(axes: Any, polygons: list[Array]) -> None:

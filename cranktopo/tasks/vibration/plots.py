@@ -9,7 +9,7 @@ import numpy as np
 from cranktopo.base.units import frequency_text
 from cranktopo.design.misfire import silent_words
 from cranktopo.engine.vibration.steady import CriticalSpeed
-from cranktopo.engine.vibration.study import VibrationStudy
+from cranktopo.engine.vibration.study import VibrationStudy, worst_swing
 from cranktopo.engine.vibration.telling import WEAK
 from cranktopo.report.plot import GREY, Picture, name_orders, name_points, picture, plain
 
@@ -38,7 +38,7 @@ def vibration_pictures(study: VibrationStudy) -> tuple[Picture, ...]:
             "torque-over-speed",
             f"Largest torque amplitude of all sections of the crankshaft over speed, {_fire(study)}, all "
             f"orders and the largest ones; largest at {response.speeds_rpm[worst.speed_index]:.0f} rpm, in "
-            f"section {study.shaft.sections[worst.section]}, order {worst.order:g}",
+            f"section {study.shaft.sections[worst.section]}, {worst_swing(response).orders_words}",
             _draw_torque,
             study,
         ),

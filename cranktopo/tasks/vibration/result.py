@@ -60,6 +60,7 @@ class WorstTorque(Result):
     section: str
     torque_amplitude_Nm: float
     order: float
+    """The largest of this torque; it may be of many orders."""
     shear_MPa: float
     mean_torque_Nm: float
     by_order: tuple[OrderTorque, ...]
@@ -106,6 +107,7 @@ class JoinedSwing(Result):
     speed_rpm: float
     torque_amplitude_Nm: float
     order: float
+    """The largest of this torque; it may be of many orders."""
 
 
 class MisfireWorst(Result):
@@ -116,6 +118,7 @@ class MisfireWorst(Result):
     section: str
     torque_amplitude_Nm: float
     order: float
+    """The largest of this torque; it may be of many orders."""
     shear_MPa: float
     joined: tuple[JoinedSwing, ...]
     """Sections outside the crankshaft, each at its own worst speed."""

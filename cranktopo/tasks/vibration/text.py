@@ -13,7 +13,13 @@ from cranktopo.engine.performance import pressure_words
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.engine.vibration.disk_error import FEW_THROWS_ERROR, few_throws
 from cranktopo.engine.vibration.steady import TELLING_SHARE
-from cranktopo.engine.vibration.study import Swing, VibrationStudy, largest_swing, worst_speed
+from cranktopo.engine.vibration.study import (
+    Swing,
+    VibrationStudy,
+    largest_swing,
+    worst_speed,
+    worst_swing,
+)
 from cranktopo.engine.vibration.telling import WEAK, is_near, order_torque_Nm
 from cranktopo.report.result_table import Cell, ResultTable, Row, terminal
 from cranktopo.tasks.vibration.barred import barred_sentence, passed_sentence
@@ -106,14 +112,21 @@ def misfire_table(study: VibrationStudy) -> ResultTable:
             "cylinder": str(one.cylinder),
             "section": study.shaft.sections[one.crankshaft.section],
             "speed_rpm": one.crankshaft.speed_rpm,
-            "mostly_of_order": one.crankshaft.order,
             "torque_amplitude_Nm": one.crankshaft.torque_amplitude_Nm,
+            **_largest_order(one.crankshaft),
             "shear_MPa": study.shaft.shear_MPa(one.crankshaft.torque_amplitude_Nm),
         }
         for one in study.misfires
     )
-    columns = {"cylinder": 0, "section": 0, "speed_rpm": 0, "mostly_of_order": 1, "torque_amplitude_Nm": 1}
+    columns = {"cylinder": 0, "section": 0, "speed_rpm": 0, "torque_amplitude_Nm": 1, **_ORDER_DIGITS}
     return ResultTable({**columns, "shear_MPa": 1}, rows)
+
+
+_ORDER_DIGITS = {"largest_order": 1, "that_order_alone_Nm": 1}
+
+
+def _largest_order(swing: Swing) -> dict[str, Cell]:
+    return dict(zip(_ORDER_DIGITS, (swing.order, swing.order_Nm), strict=True))
 
 
 def joined_misfire_table(study: VibrationStudy) -> ResultTable:
@@ -123,11 +136,11 @@ def joined_misfire_table(study: VibrationStudy) -> ResultTable:
         cylinder, swing = _worst_of((one.cylinder, one.joined[place]) for one in study.misfires)
         firing = largest_swing(study.response, section)
         row: dict[str, Cell] = {"section": study.shaft.sections[section], "worst_cylinder": str(cylinder)}
-        row |= {"speed_rpm": swing.speed_rpm, "mostly_of_order": swing.order}
-        row |= {"torque_amplitude_Nm": swing.torque_amplitude_Nm}
+        row |= {"speed_rpm": swing.speed_rpm, "torque_amplitude_Nm": swing.torque_amplitude_Nm}
+        row |= _largest_order(swing)
         rows.append({**row, "all_fire_Nm": firing.torque_amplitude_Nm})
-    columns = {"section": 0, "worst_cylinder": 0, "speed_rpm": 0, "mostly_of_order": 1}
-    columns |= {"torque_amplitude_Nm": 1}
+    columns = {"section": 0, "worst_cylinder": 0, "speed_rpm": 0, "torque_amplitude_Nm": 1}
+    columns |= _ORDER_DIGITS
     return ResultTable({**columns, "all_fire_Nm": 1}, tuple(rows))
 
 
@@ -159,7 +172,7 @@ def misfire_sentence(study: VibrationStudy) -> str:
     firing = largest_swing(study.response, study.response.worst.section)
     return (
         f"Misfire of cylinder {found.cylinder} is the worst: +-{number_text(amplitude)} N m between "
-        f"{ends_of(study, worst)} at {worst.speed_rpm:.0f} rpm, mostly of order {worst.order:g}: "
+        f"{ends_of(study, worst)} at {worst.speed_rpm:.0f} rpm, {worst.orders_words}: "
         f"{amplitude / firing.torque_amplitude_Nm:.2f} times the largest of an engine that fires in all "
         f"cylinders, +-{number_text(firing.torque_amplitude_Nm)} N m between {ends_of(study, firing)}."
     )
@@ -210,12 +223,12 @@ def own_speed_sentence(study: VibrationStudy) -> str:
 
 def worst_sentence(study: VibrationStudy) -> str:
     """Return the largest torque of the crankshaft in one sentence."""
-    worst, response = study.response.worst, study.response
-    amplitude = response.worst_Nm
+    worst = worst_swing(study.response)
+    amplitude = worst.torque_amplitude_Nm
     return (
-        f"The crankshaft's torque swings most at {response.speeds_rpm[worst.speed_index]:.0f} rpm between "
-        f"{study.shaft.sections[worst.section].replace(' - ', ' and ')}: +-{number_text(amplitude)} N m, "
-        f"+-{study.shaft.shear_MPa(amplitude):.1f} MPa nominal shear stress, mostly of order {worst.order:g}."
+        f"The crankshaft's torque swings most at {worst.speed_rpm:.0f} rpm between "
+        f"{ends_of(study, worst)}: +-{number_text(amplitude)} N m, "
+        f"+-{study.shaft.shear_MPa(amplitude):.1f} MPa nominal shear stress, {worst.orders_words}."
     )
 
 

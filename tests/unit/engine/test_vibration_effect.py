@@ -133,7 +133,7 @@ def test_the_reason_names_frequency_speed_and_order(with_propeller: tuple[Scene,
     effect = with_propeller[1]["torsional_vibration"]
     assert effect.state == "on"
     assert "first natural frequency" in effect.reason
-    assert "worst at 2768 rpm by order 8" in effect.reason
+    assert "worst at 2768 rpm, mostly of order 8" in effect.reason
     stiff_and_heavy = {
         "throw_stiffness_Nm_per_rad": 1e11,
         "flywheel": {"inertia_kg_m2": 1e6},

@@ -186,7 +186,7 @@ def test_the_curve_of_the_torque_is_the_largest_of_all_sections_and_is_named() -
     assert len(set(most.tolist())) > 1, "sections take turns"
     limit = 0.6 * response.worst_Nm
     study = _marine(permitted_shear_MPa=free.shaft.shear_MPa(limit))
-    worst = Swing(0, 300.0, 1.7 * response.worst_Nm, 0.5)
+    worst = Swing(0, 300.0, 1.7 * response.worst_Nm, 0.5, 1.0)
     study = replace(study, misfires=(Misfire(1, worst, (), (), ()),))
     axes = vibration_pictures(study)[1].figure.axes[0]
     lines = {line.get_label(): line.get_xydata() for line in axes.get_lines()}
