@@ -235,7 +235,7 @@ _SWINGS = r"swings most at (\d+) rpm[^:]*: \+-([\d,.]+) N m"
 def _page(text):
     """Frequency and speed of the vibration, and the load case of torsion, as a page has them."""
     found = re.search(
-        r"first natural frequency (\S+) Hz.*?worst at (\d+) rpm, mostly of order (\d+\.?\d*)", text
+        r"first natural frequency (\S+) Hz.*?worst at (\d+) rpm, [^:;]*?order (\d+\.?\d*)", text
     )
     names = ("first natural frequency", "speed where it swings most", "order that swings most")
     yield from zip(names, map(float, found.groups()), strict=True)
