@@ -130,7 +130,7 @@ def drawn_crank_mass(scene: Scene) -> CrankMass:
     total = first.sum() + sum(one.unbalance_kg_mm for one, _ in beside)
     scale = np.abs(first).sum() + sum(abs(one.unbalance_kg_mm) for one, _ in beside)
     return CrankMass(
-        mass_kg=sum(b.mass_kg for b in balances) + free.mass_kg + output.mass_kg - density * taken.volume,
+        mass_kg=sum(b.mass_kg for b in balances) + beyond_throws_kg(scene),
         free_end_kg=free.mass_kg,
         output_end_kg=output.mass_kg,
         inertia_kg_mm2=sum(b.inertia_kg_mm2 for b in balances)
@@ -140,6 +140,12 @@ def drawn_crank_mass(scene: Scene) -> CrankMass:
         **_polar("unbalance_kg_mm", "unbalance_deg", complex(total), scale),
         **_polar("couple_kg_mm2", "couple_deg", complex(product), scale * places[-1]),
     )
+
+
+def beyond_throws_kg(scene: Scene) -> float:
+    """Return the mass of a crank beside its throws: its ends, less what drillings take beyond their throw."""
+    ends = end_mass(scene, "free").mass_kg + end_mass(scene, "output").mass_kg
+    return ends - density_kg_per_mm3(scene.material.density_kg_m3) * taken_beyond(scene).volume
 
 
 def _polar(size: str, direction: str, value: complex, scale: float) -> dict[str, float]:

@@ -15,13 +15,12 @@ from cranktopo.base.files import replacing
 from cranktopo.base.notes import note
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.base.units import stem_and_unit
-from cranktopo.bodies.crank_ends import SIDES
 from cranktopo.design.drawing import surface_notes
 from cranktopo.design.halves import difference, web_asymmetry
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.strength import strength_notes
-from cranktopo.engine.balance.crank import end_mass
+from cranktopo.engine.balance.crank import beyond_throws_kg
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.report.drafting import THIN
 from cranktopo.report.dxf import write_dxf
@@ -244,5 +243,4 @@ def _mass_text(scene: Scene, shape: CrankShape) -> str:
 
 def finished_mass_kg(scene: Scene, shape: CrankShape) -> float:
     """Return the mass of a crank without rods, ends included."""
-    ends = sum(end_mass(scene, side).mass_kg for side in SIDES)
-    return ends + sum(throw_balance(throw.scene).mass_kg for throw in shape.throws)
+    return beyond_throws_kg(scene) + sum(throw_balance(throw.scene).mass_kg for throw in shape.throws)

@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import Any
 
 from cranktopo.base.notes import note
-from cranktopo.bodies.crank_ends import SIDES
 from cranktopo.bodies.memory import check_element_size
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
 from cranktopo.design.assumed import LOADS, SHAFT, filter_by_table
@@ -17,7 +16,7 @@ from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.misfire import misfire, misfire_words
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import at_speed, at_worst_speed, engine_of
-from cranktopo.engine.balance.crank import end_mass
+from cranktopo.engine.balance.crank import beyond_throws_kg
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.gas import pressure_curve
@@ -187,7 +186,7 @@ def _origin(scene: Scene) -> str:
 
 def _mass_kg(scene: Scene, shaft: _Shaft) -> float:
     """Return the mass of all throws and of the ends of the crank."""
-    return shaft.throws_kg + sum(end_mass(scene, side).mass_kg for side in SIDES)
+    return shaft.throws_kg + beyond_throws_kg(scene)
 
 
 def with_throw_stiffness(target: Target) -> Target:

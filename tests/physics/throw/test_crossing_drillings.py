@@ -16,11 +16,13 @@ from cranktopo.bodies.solid.throw import add_full_throw, throw_form
 from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.engine.balance.crank import JournalMass
+from cranktopo.engine.balance.crank import JournalMass, drawn_crank_mass
 from cranktopo.engine.balance.free_forces import TurningMasses, rotating_force, turning_masses
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.balance.whole_engine import main_bearings
 from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.tasks.crank_drawing.crank_shape import crank_shape
+from cranktopo.tasks.crank_drawing.sheet import finished_mass_kg
 
 THROW: dict[str, Any] = {
     "radius_mm": 35.75,
@@ -48,6 +50,15 @@ def drilled_twin(place_mm: float, rounding_mm: float, web: str = "second") -> Sc
     throw = {**THROW, "drilling": [drilling]}
     kept = {"name": "twin", "throw": throw, "web": WEB, "engine": engine, "crank": {"end": ENDS}}
     return scene_from_dict({**kept, "material": data["material"]}, "twin", whole=True)
+
+
+def test_the_sheet_has_the_mass_of_the_balance() -> None:
+    """Less what the drilling takes out of the end beyond its throw; sums of throws and ends had it twice."""
+    scene = drilled_twin(0.0, 0.0)
+    told = drawn_crank_mass(scene)
+    assert finished_mass_kg(scene, crank_shape(scene)) == pytest.approx(told.mass_kg, rel=1e-12)
+    whole = throw_balance(scene).mass_kg + told.free_end_kg + told.output_end_kg
+    assert whole - told.mass_kg > 1e-4
 
 
 def misfit(scene: Scene) -> tuple[float, float]:
