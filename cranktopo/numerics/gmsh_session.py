@@ -126,7 +126,7 @@ def _failures(gmsh: Any, what: str) -> Iterator[None]:
             raise
         raise solver_error(
             f"{what}: gmsh failed: {str(error).strip() or gmsh.logger.getLastError()}.",
-            "Change the dimensions slightly, or the element size.",
+            "Change the dimensions slightly, or the size of elements or facets.",
         ) from None
 
 
