@@ -30,13 +30,12 @@ from cranktopo.tasks.rod.element_stress import (
     cycle_states,
     image_cycles,
     place_of,
-    unit_stress,
 )
 from cranktopo.tasks.rod.elements import diameter_rows, eye_shapes
 from cranktopo.tasks.rod.faces import moved_rod
 from cranktopo.tasks.rod.lighter import resized
 from cranktopo.tasks.rod.unit_fields import RodFields
-from cranktopo.tasks.rod.unit_loads import ALONG, PRESSED, RodLoads, copies, is_quarter, rod_material
+from cranktopo.tasks.rod.unit_loads import PRESSED, SHAPING, RodLoads, copies, is_quarter, rod_material
 
 Kind = Literal["yield_safety", "fatigue_safety", "margin of ovalisation"]
 """Safeties are of a place, the margin is of a bore."""
@@ -82,7 +81,7 @@ class RodGradients:
         mesh = TetMesh(model.mesh.doflocs, model.mesh.dofs.element_dofs, is_quarter(model))
         self.moved = moved_rod(mesh, scene, names)
         self._names, self._motion = tuple(names), self.moved.velocities(self.moved.mesh, self.moved.values)
-        self._unit = replace(unit_stress(self._fields), at_once=0)  # stresses in elements are taken often
+        self._unit = replace(stress.unit, at_once=0)  # stresses in elements are taken often
         self._states = cycle_states(self._fields, motions)
         self._load_slopes = self._slopes_of_loads(motions)
         self._judges: dict[Kind, Judge] = {
@@ -150,10 +149,10 @@ class RodGradients:
         number = max(own, key=lambda k: shapes[k].ovalisation_um)
         assert PRESSED[number][0] == eye
         state, rows = int(loads[:, number].argmax()), diameter_rows(fields, eye)
-        factors = np.where(np.arange(loads.shape[1]) < len(ALONG), loads[state], 0.0)
+        factors = np.where(SHAPING, loads[state], 0.0)
         changes = rows @ (factors @ fields.displacement_mm)
         row, change = rows[np.abs(changes).argmax()], changes[np.abs(changes).argmax()]
-        moved = self._load_slopes[:, state] * (np.arange(loads.shape[1]) < len(ALONG))
+        moved = self._load_slopes[:, state] * SHAPING
         return _Sensitivity(
             -factors[:, None] * row / change,
             np.zeros(fields.model.nodes_mm.shape),

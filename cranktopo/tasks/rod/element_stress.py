@@ -19,6 +19,7 @@ from cranktopo.numerics.tetrahedra.stress import Surface
 from cranktopo.numerics.tetrahedra.unit_stress import UnitStress
 from cranktopo.tasks.fatigue.criteria import criterion
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_ranges
+from cranktopo.tasks.rod.bolt_load import near_bolts, preload_N
 from cranktopo.tasks.rod.eye import bush_pressure_MPa
 from cranktopo.tasks.rod.unit_fields import RodFields
 from cranktopo.tasks.rod.unit_loads import ACROSS, ALONG, is_quarter, rod_material
@@ -87,6 +88,7 @@ def _loads(fields: RodFields, mass: RodMass, motion: RodMotion, bush_pressure_MP
         "small inertia": motion.small_along_m_s2,
         "big inertia": motion.big_along_m_s2,
         "press fit": np.full_like(small, bush_pressure_MPa),
+        "preload": np.full_like(small, preload_N(fields.rod)),
         "small whip": motion.small_m_s2,
         "big whip": motion.big_m_s2,
     }
@@ -102,11 +104,12 @@ class ElementStress:
     of a half in the rod mounted the other way round.
 
     Attributes:
-        edge_distance_mm: distance from sharp inner edges from which nodes are judged.
+        unit: stresses of the unit loads.
+        edge_distance_mm: distance from sharp inner edges and bolts from which nodes are judged.
     """
 
     fields: RodFields
-    surface: Surface
+    unit: UnitStress
     high_MPa: Array
     low_MPa: Array
     gradient_per_mm: Array
@@ -118,10 +121,21 @@ class ElementStress:
         """Return the largest von Mises stress of every node."""
         return np.maximum(np.abs(self.high_MPa), np.abs(self.low_MPa))
 
+    @property
+    def surface(self) -> Surface:
+        """Return the surface of the model."""
+        return self.unit.surface
+
     @cached_property
     def judged(self) -> NDArray[np.bool_]:
-        """Nodes (n,) far enough from sharp inner edges, where the mesh decides the stress."""
-        return from_sharp_edges_mm(self.surface) >= self.edge_distance_mm
+        """Nodes (n,) far enough from sharp edges and from the seats and threads of bolts."""
+        at_bolts = near_bolts(self.fields.rod, self.surface.points_mm, self.edge_distance_mm)
+        return np.asarray(~self._at_sharp & ~at_bolts)
+
+    @cached_property
+    def _at_sharp(self) -> NDArray[np.bool_]:
+        """Nodes (n,) near sharp inner edges, where the mesh decides the stress."""
+        return from_sharp_edges_mm(self.surface) < self.edge_distance_mm
 
     def worst(self) -> Iterator[tuple[str, WorstPoint, WorstPoint]]:
         """Yield each place with its point of largest stress and its point of least fatigue safety."""
@@ -132,8 +146,8 @@ class ElementStress:
                 yield name, self._point(-self.largest_MPa, here), self._point(self.fatigue_safety, here)
 
     def at_sharp_edges(self) -> WorstPoint | None:
-        """Return the point of largest stress of those that are not judged; None where all are."""
-        return None if self.judged.all() else self._point(-self.largest_MPa, ~self.judged)
+        """Return the point of largest stress near sharp inner edges; None where there is none."""
+        return self._point(-self.largest_MPa, self._at_sharp) if self._at_sharp.any() else None
 
     def _point(self, values: Array, among: NDArray[np.bool_]) -> WorstPoint:
         row, node = np.unravel_index(int(np.where(among, values, np.inf).argmin()), values.shape)
@@ -151,7 +165,7 @@ def element_stress(fields: RodFields, loads: Array, method: str, edge_distance_m
     safety = [criterion(method).point_safety(fields.scene, one).safety for one in local]
     return ElementStress(
         fields,
-        found.surface,
+        found,
         np.stack([one.mean_MPa + one.amplitude_MPa for one in local]),
         np.stack([one.mean_MPa - one.amplitude_MPa for one in local]),
         np.stack([one.gradient_per_mm for one in local]),

@@ -161,9 +161,19 @@ class SharpEdge(Result):
     von_mises_MPa: float
 
 
+class SplitPressure(Result):
+    """The least pressure between rod and cap over the cycle, on the edges of the split and in its holes."""
+
+    preload_N: float
+    """Smallest preload of each bolt, after settling."""
+    least_MPa: float
+    """Negative where the split opens: there rod and cap are not the one body that elements make of them."""
+    point_mm: tuple[float, float, float]
+
+
 class RodElements(Result):
-    """The rod by finite elements under pressure in both eyes, inertia and press fit: a quarter, or a half
-    where the split is oblique."""
+    """The rod by finite elements under pressure in both eyes, inertia, press fit and preload: a quarter, or a
+    half where the split is oblique."""
 
     contact: bool
     """Pressure of the pins where they touch as rigid ones, in place of the cosine over half of each bore."""
@@ -174,7 +184,12 @@ class RodElements(Result):
     volume_error_percent: float
     """Volume of the mesh against that of the rod."""
     edge_distance_mm: float
-    """Distance from sharp inner edges from which stresses are judged."""
+    """Distance from sharp inner edges, and from heads, nuts and threads of bolts, from which stresses are
+    judged."""
+    preload_N: float
+    """Largest preload of each bolt, with which stresses are found; 0 without bolts."""
+    split: SplitPressure | None = UNLESS_NONE
+    """Null without bolts."""
     yield_safety: float
     """Least of all places."""
     fatigue_safety: float

@@ -192,9 +192,32 @@ def _elements(elements: RodElements, rod: RodStrength) -> str:
             f"Nearer than {elements.edge_distance_mm:.2g} mm to sharp inner edges the mesh decides: "
             f"{elements.at_sharp_edges.von_mises_MPa:.0f} MPa at ({x:.1f}, {y:.1f}, {z:.1f}) mm, not judged."
         )
+    lines += _by_bolts(elements)
     lines.append("Change of the bores' diameters by finite elements")
     lines.append(terminal(tabulate(_EYES, elements.eyes)))
     return "\n\n".join(lines)
+
+
+def _by_bolts(elements: RodElements) -> Iterator[str]:
+    """Yield the preload that is in the stresses, and whether it keeps the split closed."""
+    split = elements.split
+    if split is None:
+        yield "The design has no bolts of the cap (`[rod.bolt]`): no preload is in these stresses."
+        return
+    yield (
+        f"The largest preload, {elements.preload_N:,.0f} N in each bolt, is in these stresses; at heads and "
+        "threads `bolts` judges."
+    )
+    x, y, z = split.point_mm
+    least = f"with the smallest preload, {split.preload_N:,.0f} N"
+    place = f"at ({x:.1f}, {y:.1f}, {z:.1f}) mm"
+    if split.least_MPa > 0:
+        yield f"The split stays closed {least}: {split.least_MPa:.0f} MPa are left on its edges, {place}."
+    else:
+        yield (
+            f"THE SPLIT OPENS {least}: {-split.least_MPa:.0f} MPa of tension on its edges, {place}. Rod and cap "
+            "are one body here; where they part, stresses of cap and big end are larger."
+        )
 
 
 def _pin(pin: PinCheck) -> str:

@@ -1,4 +1,4 @@
-"""Unit loads of the rod on elements: pressures on both bores, inertia of its own mass, press fit of the bush.
+"""Unit loads of the rod on elements: pressures on both bores, inertia of its mass, press fit, preload of bolts.
 
 The model is a quarter, x >= 0 and z >= 0, or the half z >= 0 of a rod with an oblique split. Each load is
 closed in itself, by even acceleration along the rod and by both eyes across it: supports carry nothing.
@@ -25,15 +25,30 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mass_matrix
 from cranktopo.numerics.tetrahedra.node_gradients import integral_slopes
 from cranktopo.numerics.tetrahedra.surface_loads import face_shares, faces_where, pressure_force
+from cranktopo.tasks.rod.bolt_load import preload_tractions
 from cranktopo.tasks.rod.contact import Pressure, cosine, strips
 
-ALONG = ("small push", "small pull", "big push", "big pull", "small inertia", "big inertia", "press fit")
+ALONG = (
+    "small push",
+    "small pull",
+    "big push",
+    "big pull",
+    "small inertia",
+    "big inertia",
+    "press fit",
+    "preload",
+)
 """Loads that the mirror x -> -x keeps where it is one: 1 N on the lower or upper half of the small end's bore
 and on the upper or lower half of the big end's, by the cosine; the inertia where one end accelerates by
-1 m/s2 toward the big end along the rod and the other does not; 1 MPa in the small end's bore."""
+1 m/s2 toward the big end along the rod and the other does not; 1 MPa in the small end's bore; 1 N in each bolt
+of the cap."""
 ACROSS = ("small whip", "big whip")
 """Loads that the mirror x -> -x turns around: the inertia where one end accelerates by 1 m/s2 across the rod
 and the other does not, carried by both eyes."""
+PRELOAD = np.array([name == "preload" for name in (*ALONG, *ACROSS)])
+"""Which of all loads is the preload."""
+SHAPING = np.array([name in ALONG for name in (*ALONG, *ACROSS)]) & ~PRELOAD
+"""Which of all loads change the diameters of bores: these are finished with the bolts tightened."""
 PRESSED: tuple[tuple[Eye, int], ...] = (("small", -1), ("small", 1), ("big", 1), ("big", -1))
 """Eyes and sides of the first loads of `ALONG`."""
 Pressures = Mapping[tuple[Eye, int], Pressure]
@@ -164,6 +179,7 @@ class RodLoads:
         self._density = density_tonne_per_mm3(rod_material(scene).density_kg_m3)
         self._mass = mass_matrix(model, self._density)
         self._bolts = _bolt_masses(model, rod)
+        self._preload = preload_tractions(rod, model)
         self._share = model.nodes_mm[1] / self._length
 
     def _inertia(self, acceleration_m_s2: Array, axis: int) -> Array:
@@ -206,6 +222,8 @@ class RodLoads:
                 start, growth = _ACCELERATED[name]
                 even += start * field
                 linear += growth / self._length * field
+            if name == "preload":
+                moments += sum(size * one.slopes(free[:, column]) for size, one in self._preload)
         by_place = np.stack([0 * linear, linear, 0 * linear])
         factor = self._density * MM_PER_M
         return np.asarray(factor * integral_slopes(self._model, even, by_place) + moments)
@@ -222,7 +240,9 @@ class RodLoads:
         pressed = [
             self._bores[eye].unit(side, self._pressures.get((eye, side), cosine)) for eye, side in PRESSED
         ]
-        along = np.column_stack([*pressed, *self._of_both_ends(1), self._bores["small"].even()])
+        ends, fit = self._of_both_ends(1), self._bores["small"].even()
+        preload = sum((size * one.forces() for size, one in self._preload), np.zeros_like(fit))
+        along = np.column_stack([*pressed, *ends, fit, preload])
         across = np.column_stack(self._of_both_ends(0))
         even, eyes = self._inertia(np.ones_like(self._share), 1)[:, None], self._across()
         if is_quarter(self._model):
