@@ -117,9 +117,9 @@ TEMPORARY = ".tmp"
 """In the names of files and folders that a process is still writing."""
 _JSON_LIMIT_MIB = 64
 _MOST_DIGITS = 18
+"""Of an integer in a file of the program; longer ones overflow where they are computed with."""
 _MOST_LEVELS = 100
 _TOO_DEEP = f"it has more than {_MOST_LEVELS} levels"
-"""Of an integer in a file of the program; longer ones overflow where they are computed with."""
 ARRAYS_LIMIT_MIB = 2048
 """A checkpoint has 8 to 40 bytes per cell: 50 million cells."""
 

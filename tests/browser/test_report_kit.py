@@ -52,7 +52,7 @@ def wide_table() -> ResultTable:
 
 
 def outlets() -> ResultTable:
-    """What the dossier of a rule has for an outlet."""
+    """Rows of the dossier of a rule for an outlet."""
     numbers = {"angle_deg": 0, "gamma_B": 3, "gamma_T": 3, "gamma_B_FE": 3, "gamma_T_FE": 3, "bending_MPa": 1}
     numbers |= {"torsion_MPa": 1, "equivalent_MPa": 1, "strength_MPa": 1, "Q": 3, "Q_FE": 3}
     words = {"outlet": "throw.drilling[0]", "governed_by": "elements"}

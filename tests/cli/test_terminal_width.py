@@ -1,4 +1,4 @@
-"""What commands print: tables and sentences within 80 columns, on stdout and stderr; plain numbers.
+"""Lines that commands print: within 80 columns on stdout and stderr, numbers plain.
 
 `python -m pytest -m slow tests/cli/test_terminal_width.py` runs those that solve for long, some minutes.
 """
@@ -144,7 +144,7 @@ def test_words_go_on_below() -> None:
 
 
 def test_all_that_is_said_leaves_at_one_place() -> None:
-    """Whatever is printed past it would be as long as it was written."""
+    """A line that is printed past it would be as long as it was written."""
     root = Path(cranktopo.__file__).parent
     past = [
         f"{file.relative_to(root)}: {ast.unparse(node)}"

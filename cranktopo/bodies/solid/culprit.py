@@ -53,7 +53,7 @@ def _smaller_rounding(scene: Scene, number: int, misfit: Misfit) -> str:
     for _ in range(_TRIES):
         radius = float(f"{_SHRINK * radius:.2g}")
         smaller = drilling.model_copy(update={"outlet_radius_mm": radius})
-        if misfit(_with_drillings(scene, (*scene.throw.drilling[:number], smaller))) <= 1:
+        if misfit(scene.with_drillings((*scene.throw.drilling[:number], smaller))) <= 1:
             return f"Reduce it: {radius:g} mm is made right."
     return "Reduce it, or enlarge diameter_mm."
 
@@ -80,7 +80,7 @@ def _steps(scene: Scene) -> Iterator[_BuildStep]:
             yield _BuildStep(f"web.{key}[{index}]", at)
     for number, drilling in enumerate(throw.drilling):
         yield from _drilled(at, number, throw.drilling[:number], drilling)
-        at = _with_drillings(at, throw.drilling[: number + 1])
+        at = at.with_drillings(throw.drilling[: number + 1])
 
 
 def _drilled(
@@ -88,10 +88,10 @@ def _drilled(
 ) -> Iterator[_BuildStep]:
     """Yield a drilling without and with the roundings of its outlets."""
     key, sharp = f"throw.drilling[{number}]", drilling.model_copy(update={"outlet_radius_mm": 0.0})
-    yield _BuildStep(f"{key}.diameter_mm = {drilling.diameter_mm:g}", _with_drillings(at, (*before, sharp)))
+    yield _BuildStep(f"{key}.diameter_mm = {drilling.diameter_mm:g}", at.with_drillings((*before, sharp)))
     if drilling.outlet_radius_mm:
         feature = f"{key}.outlet_radius_mm = {drilling.outlet_radius_mm:g}"
-        yield _BuildStep(feature, _with_drillings(at, (*before, drilling)), number)
+        yield _BuildStep(feature, at.with_drillings((*before, drilling)), number)
 
 
 def _sharp(throw: Any, name: str) -> Any:
@@ -101,7 +101,3 @@ def _sharp(throw: Any, name: str) -> Any:
 
 def _with_web(scene: Scene, update: dict[str, Any]) -> Scene:
     return scene.model_copy(update={"web": scene.web.model_copy(update=update)})
-
-
-def _with_drillings(scene: Scene, drillings: tuple[Drilling, ...]) -> Scene:
-    return scene.with_drillings(drillings)

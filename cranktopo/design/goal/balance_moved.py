@@ -35,6 +35,11 @@ def balance_words(now_percent: float, before_percent: float) -> str:
     )
 
 
+def balance_quantities(unbalance_kg_mm: float, factor_percent: float | None) -> dict[str, float]:
+    """Return the balance of a throw by the names of the goal's quantities; the factor where there is one."""
+    return {_UNBALANCE: unbalance_kg_mm, **({} if factor_percent is None else {_FACTOR: factor_percent})}
+
+
 def balance_moved(
     scene: Scene,
     result: Mapping[str, float],

@@ -154,7 +154,7 @@ class Swing:
 
     @property
     def orders_words(self) -> str:
-        """Of which orders it is."""
+        """Return in words the orders that it is of."""
         return order_words(self.order, self.order_Nm, self.torque_amplitude_Nm)
 
 

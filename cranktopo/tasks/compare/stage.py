@@ -15,7 +15,7 @@ from cranktopo.bodies.cells.outside import outside_envelope, outside_words
 from cranktopo.bodies.prisms import with_bolted
 from cranktopo.bodies.solid.files import coarse_facet_mm
 from cranktopo.bodies.undercuts import half_throw_undercuts
-from cranktopo.design.goal.balance_moved import MovedBalance, balance_moved
+from cranktopo.design.goal.balance_moved import MovedBalance, balance_moved, balance_quantities
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
 from cranktopo.design.goal.scene_goal import asks_for, goal_of
 from cranktopo.design.halves import difference, halves
@@ -217,9 +217,7 @@ def _moved_balance(
 
 
 def _balance(entry: Entry) -> dict[str, float]:
-    factor = entry.evaluation.balance_factor_percent
-    known = {} if factor is None else {"balance_factor": factor}
-    return known | {"unbalance": entry.evaluation.unbalance_kg_mm}
+    return balance_quantities(entry.evaluation.unbalance_kg_mm, entry.evaluation.balance_factor_percent)
 
 
 def _values(target: Target, entry: Entry, *, swings: bool) -> dict[str, float]:

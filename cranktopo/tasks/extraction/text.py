@@ -81,15 +81,20 @@ def release_text(undercuts: ShapedUndercuts | None) -> str:
         return "not checked"
     obstacles = "; ".join(manufacturing_obstacles(0, undercuts))
     if not obstacles:
-        return f"{released_text(undercuts.by)} it{without_draft_text(undercuts)}"
+        return released_words(undercuts)
     held = f", held by {undercuts.held_by}" if undercuts.held_by else ""
     remark = " (the process is free)" if undercuts.process == "free" else ""
     return f"{obstacles}{held}, {undercuts.deepest_mm:.1f} mm deep at most{remark}"
 
 
+def released_words(undercuts: UndercutMeasures) -> str:
+    """Tell that a web is released, and what of it has less draft than asked."""
+    return "; ".join(filter(None, [f"{released_text(undercuts.by)} it", without_draft_text(undercuts)]))
+
+
 def without_draft_text(undercuts: UndercutMeasures) -> str:
-    """Tell after a semicolon what has less draft than asked; empty where nothing has."""
-    return f"; too little draft: {', '.join(undercuts.without_draft)}" if undercuts.without_draft else ""
+    """Tell what has less draft than asked; empty where nothing has."""
+    return f"too little draft: {', '.join(undercuts.without_draft)}" if undercuts.without_draft else ""
 
 
 def release_verdict(undercuts: UndercutMeasures | None) -> str:

@@ -130,9 +130,8 @@ def _text(assessment: FatigueAssessment) -> str:
     if assessment.fields:
         parts = [terminal(tables.field_table(assessment.fields, baseline))]
         fields = assessment.fields
-        parts += [
-            "\n".join([*tables.field_remarks(fields), *tables.inclusions(fields), *tables.not_judged(fields)])
-        ]
+        beside = tables.field_remarks, tables.inclusions, tables.not_judged
+        parts += ["\n".join(line for of_kind in beside for line in of_kind(fields))]
     else:
         outside = "".join(
             f"\n{check.name}: outside the rule's polynomials: {'; '.join(check.outside)}."

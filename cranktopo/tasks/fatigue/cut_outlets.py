@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import Literal
 
 from cranktopo.design.halves import halves, named_in_throw
@@ -20,6 +21,7 @@ _STEP_MM = 0.1
 """Of the least place that is told."""
 
 
+@lru_cache(maxsize=8)  # the search for the least place takes half a second on a large throw
 def judged_places(scene: Scene, whole: bool) -> str:
     """Return from which `place_mm` on each cut outlet is judged, in sentences.
 

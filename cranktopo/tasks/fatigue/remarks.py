@@ -23,20 +23,22 @@ _RPM = re.compile(r"(\d+) rpm")
 
 
 def note_quality(field: FatigueField) -> None:
-    """Tell in a line each what `quality_remarks` returns, but for outlets that results name."""
-    for remark in quality_remarks(field):
-        if remark != cut_outlet_words(field.model):
-            note(f"note: {field.model.name}: {remark}")
+    """Tell in a line each where the mesh decides; outlets that are not judged stand in results."""
+    for remark in _mesh_remarks(field):
+        note(f"note: {field.model.name}: {remark}")
 
 
 def quality_remarks(field: FatigueField) -> tuple[str, ...]:
     """Return where means miss the rule's checks of a mesh, and which places are not counted or judged."""
+    return (*_mesh_remarks(field), *filter(None, [cut_outlet_words(field.model)]))
+
+
+def _mesh_remarks(field: FatigueField) -> tuple[str, ...]:
     missed, sharp = mesh_shortfall(field.model), field.at_sharp_edges
     lower = sharp is not None and sharp.safety < field.critical.safety
     return (
         *([f"{missed}; a smaller --fillet-fraction of `fatigue` may help."] if missed else []),
         *([_sharp_words(sharp)] if sharp is not None and lower else []),
-        *([words] if (words := cut_outlet_words(field.model)) else []),
     )
 
 

@@ -6,7 +6,7 @@ Tables, plots, pages and verdicts look a quantity up here; what holds values of 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -187,12 +187,15 @@ _COLUMNS: tuple[Column[Evaluation], ...] = (
     Column("target", 0, lambda e: e.target),
     Column("throw_kg", MASS.digits, lambda e: e.throw_kg),
     Column("web_kg", MASS.digits, lambda e: e.web_kg),
+    Column("second_web_kg", MASS.digits, lambda e: e.second_web_kg),
     Column(INERTIA.column, INERTIA.digits, lambda e: e.inertia_kg_mm2),
     Column(UNBALANCE.column, UNBALANCE.digits, lambda e: e.unbalance_kg_mm),
     Column("torsion_free_kNm_per_rad", 2, lambda e: _kilo(e.fine.torsion["free"])),
     Column("held_kNm_per_rad", 2, lambda e: _kilo(e.fine.torsion["held"])),
+    Column("torsion_spring_kNm_per_rad", 2, lambda e: _kilo(e.fine.torsion["spring"])),
     Column("bending_pinned_kN_per_mm", 2, lambda e: _kilo(e.fine.bending["pinned"])),
     Column("clamped_kN_per_mm", 1, lambda e: _kilo(e.fine.bending["clamped"])),
+    Column("bending_spring_kN_per_mm", 2, lambda e: _kilo(e.fine.bending["spring"])),
     Column("torsion_error_percent", 2, lambda e: e.torsion_error_percent),
     Column("bending_error_percent", 2, lambda e: e.bending_error_percent),
     Column("size_mm", 2, lambda e: e.fine.element_size_mm),
@@ -201,13 +204,12 @@ _COLUMNS: tuple[Column[Evaluation], ...] = (
 )
 
 
-_SECOND_WEB: Column[Evaluation] = Column("second_web_kg", MASS.digits, lambda e: e.second_web_kg)
-_TORSION_SPRING: Column[Evaluation] = Column(
-    "torsion_spring_kNm_per_rad", 2, lambda e: _kilo(e.fine.torsion["spring"])
-)
-_BENDING_SPRING: Column[Evaluation] = Column(
-    "bending_spring_kN_per_mm", 2, lambda e: _kilo(e.fine.bending["spring"])
-)
+_ONLY_WHERE: dict[str, Callable[[Evaluation], bool]] = {
+    "second_web_kg": lambda e: e.second_web_kg is not None,
+    "torsion_spring_kNm_per_rad": lambda e: e.torsion_support == "spring",
+    "bending_spring_kN_per_mm": lambda e: e.bending_support == "spring",
+}
+"""Columns that stand where an evaluation has need of them."""
 
 
 def evaluation_table(evaluations: Sequence[Evaluation]) -> ResultTable:
@@ -216,17 +218,10 @@ def evaluation_table(evaluations: Sequence[Evaluation]) -> ResultTable:
     Where the webs of a throw differ, both have a column, and where a support is "spring" that stiffness has
     one. The errors are those with the supports of each design.
     """
-    different = any(e.second_web_kg is not None for e in evaluations)
-    twisted = any(e.torsion_support == "spring" for e in evaluations)
-    bent = any(e.bending_support == "spring" for e in evaluations)
     columns = [
-        *_COLUMNS[:3],
-        *([_SECOND_WEB] if different else []),
-        *_COLUMNS[3:7],
-        *([_TORSION_SPRING] if twisted else []),
-        *_COLUMNS[7:9],
-        *([_BENDING_SPRING] if bent else []),
-        *_COLUMNS[9:],
+        column
+        for column in _COLUMNS
+        if column.name not in _ONLY_WHERE or any(map(_ONLY_WHERE[column.name], evaluations))
     ]
     return tabulate(columns, evaluations)
 

@@ -12,12 +12,9 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.machine import peak_memory_MiB
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain
-from cranktopo.bodies.volume import bolted_mass
-from cranktopo.design.balance_factor import balance_factor_percent
 from cranktopo.design.draft import kept_without_draft
 from cranktopo.design.goal.balance_moved import MovedBalance, balance_moved
 from cranktopo.design.schema import Scene
-from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.load_type import load_type
 from cranktopo.engine.plan.planning import left_off
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
@@ -45,6 +42,7 @@ from cranktopo.tasks.optimise.result import (
     SolverMetrics,
     VolumeFraction,
 )
+from cranktopo.tasks.refit.masses import throw_of_body, throw_of_scene
 
 SOLID = 0.5
 _SAME_MASS = 0.01
@@ -107,16 +105,8 @@ def _balance_moved(scene: Scene, half_throw: SurfaceMesh) -> MovedBalance | None
 
     The original's is that of `balance`, with its fillets.
     """
-    own, density = throw_balance(scene), density_kg_per_mm3(scene.material.density_kg_m3)
-    half_kg_mm = density * float(half_throw.first_moments_mm4[1]) + bolted_mass(scene).first_y
-    unbalances = 2 * half_kg_mm, own.throw_unbalance_kg_mm
-    result, original = ({"unbalance": one, **_factor(scene, one)} for one in unbalances)
-    return balance_moved(scene, result, original)
-
-
-def _factor(scene: Scene, unbalance_kg_mm: float) -> dict[str, float]:
-    factor = balance_factor_percent(scene, unbalance_kg_mm)
-    return {} if factor is None else {"balance_factor": factor}
+    result, original = throw_of_body(scene, half_throw), throw_of_scene(scene)
+    return balance_moved(scene, result.quantities, original.quantities)
 
 
 def _other_mass(

@@ -25,7 +25,7 @@ from cranktopo.tasks.extraction.text import (
     length_text,
     manufacturing_obstacles,
     release_verdict,
-    released_text,
+    released_words,
     required_lengths,
     without_draft_text,
 )
@@ -100,7 +100,7 @@ def run_undercuts_fact(metrics: RunMetrics) -> Fact:
         return Fact(label, "no", "; ".join(found), "bad")
     if surface.undercuts is None:  # a run of an earlier version
         return Fact(label, "not checked", "the topology was free; undercuts are possible", "unknown")
-    note = f"{released_text(surface.undercuts.by)} it{without_draft_text(surface.undercuts)}"
+    note = released_words(surface.undercuts)
     status: FactStatus = "neutral" if surface.undercuts.without_draft else "good"
     return Fact(label, release_verdict(surface.undercuts), f"{note}{_walls_text(surface.walls)}", status)
 
@@ -260,5 +260,5 @@ def _surface_warning(surface: RunSurface | NoSurface) -> list[str]:
     if isinstance(surface, NoSurface):
         return [f"no STL: {surface.refusal}"]
     undercuts = surface.undercuts
-    straight = without_draft_text(undercuts).removeprefix("; ") if undercuts else ""
+    straight = without_draft_text(undercuts) if undercuts else ""
     return [*manufacturing_obstacles(surface.cavities, undercuts), *filter(None, [straight])]

@@ -22,8 +22,8 @@ def throw_masses(run: Scene, fitted: Scene, surface: SurfaceMesh) -> RefitThrows
         run: the run's design, whose web is the original unless a file has it.
         surface: half throw of the body.
     """
-    original = None if run.original is not None else _of_scene(run)
-    found = RefitThrows(original=original, body=_of_body(run, surface), fitted=_of_scene(fitted))
+    original = None if run.original is not None else throw_of_scene(run)
+    found = RefitThrows(original=original, body=throw_of_body(run, surface), fitted=throw_of_scene(fitted))
     if original is None:
         return found
     moved = balance_moved(run, found.fitted.quantities, original.quantities)
@@ -38,7 +38,8 @@ def web_masses(run: Scene, fitted: Scene, near: ShapeError) -> WebMasses:
     return WebMasses(fitted=web, body=body, difference_percent=100 * (web / body - 1))
 
 
-def _of_scene(scene: Scene) -> RefitThrow:
+def throw_of_scene(scene: Scene) -> RefitThrow:
+    """Return mass and balance of a design's throw, fillets included."""
     found = throw_balance(scene)
     return RefitThrow(
         mass_kg=found.mass_kg,
@@ -47,7 +48,8 @@ def _of_scene(scene: Scene) -> RefitThrow:
     )
 
 
-def _of_body(scene: Scene, surface: SurfaceMesh) -> RefitThrow:
+def throw_of_body(scene: Scene, surface: SurfaceMesh) -> RefitThrow:
+    """Return mass and balance of a throw by the surface of its half, with what is bolted to its webs."""
     steel = Moments(surface.volume_mm3, 0.0, float(surface.first_moments_mm4[Y]), 0.0)
     half = steel.times(density_kg_per_mm3(scene.material.density_kg_m3)) + bolted_mass(scene)
     return RefitThrow(

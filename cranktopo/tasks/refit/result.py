@@ -7,7 +7,7 @@ from typing import Any
 from pydantic import Field
 
 from cranktopo.base.result import UNLESS_NONE, FileName, Result
-from cranktopo.design.goal.balance_moved import MovedBalance
+from cranktopo.design.goal.balance_moved import MovedBalance, balance_quantities
 from cranktopo.report.report_file import REPORT
 from cranktopo.tasks.extraction.result import ShapedUndercuts
 from cranktopo.tasks.fea.result import EvaluationResult
@@ -60,8 +60,7 @@ class RefitThrow(Result):
     @property
     def quantities(self) -> dict[str, float]:
         """Its balance by the names of the goal's quantities."""
-        factor = self.balance_factor_percent
-        return {"unbalance": self.unbalance_kg_mm, **({} if factor is None else {"balance_factor": factor})}
+        return balance_quantities(self.unbalance_kg_mm, self.balance_factor_percent)
 
 
 class RefitThrows(Result):

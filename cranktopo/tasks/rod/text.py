@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from cranktopo.base.units import N_PER_KN, change_text
 from cranktopo.report.result_table import Column, labelled, tabulate, terminal
@@ -96,20 +96,27 @@ def rod_text(rod: RodStrength) -> str:
 
 def _verdicts(rod: RodStrength) -> tuple[list[str], list[str]]:
     """Return the lines on what fails, and on what holds."""
-    least = least_safety(rod)
     told = [
-        (not least.startswith(_NOT_SAFE), least),
+        (_is_safe(_least_safeties(rod)), least_safety(rod)),
         *((False, line) for line in _too_oval(rod)),
         *_way_through(rod),
     ]
     return [line for holds, line in told if not holds], [line for holds, line in told if holds]
 
 
-_NOT_SAFE = "NOT SAFE: "
-
-
 def least_safety(rod: RodStrength) -> str:
     """Return the least safeties of closed form, elements and bolts, with their places; NOT SAFE below 1."""
+    worst = _least_safeties(rod)
+    words = "; ".join(f"{what} {safety:.2f} ({place})" for what, (place, safety) in worst.items())
+    return f"{'' if _is_safe(worst) else 'NOT SAFE: '}least safety: {words}"
+
+
+def _is_safe(worst: Mapping[str, tuple[str, float]]) -> bool:
+    return min(safety for _, safety in worst.values()) >= 1
+
+
+def _least_safeties(rod: RodStrength) -> dict[str, tuple[str, float]]:
+    """Return place and value of the least safety of each kind."""
     places = [(f"{one.place}, by elements", one) for one in (rod.elements.places if rod.elements else ())]
     every = [(one.section, one) for one in rod.sections] + places
     yielding = [(name, one.yield_safety) for name, one in every]
@@ -122,8 +129,7 @@ def least_safety(rod: RodStrength) -> str:
     }
     if rod.bolt:
         worst["bolts by VDI 2230"] = rod.bolt.governing, rod.bolt.smallest_safety
-    words = "; ".join(f"{what} {safety:.2f} ({place})" for what, (place, safety) in worst.items())
-    return f"{'' if min(safety for _, safety in worst.values()) >= 1 else _NOT_SAFE}least safety: {words}"
+    return worst
 
 
 def _too_oval(rod: RodStrength) -> Iterator[str]:

@@ -161,7 +161,7 @@ class JudgedShaft:
             load_states=angle_deg.size * len(speeds),
             quality=JudgedQuality(**vars(quality), within_rule=quality.within_limits),
             mesh_shortfall=self.missed_checks or None,
-            not_judged=" ".join(dict.fromkeys(cut_outlet_words(one.model) for one in self.throws)).strip()
+            not_judged=" ".join(filter(None, dict.fromkeys(cut_outlet_words(t.model) for t in self.throws)))
             or None,
             left_off=None if self.moving else shaft_left_off(self.target.scene) or None,
             seconds=_seconds(self.throws, solved - begin, finished - solved),

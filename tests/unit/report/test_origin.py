@@ -1,4 +1,4 @@
-"""Where a page comes from: a command that can be typed as it stands there."""
+"""The origin on a page: a command that can be typed as it stands there."""
 
 import shlex
 

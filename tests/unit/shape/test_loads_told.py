@@ -1,4 +1,4 @@
-"""What a search assumes: of `[fatigue]` only what the method of its safeties takes."""
+"""Assumptions of a search: of `[fatigue]` only what the method of its safeties takes."""
 
 from __future__ import annotations
 

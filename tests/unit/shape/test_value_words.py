@@ -29,7 +29,7 @@ def test_values_have_digits_and_a_unit(
 
 
 def test_webs_on_the_way_name_the_limits_that_they_miss_as_the_terminal_does() -> None:
-    """What shows as 0.00 % is kept, by the table as by the terminal."""
+    """A miss that shows as 0.00 % is none, by the table as by the terminal."""
     found = ShapeResult.of_json(invented_data(), "shape.json")
     told = [row["limits missed"] for row in rounds_table(found).rows]
     quantities = [price.quantity for price in found.prices]
