@@ -52,7 +52,8 @@ def _drilled(occ: Any, scene: Scene, body: DimTags) -> DimTags:
         if any(bores):
             occ.translate(body, 0, 0, -z)
             first, second = half_turns_deg(throw)
-            body = drilled_at(occ, body, bores, (angle + first, angle + second))
+            turns, middle_mm = (angle + first, angle + second), halves(throw)[0].pitch_mm / 2
+            body = drilled_at(occ, body, bores, turns, middle_mm=middle_mm)
             occ.translate(body, 0, 0, z)
     return body
 

@@ -10,50 +10,81 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from cranktopo.bodies.solid.checked import volume_mm3
 from cranktopo.bodies.solid.shapes import add_solid, cut, outlet_edges, turned
 from cranktopo.numerics.gmsh_session import DimTags
-from cranktopo.throw.feature import Body
-from cranktopo.throw.primitives import RoundedOutlet
+from cranktopo.throw.drilling.bore import DrillBore
+from cranktopo.throw.primitives import RoundedOutlet, Solid
 
 _RING = 1 - math.pi / 4
 """Section of the ring that a rounding takes off a square edge, over its radius squared."""
+_FAR = 4.0
+"""Size of what is beyond the middle of the crankpin over the largest coordinate of a drilling."""
 _PLAUSIBLE = 3.0
 """Largest factor between the ring of an oblique outlet and that of a square edge of its length."""
 
 
-def drilled(occ: Any, body: DimTags, bores: Sequence[Body], *, by_tools: bool = False) -> DimTags:
+def drilled(
+    occ: Any,
+    body: DimTags,
+    bores: Sequence[DrillBore],
+    *,
+    middle_mm: float = math.inf,
+    by_tools: bool = False,
+) -> DimTags:
     """Return a body without what bores and the roundings of their outlets take.
 
     Args:
+        middle_mm: height of the middle of the crankpin in a body that goes on beyond it.
         by_tools: round by tools alone, for a body that cannot be cut or meshed otherwise.
     """
-    solids = [solid for bore in bores for solid in bore.solids()]
-    outlets = [solid for solid in solids if isinstance(solid, RoundedOutlet)]
-    holes = [solid for solid in solids if not isinstance(solid, RoundedOutlet)]
-    body = cut(occ, body, [pair for hole in holes for pair in add_solid(occ, hole)])
-    edges = _whole_edges(occ, body, outlets) if outlets and not by_tools else {}
+    solids = [(bore, solid) for bore in bores for solid in bore.solids()]
+    outlets = {solid: bore for bore, solid in solids if isinstance(solid, RoundedOutlet)}
+    holes = [(bore, solid) for bore, solid in solids if not isinstance(solid, RoundedOutlet)]
+    body = cut(occ, body, [pair for hole in holes for pair in _tool(occ, *hole, middle_mm)])
+    edges = _whole_edges(occ, body, list(outlets)) if outlets and not by_tools else {}
     rounded = _rounded(occ, body, edges)
-    left = outlets if rounded is None else [outlet for outlet in outlets if outlet not in edges]
-    return cut(occ, rounded or body, [pair for outlet in left for pair in add_solid(occ, outlet)])
+    left = outlets if rounded is None else outlets.keys() - edges.keys()
+    tools = [pair for one in outlets if one in left for pair in _tool(occ, outlets[one], one, middle_mm)]
+    return cut(occ, rounded or body, tools)
+
+
+def _tool(occ: Any, bore: DrillBore, solid: Solid, middle_mm: float) -> DimTags:
+    """Return the tool of a bore's solid, up to the middle of the crankpin where its mirror image begins.
+
+    Both then meet in one curve, as the halves of a throw do. Whole tools cross each other there, and the
+    kernel loses one of two roundings.
+    """
+    tool = add_solid(occ, solid)
+    first = sum(outlet.point_mm[2] for outlet in bore.outlets) < 2 * middle_mm
+    low, high = bore.box_mm(bore.reach_mm)
+    if bore.alone or (high[2] <= middle_mm if first else low[2] >= middle_mm):
+        return tool
+    far = _FAR * float(np.abs([low, high]).max())
+    beyond = occ.addBox(-far, -far, middle_mm - (0 if first else far), 2 * far, 2 * far, far)
+    return cut(occ, tool, [(3, beyond)])
 
 
 def drilled_at(
     occ: Any,
     body: DimTags,
-    bores: tuple[Sequence[Body], Sequence[Body]],
+    bores: tuple[Sequence[DrillBore], Sequence[DrillBore]],
     turns_deg: tuple[float, float],
     *,
+    middle_mm: float,
     by_tools: bool = False,
 ) -> DimTags:
     """Return a body without the bores of two halves of a throw, each half turned by its angle.
 
-    In one call where both are turned alike, see `_rounded`.
+    In one call where both are turned alike, see `_rounded`. Other arguments as of `drilled`.
     """
     alike = turns_deg[0] == turns_deg[1]
     for own, turn in zip([[*bores[0], *bores[1]]] if alike else bores, turns_deg, strict=not alike):
         if own:
-            body = turned(occ, drilled(occ, turned(occ, body, -turn), own, by_tools=by_tools), turn)
+            body = turned(occ, body, -turn)
+            body = turned(occ, drilled(occ, body, own, middle_mm=middle_mm, by_tools=by_tools), turn)
     return body
 
 

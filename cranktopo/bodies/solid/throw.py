@@ -132,7 +132,7 @@ def add_full_throw(occ: Any, scene: Scene, *, by_tools: bool = False) -> DimTags
     turns = half_turns_deg(scene)
     body, _ = occ.fuse(*(turned(occ, one, turn) for one, turn in zip((half, other), turns, strict=True)))
     late = _late_bores(first, scene), [b.in_second_half(scene.pitch_mm) for b in _late_bores(second, scene)]
-    body = drilled_at(occ, list(body), late, turns, by_tools=by_tools)
+    body = drilled_at(occ, list(body), late, turns, middle_mm=first.pitch_mm / 2, by_tools=by_tools)
     body = _without_crumbs(occ, body, throw_form(scene))
     check_body(occ, body, throw_form(scene), "full throw")
     return list(body)
