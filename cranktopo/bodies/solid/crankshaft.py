@@ -29,8 +29,7 @@ def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
     pieces = [piece for side in SIDES for piece in crank_end(scene, side)]
     throws = placed_throws(occ, scene, lambda occ, throw: add_full_throw(occ, _without_crossing(throw)))
     ends = [_add_piece(occ, piece) for piece in pieces]
-    across = any(map(_crossing, throw_scenes(scene)))
-    body = fused(occ, [*throws, *ends], one_face=not across)
+    body = fused(occ, [*throws, *ends], one_face=False)
     body = _drilled(occ, scene, body)
     forms = [throw_form(throw) for throw in throw_scenes(scene)]
     volume = sum(form.volume_mm3 for form in forms) + sum(piece.moments.volume for piece in pieces)

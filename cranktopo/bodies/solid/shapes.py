@@ -260,7 +260,8 @@ def fused(occ: Any, bodies: Sequence[DimTags], *, one_face: bool = True) -> DimT
 
     Args:
         one_face: make one face of those that go on in each other. Cylinders whose seams lie at different
-            angles, as of throws that are turned, make one that the kernel cannot cut a hole across.
+            angles, as of throws that are turned, make one with a seam in steps, which the kernel may not cut
+            a hole across nor gmsh mesh.
     """
     import gmsh
 
