@@ -10,8 +10,9 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.opened_fillets import opened_fillets
+from cranktopo.numerics.surfaces.plane_section import section_x
 from cranktopo.report.drafting import circle, finish, hatched, leader, number_mm
-from cranktopo.tasks.drawing.views import Room, Sheet, section_x
+from cranktopo.tasks.drawing.views import Room, Sheet
 from cranktopo.throw.journal import Journal
 
 _PAPER_MM = 18.0
@@ -67,11 +68,11 @@ def details(sheet: Sheet, letters: Sequence[str]) -> list[Detail]:
 
 def draw_detail(axes: Any, detail: Detail, scale: float) -> None:
     """Draw a detail with the radius of its fillet and its roughness."""
-    from manifold3d import CrossSection, FillRule
+    from manifold3d import CrossSection
 
     (z, y), radius = detail.at_mm, detail.radius_mm
     window = CrossSection.circle(radius, 96).translate((z, y))
-    hatched(axes, (CrossSection(section_x(detail.sheet.solid), FillRule.EvenOdd) ^ window).to_polygons())
+    hatched(axes, (section_x(detail.sheet.solid) ^ window).to_polygons())
     circle(axes, radius, y, "-.", 0.5, x=z)
     fillet = detail.journal.fillet
     axis = 0.0 if detail.toward < 0 else detail.sheet.scene.throw.radius_mm
@@ -97,9 +98,9 @@ def _letter_place(axes: Any, detail: Detail, radius: float, mm: float) -> tuple[
 
     Places are taken in turn from the upper right one on, away from texts that are there.
     """
-    from manifold3d import CrossSection, FillRule
+    from manifold3d import CrossSection
 
-    body = CrossSection(section_x(detail.sheet.solid), FillRule.EvenOdd)
+    body = section_x(detail.sheet.solid)
     size = (2.0 * mm * len(detail.letter) + 1.2 * mm, 4.0 * mm)
     letter = CrossSection.square(size, center=True)
     turn = np.radians([45, 315, 135, 225, 0, 90, 180, 270])
