@@ -88,12 +88,17 @@ def lengthwise_room(shape: CrankShape, scale: float) -> Room:
     return Room(shape.z_mm, (low, high), (3 * _GAP_MM, beside, under, _CALLOUT_MM[1] + 2.5 * _GAP_MM))
 
 
-def draw_lengthwise(axes: Any, shape: CrankShape, view: Lengthwise, scale: float) -> None:
-    """Draw the lengthwise view with axes, dimensions, datums, and callouts of distinct journals."""
-    mm = 1 / scale
+def draw_cut(axes: Any, view: Lengthwise) -> None:
+    """Draw the cut and the edges of a lengthwise view."""
     hatched(axes, view.cut)
     bolted_cut(axes, view.bolted_cut)
     edges(axes, view.chains)
+
+
+def draw_lengthwise(axes: Any, shape: CrankShape, view: Lengthwise, scale: float) -> None:
+    """Draw the lengthwise view with axes, dimensions, datums, and callouts of distinct journals."""
+    mm = 1 / scale
+    draw_cut(axes, view)
     (start, end), (_, _, low, high) = shape.z_mm, shape.reach_mm
     centre_line(axes, (start - 4 * mm, 0.0), (end + 4 * mm, 0.0))
     for number, throw in enumerate(shape.throws, 1):
