@@ -133,7 +133,9 @@ def _edges(axes: Any) -> Iterator[Path]:
             yield Path(axes.transData.transform(line.get_xydata()))
     for patch in axes.patches:
         if isinstance(patch, PathPatch | Circle) and patch.get_linewidth() >= EDGE:
-            yield patch.get_transform().transform_path(patch.get_path())
+            path = patch.get_transform().transform_path(patch.get_path())
+            # one by one: matplotlib's check takes the way from one polygon to the next for an edge
+            yield from (Path(one) for one in path.to_polygons(closed_only=False))
     for chains in (one for one in axes.collections if isinstance(one, LineCollection)):
         for path in chains.get_paths():
             yield Path(axes.transData.transform(np.asarray(path.vertices)))

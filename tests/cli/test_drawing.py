@@ -19,8 +19,9 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
+from cranktopo.numerics.surfaces.plane_section import section_x
 from cranktopo.tasks.drawing.sheet import drawing_figures, throw_sheets, write_drawing
-from cranktopo.tasks.drawing.views import Sheet, front_view, section_x
+from cranktopo.tasks.drawing.views import Sheet, front_view
 from cranktopo.throw.counterweight.table import Counterweight
 from cranktopo.throw.profile import ProfileWeb
 from tests.physics.fea.test_two_webs import POCKET, lopsided
@@ -111,7 +112,7 @@ def largest_sagitta_mm(sheet: Sheet) -> float:
     journal, face = sheet.scene.throw.main_journal, sheet.scene.web_z_mm[0]
     radius = journal.fillet_mm
     centre, found = np.array([face - radius, journal.radius_mm + radius]), list[float]()
-    for points in section_x(sheet.solid):
+    for points in section_x(sheet.solid).to_polygons():
         away = np.hypot(*(points - centre).T)
         middle = np.hypot(*((points + np.roll(points, -1, axis=0)) / 2 - centre).T)
         on = (np.abs(away - radius) < 0.02) & (np.abs(np.roll(away, -1) - radius) < 0.02)

@@ -13,11 +13,12 @@ from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import solid_of
+from cranktopo.numerics.surfaces.plane_section import section_y
 from cranktopo.tasks.crank_drawing.crank_shape import crank_shape
 from cranktopo.tasks.crank_drawing.crank_views import _FROM_FREE_END, _FROM_SIDE
 from cranktopo.tasks.crank_drawing.sheet import crank_figure
 from cranktopo.tasks.drawing.sheet import table_lines, throw_sheets
-from cranktopo.tasks.drawing.views import Sheet, section_y
+from cranktopo.tasks.drawing.views import Sheet
 from tests.physics.throw.test_crossing_drillings import drilled_twin
 
 LEVELS_MM = -10.0, 15.0, 30.0
@@ -30,7 +31,8 @@ def holes(scene: Scene) -> Array:
     found = []
     for level in LEVELS_MM:
         inner = min(
-            (p for p in section_y(whole, level) if np.ptp(p[:, 0]) < 12.0), key=lambda p: np.ptp(p[:, 0])
+            (p for p in section_y(whole, level).to_polygons() if np.ptp(p[:, 0]) < 12.0),
+            key=lambda p: np.ptp(p[:, 0]),
         )
         x, z = (inner.min(axis=0) + inner.max(axis=0)) / 2
         found.append((x, level, z))
@@ -57,7 +59,7 @@ def test_a_drilling_is_drawn_on_its_side(web: str, way: int) -> None:
     assert np.ptp(solid[:, 0]) > 5.0, "it leans"
     np.testing.assert_allclose(drawn_axis(sheet, solid[:, 1]), way * solid[:, 0], atol=0.05)
     for x, level, z in solid:
-        (inner,) = (p for p in section_y(sheet.solid, level) if np.ptp(p[:, 0]) < 12.0)
+        (inner,) = (p for p in section_y(sheet.solid, level).to_polygons() if np.ptp(p[:, 0]) < 12.0)
         middle = (inner.min(axis=0) + inner.max(axis=0)) / 2
         along = z if way > 0 else scene.pitch_mm - z
         np.testing.assert_allclose(middle, (way * x, along), atol=0.05)

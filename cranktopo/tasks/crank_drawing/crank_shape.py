@@ -19,6 +19,7 @@ from cranktopo.design.crank_throws import refuse_split_pins, throw_scenes
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.numerics.surfaces.plane_section import section_x
 from cranktopo.throw.journal import Journal
 
 if TYPE_CHECKING:
@@ -90,24 +91,13 @@ class CrankShape:
         faces = [mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=False)]
         return SurfaceMesh(vertices @ view.T, np.concatenate(faces))
 
-    def section_x(self) -> list[Array]:
-        """Return polygons (z, y) of the section just beside x = 0, where flanks of counterweights can lie."""
-        return _section_x(self.pieces)
 
-    def bolted_section_x(self) -> list[Array]:
-        """Return those of the counterweights that are bolted on."""
-        return _section_x(self.bolted) if self.bolted else []
+def joined_section_x(pieces: Sequence[Piece]) -> CrossSection:
+    """Return the section x = 0 of pieces, (z, y); a thousandth of overlap joins neighbours at their seam."""
+    from manifold3d import CrossSection
 
-
-def _section_x(pieces: Sequence[Piece]) -> list[Array]:
-    cuts = [piece.solid.rotate((0.0, -90.0, 0.0)).slice(_BESIDE_MM) for piece in pieces]
-    return [np.asarray(polygon) * (-1.0, 1.0) for polygon in _union(cuts).to_polygons()]
-
-
-def _union(sections: Sequence[CrossSection]) -> CrossSection:
-    """Return the union; a thousandth of overlap lets neighbours join at their seam."""
-    grown = [section.offset(_SEAM_MM * 10) for section in sections]
-    return sum(grown[1:], grown[0]).offset(-_SEAM_MM * 10)
+    grown = (section_x(piece.solid).offset(_SEAM_MM * 10) for piece in pieces)
+    return sum(grown, CrossSection()).offset(-_SEAM_MM * 10)
 
 
 def _open(piece: Piece, removed: Manifold | None) -> SurfaceMesh:

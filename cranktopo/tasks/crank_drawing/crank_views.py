@@ -18,6 +18,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.fit import limits_text, tolerance_um
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.plane_section import BESIDE_MM
 from cranktopo.numerics.surfaces.visible_edges import visible_edges
 from cranktopo.report.drafting import (
     DROP_MM,
@@ -36,7 +37,7 @@ from cranktopo.report.drafting import (
     number_mm,
     tolerance_frame,
 )
-from cranktopo.tasks.crank_drawing.crank_shape import CrankShape, MainJournal, PlacedThrow
+from cranktopo.tasks.crank_drawing.crank_shape import CrankShape, MainJournal, PlacedThrow, joined_section_x
 from cranktopo.tasks.crank_drawing.outlet_lines import outlet_rims, outside_of
 from cranktopo.tasks.drawing.views import Room, bolted_cut
 from cranktopo.throw.journal import Journal
@@ -63,19 +64,17 @@ class Lengthwise:
 
 def lengthwise(shape: CrankShape) -> Lengthwise:
     """Return edges and section of the crank with its upper quarter on the viewer's side cut away."""
-    from manifold3d import CrossSection, FillRule, Manifold
+    from manifold3d import CrossSection, Manifold
 
     (left, _, _, top), (start, end) = shape.reach_mm, shape.z_mm
-    quarter = Manifold.cube((-left + 1.0, top + 1.0, end - start + 2.0)).translate(
-        (left - 1.0, 0.0, start - 1.0)
-    )
-    corners = np.array([[left - 1.0, 0.0, start - 1.0], [0.0, top + 1.0, end + 1.0]])
+    # beyond the plane, so that no skin stays of what ends in it
+    corners = np.array([[left - 1.0, 0.0, start - 1.0], [BESIDE_MM, top + 1.0, end + 1.0]])
+    quarter = Manifold.cube(corners[1] - corners[0]).translate(corners[0])
     rims = [rim @ _FROM_SIDE.T for rim in outside_of(outlet_rims(shape.throws, shape.z_mm), *corners)]
     chains = visible_edges(shape.seen(_FROM_SIDE, quarter), (end - start) * _PIXEL_SHARE, rims)
     upper = CrossSection.square((end - start + 2.0, top + 1.0)).translate((start - 1.0, 0.0))
     cut, bolted = (
-        (CrossSection(section, FillRule.EvenOdd) ^ upper).to_polygons()
-        for section in (shape.section_x(), shape.bolted_section_x())
+        (joined_section_x(pieces) ^ upper).to_polygons() for pieces in (shape.pieces, shape.bolted)
     )
     return Lengthwise([chain for chain in chains if np.abs(chain[:, 1]).max() > 1e-3], cut, bolted)
 
@@ -89,12 +88,17 @@ def lengthwise_room(shape: CrankShape, scale: float) -> Room:
     return Room(shape.z_mm, (low, high), (3 * _GAP_MM, beside, under, _CALLOUT_MM[1] + 2.5 * _GAP_MM))
 
 
-def draw_lengthwise(axes: Any, shape: CrankShape, view: Lengthwise, scale: float) -> None:
-    """Draw the lengthwise view with axes, dimensions, datums, and callouts of distinct journals."""
-    mm = 1 / scale
+def draw_cut(axes: Any, view: Lengthwise) -> None:
+    """Draw the cut and the edges of a lengthwise view."""
     hatched(axes, view.cut)
     bolted_cut(axes, view.bolted_cut)
     edges(axes, view.chains)
+
+
+def draw_lengthwise(axes: Any, shape: CrankShape, view: Lengthwise, scale: float) -> None:
+    """Draw the lengthwise view with axes, dimensions, datums, and callouts of distinct journals."""
+    mm = 1 / scale
+    draw_cut(axes, view)
     (start, end), (_, _, low, high) = shape.z_mm, shape.reach_mm
     centre_line(axes, (start - 4 * mm, 0.0), (end + 4 * mm, 0.0))
     for number, throw in enumerate(shape.throws, 1):

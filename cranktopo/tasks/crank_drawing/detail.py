@@ -10,8 +10,9 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.opened_fillets import opened_fillets
+from cranktopo.numerics.surfaces.plane_section import section_x
 from cranktopo.report.drafting import circle, finish, hatched, leader, number_mm
-from cranktopo.tasks.drawing.views import Room, Sheet, section_x
+from cranktopo.tasks.drawing.views import Room, Sheet
 from cranktopo.throw.journal import Journal
 
 _PAPER_MM = 18.0
@@ -67,11 +68,11 @@ def details(sheet: Sheet, letters: Sequence[str]) -> list[Detail]:
 
 def draw_detail(axes: Any, detail: Detail, scale: float) -> None:
     """Draw a detail with the radius of its fillet and its roughness."""
-    from manifold3d import CrossSection, FillRule
+    from manifold3d import CrossSection
 
     (z, y), radius = detail.at_mm, detail.radius_mm
     window = CrossSection.circle(radius, 96).translate((z, y))
-    hatched(axes, (CrossSection(section_x(detail.sheet.solid), FillRule.EvenOdd) ^ window).to_polygons())
+    hatched(axes, (section_x(detail.sheet.solid) ^ window).to_polygons())
     circle(axes, radius, y, "-.", 0.5, x=z)
     fillet = detail.journal.fillet
     axis = 0.0 if detail.toward < 0 else detail.sheet.scene.throw.radius_mm
@@ -95,31 +96,34 @@ def mark_detail(axes: Any, detail: Detail, scale: float) -> None:
 def _letter_place(axes: Any, detail: Detail, radius: float, mm: float) -> tuple[float, float]:
     """Return the place of a letter beside the mark of a detail: off the body, else within it, not on an edge.
 
-    Places are taken in turn from the upper right one on, away from texts that are there.
+    Places are taken in turn from the upper right one on, away from texts, leaders and dimensions there.
     """
-    from manifold3d import CrossSection, FillRule
+    from manifold3d import CrossSection
 
-    body = CrossSection(section_x(detail.sheet.solid), FillRule.EvenOdd)
-    size = (2.0 * mm * len(detail.letter) + 1.2 * mm, 4.0 * mm)
-    letter = CrossSection.square(size, center=True)
+    body = section_x(detail.sheet.solid)
+    size = np.array([2.0 * mm * len(detail.letter) + 1.2 * mm, 4.0 * mm])
+    letter = CrossSection.square(tuple(size), center=True)
     turn = np.radians([45, 315, 135, 225, 0, 90, 180, 270])
     places = np.array(detail.at_mm) + (radius + 2.6 * mm) * np.column_stack([np.cos(turn), np.sin(turn)])
+    low, high = _taken(axes, mm)
 
     def worst(place: Array) -> float:
         share = (letter.translate(tuple(place)) ^ body).area() / letter.area()
         on_edge = 1e-3 < share < 1 - 1e-3
-        return 4.0 * _on_text(axes, place, size, mm) + 2.0 * on_edge + (share > 0.5)
+        on_text = ((low < place + size / 2) & (high > place - size / 2)).all(axis=1).any()
+        return 4.0 * on_text + 2.0 * on_edge + (share > 0.5)
 
     z, y = min(places, key=worst)
     return float(z), float(y)
 
 
-def _on_text(axes: Any, place: Array, size: tuple[float, float], mm: float) -> bool:
-    """Tell whether a box of a size around a place lies over a text of the view."""
+def _taken(axes: Any, mm: float) -> tuple[Array, Array]:
+    """Return lower left and upper right corners, (n, 2) each, of texts with leaders, and of dimensions."""
+    low, high = [], []
     for text in axes.texts:
-        across, tall = number_mm(text.get_text()) * mm, 3.4 * mm
-        wide, high = (tall, across) if text.get_rotation() else (across, tall)
-        off = np.abs(np.subtract(text.get_position(), place))
-        if text.get_text() and off[0] < (wide + size[0]) / 2 and off[1] < (high + size[1]) / 2:
-            return True
-    return False
+        size = np.array([number_mm(text.get_text()), 3.4]) * mm * bool(text.get_text())
+        at, half = np.array(text.get_position()), size[:: -1 if text.get_rotation() else 1] / 2
+        tip = np.array(getattr(text, "xy", at))
+        low.append(np.minimum(at - half, tip))
+        high.append(np.maximum(at + half, tip))
+    return np.array(low).reshape(-1, 2), np.array(high).reshape(-1, 2)

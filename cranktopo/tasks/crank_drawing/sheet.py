@@ -22,7 +22,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.strength import strength_notes
 from cranktopo.engine.balance.crank import beyond_throws_kg
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.report.drafting import THIN
+from cranktopo.report.drafting import THIN, number_mm
 from cranktopo.report.dxf import write_dxf
 from cranktopo.report.plot import save_figure, save_pages
 from cranktopo.tasks.crank_drawing.balancing import balancing_notes
@@ -36,6 +36,7 @@ from cranktopo.tasks.crank_drawing.crank_views import (
     lengthwise_room,
 )
 from cranktopo.tasks.crank_drawing.detail import Detail, details, draw_detail, mark_detail
+from cranktopo.tasks.crank_drawing.end_views import end_blocks, end_views
 from cranktopo.tasks.crank_drawing.layout import (
     TITLE_MM,
     SheetLayout,
@@ -158,7 +159,7 @@ def _all_details(sheets: Sequence[Sheet]) -> list[list[Detail]]:
 def _blocks(
     shape: CrankShape, sheets: Sequence[tuple[str, Sheet]], marked: Sequence[Sequence[Detail]]
 ) -> Any:
-    long, end = lengthwise(shape), end_edges(shape)
+    long, end, ends = lengthwise(shape), end_edges(shape), end_views(shape)
 
     def blocks(scale: float, web_scale: float) -> list[ViewBlock]:
         crank = View(
@@ -166,6 +167,7 @@ def _blocks(
         )
         seen = View(end_room(shape), lambda axes, s: draw_end(axes, shape, end, s), scale)
         found = [ViewBlock(((crank, (0.0, 0.0)),)), ViewBlock(((seen, (0.0, 0.0)),))]
+        found += end_blocks(ends, web_scale)
         for (name, sheet), own in zip(sheets, marked, strict=True):
             found.append(_web_block(name, sheet, own, web_scale))
             found += [
@@ -181,9 +183,10 @@ def _detail(detail: Detail, axes: Any, scale: float) -> None:
 
 
 def _web_block(name: str, sheet: Sheet, own: Sequence[Detail], scale: float) -> ViewBlock:
-    """Front view, section through both axes beside it, section across below."""
+    """Front view, section through both axes beside it and its title, section across below."""
     front, _, across = (room.size_mm(scale) for room in sheet.rooms)
-    up = across[1] + TITLE_MM
+    up, title = across[1] + TITLE_MM, f"{name.capitalize()}, {scale_text(scale)}, from the crankpin"
+    beside = max(front[0], number_mm(title))
 
     def section(axes: Any, s: float) -> None:
         lengthwise_section(axes, sheet, s)
@@ -192,12 +195,10 @@ def _web_block(name: str, sheet: Sheet, own: Sequence[Detail], scale: float) -> 
 
     def named(axes: Any, s: float) -> None:
         front_view(axes, sheet, s)
-        axes.set_title(
-            f"{name.capitalize()}, {scale_text(s)}, from the crankpin", fontsize=9, loc="left", color=THIN
-        )
+        axes.set_title(title, fontsize=9, loc="left", color=THIN)
 
     views = (named, section, lambda axes, s: cross_section(axes, sheet, s))
-    places = ((0.0, up), (front[0], up), ((front[0] - across[0]) / 2 if front[0] > across[0] else 0.0, 0.0))
+    places = ((0.0, up), (beside, up), ((front[0] - across[0]) / 2 if front[0] > across[0] else 0.0, 0.0))
     drawn = (View(room, draw, scale) for room, draw in zip(sheet.rooms, views, strict=True))
     return ViewBlock(tuple(zip(drawn, places, strict=True)))
 

@@ -19,6 +19,7 @@ from cranktopo.bodies.solid.files import cut_in_halves, surface_of
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.surfaces.mesh import solid_of
+from cranktopo.numerics.surfaces.plane_section import section_x, section_y
 from cranktopo.report.drafting import (
     centre_line,
     circle,
@@ -30,7 +31,7 @@ from cranktopo.report.drafting import (
     leader,
 )
 from cranktopo.tasks.drawing.sheet import SheetPage, throw_sheets, write_pages
-from cranktopo.tasks.drawing.views import Room, Sheet, section_x, section_y, silhouette
+from cranktopo.tasks.drawing.views import Room, Sheet, silhouette
 from cranktopo.throw.raw_part.half import raw_half
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ class _RawView:
     @property
     def _cut(self) -> Array:
         """Points (x, z) of the raw half throw's section across the throw."""
-        return np.concatenate(section_y(self.raw, self._across_mm))
+        return np.concatenate(section_y(self.raw, self._across_mm).to_polygons())
 
     @property
     def _web(self) -> Manifold:
@@ -98,8 +99,8 @@ class _RawView:
 
     def lengthwise(self, axes: Any, scale: float) -> None:
         """Draw the section in the plane that the die parts in."""
-        hatched(axes, section_x(self.raw))
-        ghost(axes, section_x(self.sheet.solid))
+        hatched(axes, section_x(self.raw).to_polygons())
+        ghost(axes, section_x(self.sheet.solid).to_polygons())
         throw, end, gap = self.scene.throw, self.scene.pitch_mm / 2, _GAP_MM / scale
         more = forging_of(self.scene).allowance_mm
         low = self.raw.bounding_box()[1]
@@ -113,8 +114,8 @@ class _RawView:
     def across(self, axes: Any, scale: float) -> None:
         """Draw the section across the throw, journals with it where it cuts them."""
         y, gap, forging = self._across_mm, _GAP_MM / scale, forging_of(self.scene)
-        hatched(axes, section_y(self.raw, y))
-        ghost(axes, section_y(self.sheet.solid, y))
+        hatched(axes, section_y(self.raw, y).to_polygons())
+        ghost(axes, section_y(self.sheet.solid, y).to_polygons())
         start, end = self.scene.web_z_mm
         wide, more = float(self._cut[:, 0].max()), forging.allowance_mm
         faces = start - more, end + more

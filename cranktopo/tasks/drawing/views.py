@@ -17,6 +17,7 @@ from cranktopo.base.spans import polygon_section
 from cranktopo.bodies.prisms import bolted_counterweight, web_region
 from cranktopo.design.opened_fillets import opened_fillets
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.plane_section import section_x, section_y
 from cranktopo.report.drafting import (
     DROP_MM,
     INK,
@@ -229,11 +230,11 @@ def bolted_cut(axes: Any, polygons: list[Array]) -> None:
 
 def lengthwise_body(axes: Any, sheet: Sheet, over_mm: float) -> None:
     """Draw the body cut through both axes, and these, which end so far beyond it; without dimensions."""
-    hatched(axes, section_x(sheet.solid))
-    bolted_cut(axes, section_x(sheet.bolted))
+    hatched(axes, section_x(sheet.solid).to_polygons())
+    bolted_cut(axes, section_x(sheet.bolted).to_polygons())
     draw_bolts(axes, sheet.scene, along=True)
     if sheet.body is not None:
-        ghost(axes, section_x(sheet.body))
+        ghost(axes, section_x(sheet.body).to_polygons())
     for centre in (0.0, sheet.scene.throw.radius_mm):
         ends = [-over_mm, sheet.scene.pitch_mm / 2 + over_mm]
         axes.plot(ends, [centre, centre], color=THIN, lw=0.6, ls="-.")
@@ -284,11 +285,11 @@ def _dimensioned(sheet: Sheet, y_mm: float) -> bool:
 
 def cross_body(axes: Any, sheet: Sheet, y_mm: float) -> None:
     """Draw the web cut across the throw, without dimensions."""
-    hatched(axes, section_y(web_region(sheet.solid, sheet.scene), y_mm))
-    bolted_cut(axes, section_y(sheet.bolted, y_mm))
+    hatched(axes, section_y(web_region(sheet.solid, sheet.scene), y_mm).to_polygons())
+    bolted_cut(axes, section_y(sheet.bolted, y_mm).to_polygons())
     draw_threads(axes, sheet.scene, y_mm)
     if sheet.body is not None:
-        ghost(axes, section_y(web_region(sheet.body, sheet.scene), y_mm))
+        ghost(axes, section_y(web_region(sheet.body, sheet.scene), y_mm).to_polygons())
 
 
 def cross_section(axes: Any, sheet: Sheet, scale: float) -> None:
@@ -330,18 +331,6 @@ def silhouette(solid: Manifold) -> list[Array]:
     # faces along the crank that lie in one plane leave slits between them, of the rounding of numbers
     seen = solid.project().simplify(_SLIT_MM)
     return [np.asarray(polygon) for polygon in seen.to_polygons()]
-
-
-def section_x(solid: Manifold) -> list[Array]:
-    """Return polygons (z, y) of the section x = 0."""
-    turned = solid.rotate((0.0, -90.0, 0.0)).slice(0.0)
-    return [np.asarray(polygon) * (-1.0, 1.0) for polygon in turned.to_polygons()]
-
-
-def section_y(solid: Manifold, y_mm: float) -> list[Array]:
-    """Return polygons (x, z) of a section across the throw."""
-    turned = solid.translate((0.0, -y_mm, 0.0)).rotate((-90.0, 0.0, 0.0)).slice(0.0)
-    return [np.asarray(polygon) for polygon in turned.to_polygons()]
 
 
 def _journals(axes: Any, scene: Scene) -> None:
