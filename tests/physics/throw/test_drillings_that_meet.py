@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from manifold3d import Manifold
 
 from cranktopo.base.units import density_kg_per_mm3
+from cranktopo.bodies.drill_tool import drill_tool
 from cranktopo.bodies.solid.checked import ROUNDING_TOLERANCE
 from cranktopo.bodies.solid.files import export_solid, surface_of
 from cranktopo.bodies.solid.throw import throw_form
@@ -19,6 +21,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.crank import drawn_crank_mass
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.surfaces.files import read_stl
+from cranktopo.throw.drilling.table import drill_bores
 from tests.physics.throw.test_crossing_drillings import drilled_twin
 
 SIX = [1, 5, 3, 6, 2, 4]
@@ -86,6 +89,20 @@ def test_one_mouth_of_two_bores(diameter_mm: float, rounding_mm: float, tmp_path
     """Whole tools cross each other there: the kernel lost the rounding of one, and then the body."""
     drilling = {"diameter_mm": diameter_mm, "outlet_radius_mm": rounding_mm}
     check_step_file(marine(drilling, [1]), tmp_path / "crank.step")
+
+
+@pytest.mark.parametrize(("rounding_mm", "ridge_mm3"), [(0.0, 68.0), (6.0, 0.0)])
+def test_the_ridge_that_a_drill_takes_beyond_the_middle(rounding_mm: float, ridge_mm3: float) -> None:
+    """Both tools in triangles, whole and cut to the middle of the pin."""
+    scene = marine({"diameter_mm": 18.0, "outlet_radius_mm": rounding_mm}, [1])
+    (bore,) = drill_bores(scene)
+    middle, radius = scene.pitch_mm / 2, scene.throw.crankpin.radius_mm
+    pin = Manifold.cylinder(2 * (middle - scene.web_z_mm[1]), radius, radius, 1440)
+    pin = pin.translate((0.0, scene.throw.radius_mm, scene.web_z_mm[1]))
+    own, other = (drill_tool(one, 360) ^ pin for one in (bore, bore.in_second_half(scene.pitch_mm)))
+    halves = 2 * own.trim_by_plane((0.0, 0.0, -1.0), -middle).volume()
+    assert halves == pytest.approx(43_200 if not rounding_mm else 45_500, rel=1e-3)
+    assert (own + other).volume() - halves == pytest.approx(ridge_mm3, abs=0.5)
 
 
 def test_turned_throws_as_facets() -> None:
