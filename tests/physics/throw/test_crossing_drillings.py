@@ -36,15 +36,18 @@ ENDS = [
 ]
 
 
-def drilled_twin(place_mm: float, rounding_mm: float, web: str = "second") -> Scene:
-    """V-twin with ends; its drilling leans to one side."""
+def drilled_twin(
+    place_mm: float, rounding_mm: float, web: str = "second", on_pin: tuple[float, float] = (50.0, 10.5)
+) -> Scene:
+    """V-twin with ends; its drilling leans to one side. Angle and place of its end on the pin, deg and mm."""
+    angle_deg, pin_mm = on_pin
     data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True, exclude={"published"})
     drilling = {
         "diameter_mm": 5.0,
         "outlet_radius_mm": rounding_mm,
         "web": web,
         "from": {"on": "main_journal", "angle_deg": 180.0, "place_mm": place_mm},
-        "to": {"on": "crankpin", "angle_deg": 50.0, "place_mm": 10.5},
+        "to": {"on": "crankpin", "angle_deg": angle_deg, "place_mm": pin_mm},
     }
     engine = data["engine"] | {"cylinders": 1, "firing_order": [1], "rod_length_mm": 124.0}
     throw = {**THROW, "drilling": [drilling]}

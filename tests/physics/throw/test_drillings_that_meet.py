@@ -1,0 +1,152 @@
+"""Two bores of a throw in one mouth in the middle of its crankpin; cranks that turn in steps, in facets."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from manifold3d import Manifold
+
+from cranktopo.base.units import density_kg_per_mm3
+from cranktopo.bodies.drill_tool import drill_tool
+from cranktopo.bodies.solid.checked import ROUNDING_TOLERANCE
+from cranktopo.bodies.solid.files import export_solid, surface_of
+from cranktopo.bodies.solid.throw import throw_form
+from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.crank import drawn_crank_mass
+from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.numerics.surfaces.files import read_stl
+from cranktopo.throw.drilling.table import drill_bores
+from tests.physics.throw.test_crossing_drillings import drilled_twin
+
+SIX = [1, 5, 3, 6, 2, 4]
+MIDDLE = (30.0, 0.0)
+"""Angle on the pin and distance from its middle: both bores end in one point, and lean to one side of it."""
+
+
+MARINE: dict[str, Any] = {
+    "name": "marine",
+    "throw": {
+        "radius_mm": 120.0,
+        "main_journal": {"outer_diameter_mm": 180.0, "length_mm": 85.0, "fillet_mm": 9.0},
+        "crankpin": {"outer_diameter_mm": 160.0, "length_mm": 95.0, "fillet_mm": 9.0},
+    },
+    "web": {"thickness_mm": 60.0, "outline": "obround", "width_mm": 270.0},
+    "engine": {"bore_mm": 200.0, "rod_length_mm": 480.0, "speed_rpm": 1000.0, "firing_order": [1]},
+    "crank": {
+        "end": [{"side": "output", "step": [{"kind": "cylinder", "diameter_mm": 190.0, "length_mm": 50.0}]}]
+    },
+}
+"""In-line engine of large bores, without drillings."""
+
+
+def marine(drilling: dict[str, Any] | None, order: list[int]) -> Scene:
+    """Return the crank of a marine engine; its drilling leans at both ends, and its journals are solid."""
+    base = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
+    ends = {
+        "from": {"on": "main_journal", "angle_deg": 250.0, "place_mm": 0.0},
+        "to": {"on": "crankpin", "angle_deg": 70.0, "place_mm": 0.0},
+    }
+    data = {**MARINE, "material": base["material"]}
+    data["throw"] = MARINE["throw"] | {"drilling": [drilling | ends] if drilling else []}
+    data["engine"] = base["engine"] | MARINE["engine"] | {"cylinders": len(order), "firing_order": order}
+    return scene_from_dict(data, "marine", whole=True)
+
+
+def crank_of(one: Scene, order: list[int], **keys: Any) -> Scene:
+    """Return a crank of as many such throws."""
+    data = one.model_dump(mode="json", exclude_none=True, by_alias=True) | keys
+    data["engine"] |= {"cylinders": len(order), "firing_order": order}
+    return scene_from_dict(data, "crank", whole=True)
+
+
+def check_step_file(scene: Scene, path: Path) -> None:
+    """Mass and unbalance told against the exact faces that the file has.
+
+    To 1e-6 of the mass, the kernel's integration, and the share of the roundings of outlets that is accepted.
+    """
+    told, density = drawn_crank_mass(scene), density_kg_per_mm3(scene.material.density_kg_m3)
+    export_solid(scene, "crankshaft", path)
+    with cad_session("crank") as gmsh:
+        (body,) = gmsh.model.occ.importShapes(str(path))
+        kg = density * gmsh.model.occ.getMass(*body)
+        x, y, _ = gmsh.model.occ.getCenterOfMass(*body)
+    roundings = sum(throw_form(throw).roundings_mm3 for throw in throw_scenes(scene))
+    allowed_kg = 1e-6 * kg + ROUNDING_TOLERANCE * density * roundings
+    farthest_mm = scene.throw.radius_mm + scene.throw.crankpin.radius_mm
+    unbalance = told.unbalance_kg_mm * np.exp(1j * math.radians(told.unbalance_deg))
+    assert kg == pytest.approx(told.mass_kg, abs=allowed_kg)
+    assert kg * complex(y, x) == pytest.approx(unbalance, abs=allowed_kg * farthest_mm)
+
+
+@pytest.mark.parametrize(("diameter_mm", "rounding_mm"), [(18.0, 0.0), (18.0, 6.0)])
+def test_one_mouth_of_two_bores(diameter_mm: float, rounding_mm: float, tmp_path: Path) -> None:
+    """Whole tools cross each other there: the kernel lost the rounding of one, and then the body."""
+    drilling = {"diameter_mm": diameter_mm, "outlet_radius_mm": rounding_mm}
+    check_step_file(marine(drilling, [1]), tmp_path / "crank.step")
+
+
+@pytest.mark.parametrize(("rounding_mm", "ridge_mm3"), [(0.0, 68.0), (6.0, 0.0)])
+def test_the_ridge_that_a_drill_takes_beyond_the_middle(rounding_mm: float, ridge_mm3: float) -> None:
+    """Both tools in triangles, whole and cut to the middle of the pin."""
+    scene = marine({"diameter_mm": 18.0, "outlet_radius_mm": rounding_mm}, [1])
+    (bore,) = drill_bores(scene)
+    middle, radius = scene.pitch_mm / 2, scene.throw.crankpin.radius_mm
+    pin = Manifold.cylinder(2 * (middle - scene.web_z_mm[1]), radius, radius, 1440)
+    pin = pin.translate((0.0, scene.throw.radius_mm, scene.web_z_mm[1]))
+    own, other = (drill_tool(one, 360) ^ pin for one in (bore, bore.in_second_half(scene.pitch_mm)))
+    halves = 2 * own.trim_by_plane((0.0, 0.0, -1.0), -middle).volume()
+    assert halves == pytest.approx(43_200 if not rounding_mm else 45_500, rel=1e-3)
+    assert (own + other).volume() - halves == pytest.approx(ridge_mm3, abs=0.5)
+
+
+def test_turned_throws_as_facets() -> None:
+    """The journal between two of them was one face whose seam had a step, which gmsh did not mesh."""
+    scene = marine(None, [1, 2, 3])
+    surface = surface_of(scene, "crankshaft", 12.0)
+    assert surface.as_trimesh().is_watertight
+    told_mm3 = drawn_crank_mass(scene).mass_kg / density_kg_per_mm3(scene.material.density_kg_m3)
+    assert surface.volume_mm3 == pytest.approx(told_mm3, rel=2e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rounding_mm", [4.0, 6.0])
+def test_the_drilled_six(rounding_mm: float, tmp_path: Path) -> None:
+    scene = marine({"diameter_mm": 18.0, "outlet_radius_mm": rounding_mm}, SIX)
+    check_step_file(scene, tmp_path / "crank.step")
+    volume = export_solid(scene, "crankshaft", tmp_path / "crank.stl", 8.0)
+    facets = read_stl(tmp_path / "crank.stl")
+    assert facets.as_trimesh().is_watertight
+    assert facets.volume_mm3 == pytest.approx(volume, rel=2e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("web", ["both", "first", "second"])
+@pytest.mark.parametrize("rounding_mm", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("place_mm", [0.0, 1.0, 3.0])
+def test_mouths_across_the_middle_of_the_pin(
+    web: str, rounding_mm: float, place_mm: float, tmp_path: Path
+) -> None:
+    scene = drilled_twin(0.0, rounding_mm, web, (MIDDLE[0], place_mm))
+    check_step_file(scene, tmp_path / "crank.step")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("order", [[1, 2], [1, 3, 2], SIX], ids=len)
+@pytest.mark.parametrize("web", ["both", "first"])
+def test_several_throws(order: list[int], web: str, tmp_path: Path) -> None:
+    scene = crank_of(drilled_twin(0.0, 1.0, web, MIDDLE), order)
+    check_step_file(scene, tmp_path / "crank.step")
+
+
+@pytest.mark.slow
+def test_halves_that_differ(tmp_path: Path) -> None:
+    """Drillings that reach across the pin's middle are cut into the whole throw there."""
+    one = drilled_twin(3.0, 1.0, "both", MIDDLE)
+    second = one.web.model_dump(mode="json", exclude_none=True) | {"pin_radius_mm": 33.0}
+    check_step_file(crank_of(one, [1], second_web=second), tmp_path / "crank.step")
