@@ -43,7 +43,7 @@ _APART_MM = 3.0
 
 
 @dataclass(frozen=True)
-class Named:
+class ViewedStep:
     """A step of an end and the letter of the section through its middle; empty without one."""
 
     part: EndPiece
@@ -61,7 +61,7 @@ class EndView:
 
     name: str
     piece: Piece
-    steps: tuple[Named, ...]
+    steps: tuple[ViewedStep, ...]
 
     @cached_property
     def shape(self) -> CrankShape:
@@ -108,7 +108,7 @@ class EndView:
         return f"{self.name}, {scale_text(scale)}, upper half in section"
 
 
-def _runs_end(bores: Sequence[float], steps: Sequence[Named]) -> list[bool]:
+def _runs_end(bores: Sequence[float], steps: Sequence[ViewedStep]) -> list[bool]:
     """Tell of each step whether its bore is told: once of a run of one diameter, at its outer end."""
     outward = 1 if not steps or steps[0].part.z_mm[1] > steps[0].part.z_mm[0] else -1
     outer = [*bores[1:], 0.0] if outward > 0 else [0.0, *bores[:-1]]
@@ -138,7 +138,7 @@ def end_views(shape: CrankShape) -> list[EndView]:
         beyond = sorted((part for part in own if part.z_mm[0] not in piece.seams_mm), key=_place)
         if beyond:
             name = "Free end" if beyond[0].z_mm[1] < beyond[0].z_mm[0] else "Output end"
-            steps = (Named(part, next(letters) if part.step.slot else "") for part in beyond)
+            steps = (ViewedStep(part, next(letters) if part.step.slot else "") for part in beyond)
             found.append(EndView(name, piece, tuple(steps)))
     return found
 
@@ -184,12 +184,12 @@ def _across_room(step: KeywayStep | FlangeStep) -> Room:
     return Room((-radius, radius), (-radius, radius), (24.0, 24.0, 2.6 * _GAP_MM, 2 * _GAP_MM))
 
 
-def across(end: EndView, one: Named, first_deg: float) -> CrossSection:
+def across(end: EndView, one: ViewedStep, first_deg: float) -> CrossSection:
     """Return the section through the middle of a step from the free end, turned so that `first_deg` is up."""
     return end.piece.solid.slice(one.middle_mm).mirror((1.0, 0.0)).rotate(-first_deg)
 
 
-def draw_keyway(end: EndView, one: Named, axes: Any, scale: float) -> None:
+def draw_keyway(end: EndView, one: ViewedStep, axes: Any, scale: float) -> None:
     """Draw a keyway in section, turned up, with its width, its depth and its direction."""
     step, mm = one.part.step, 1 / scale
     assert isinstance(step, KeywayStep)
@@ -206,7 +206,7 @@ def draw_keyway(end: EndView, one: Named, axes: Any, scale: float) -> None:
     finish(axes, f"Section {one.letter}-{one.letter}")
 
 
-def draw_flange(end: EndView, one: Named, axes: Any, scale: float) -> None:
+def draw_flange(end: EndView, one: ViewedStep, axes: Any, scale: float) -> None:
     """Draw a flange along the crank, its first hole up, with the holes, their circle and their direction."""
     step, mm = one.part.step, 1 / scale
     assert isinstance(step, FlangeStep)
