@@ -14,6 +14,10 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.base.errors import ExitCode
+from cranktopo.base.notes import redirected
+from cranktopo.base.seals import read_arrays, write_arrays
+from cranktopo.runs.stored import unchanged, write_recorded
+from cranktopo.tasks.fea.studies import EVALUATION, load_study
 from tests.hostile.undamaged import CACHE, DESIGN, made
 
 Capture = pytest.CaptureFixture[str]
@@ -156,3 +160,40 @@ def test_a_changed_figure_of_what_was_added_to_a_run(
     (run / "manifest.json").write_text(json.dumps(manifest))
     assert main(["report", str(run)]) == 0
     assert "the run has no hash of it" in re.sub(r"\n +", " ", capsys.readouterr().err)
+
+
+def test_a_changed_study_of_the_cache_is_left_out(
+    stored: Callable[[str], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(stored("accuracy"), tmp_path, dirs_exist_ok=True)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / CACHE))
+    kept = load_study(DESIGN, EVALUATION)
+    assert kept is not None
+    assert kept.result.rungs
+    change(tmp_path / CACHE / "cranktopo" / "studies" / "accuracy.json", '"torsion_Nm_per_rad"')
+    lines: list[str] = []
+    with redirected(lines.append):
+        assert load_study(DESIGN, EVALUATION) is None
+    assert [line for line in lines if f"the study of '{DESIGN}' was changed since it was written" in line]
+
+
+def test_another_program_has_a_manifest_too(tmp_path: Path) -> None:
+    """A design beside it is one as any other; so is one in the folder of a run that did not write it."""
+    for content in ('{"name": "page"}', "no JSON", "[]"):
+        (tmp_path / "manifest.json").write_text(content)
+        assert unchanged(tmp_path / "mine.toml") == tmp_path / "mine.toml"
+        write_recorded(tmp_path / "mine.toml", "name = 1")
+        assert unchanged(tmp_path / "mine.toml").read_text() == "name = 1"
+        assert (tmp_path / "manifest.json").read_text() == content
+
+
+def test_arrays_of_an_older_version_are_read_with_a_line(tmp_path: Path) -> None:
+    path, lines = tmp_path / "x.npz", list[str]()
+    np.savez(path, x=np.arange(3.0))
+    with redirected(lines.append):
+        assert (read_arrays(path, "'x.npz'", "")["x"] == [0, 1, 2]).all()
+    assert lines == ["'x.npz': holds no hash of its content, so it is not checked for changes"]
+    write_arrays(path, {"x": np.arange(3.0)})
+    with redirected(lines.append):
+        assert list(read_arrays(path, "'x.npz'", "")) == ["x"]
+    assert len(lines) == 1
