@@ -71,7 +71,7 @@ CASES = [(target, number) for target in (HASH, FILE) for number in range(DONE_ST
 
 
 @pytest.mark.parametrize(
-    ("target", "number"), [pytest.param(*case, marks=[SLOW] * (case != (FILE, 1))) for case in CASES]
+    ("target", "number"), [pytest.param(*case, marks=[SLOW] * (case != (HASH, 1))) for case in CASES]
 )
 def test_a_loop_killed_between_the_hash_and_the_file_of_a_step(
     target: str, number: int, whole: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -32,7 +32,9 @@ _ENDED = {0, 6, 130}
 
 def main() -> None:
     """The command line, each shaft and each search of which takes a moment."""
-    from cranktopo.app.main import main as command_line
+    for number in SIGNALS[1:]:  # as the program itself while it loads
+        signal.signal(number, signal.SIG_DFL)
+    from cranktopo.app.process import run_to_its_end
     from cranktopo.tasks.shape import evaluated_web
     from cranktopo.tasks.shape import run as shape_run
     from cranktopo.tasks.shape.each_web import rounds, run
@@ -54,7 +56,7 @@ def main() -> None:
     patched.setattr(evaluated_web, "web_safety", waited(lambda *_: 2.0))
     patched.setattr(shape_run, "shape_design", waited(search.design))
     patched.setattr(shape_run, "resume_shape", waited(search.resume))
-    sys.exit(command_line(sys.argv[1:]))
+    run_to_its_end(list(SIGNALS[1:]))
 
 
 def start(words: list[str], folder: Path) -> subprocess.Popen[str]:
