@@ -12,7 +12,7 @@ from cranktopo.bodies.solid.files import export_solid
 from cranktopo.design.goal.outcome import goal_outcome
 from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Scene
-from cranktopo.design.writing import toml_text
+from cranktopo.design.writing import design_from_run, toml_text
 from cranktopo.runs.directories import RunStore, create_run, open_run
 from cranktopo.tasks.shape.optimum import ShapeSettings
 from cranktopo.tasks.shape.result import ShapeResult
@@ -66,7 +66,7 @@ class ShapeStandIn:
     def resume(self, reference: str | Path, loads: Any = None) -> ShapedRun:
         run = open_run(reference)
         self.asked.append(run.path)
-        return self._ended(run, self.asked[0][0])
+        return self._ended(run, design_from_run(run))
 
     def _ended(self, run: RunStore, scene: Scene) -> ShapedRun:
         if self.error is not None:

@@ -189,13 +189,22 @@ def write_bytes(path: Path, content: bytes) -> None:
 
 def write_text(path: Path, content: str) -> None:
     """Write a text file atomically as UTF-8."""
-    # A file name that is not UTF-8 is no reason to fail.
-    write_bytes(path, content.encode("utf-8", "backslashreplace"))
+    write_bytes(path, text_bytes(content))
+
+
+def text_bytes(content: str) -> bytes:
+    """Return a text as its file holds it; a file name in it that is not UTF-8 is no reason to fail."""
+    return content.encode("utf-8", "backslashreplace")
 
 
 def write_json(path: Path, data: Mapping[str, Any]) -> None:
     """Write an object atomically as JSON; raises CranktopoError where a number is not finite."""
-    write_text(path, json_text(data, path.name, indent=2) + "\n")
+    write_text(path, json_file_text(data, path.name))
+
+
+def json_file_text(data: Mapping[str, Any], name: str) -> str:
+    """Return an object as a JSON file holds it; raises CranktopoError where a number is not finite."""
+    return json_text(data, name, indent=2) + "\n"
 
 
 def write_npz(path: Path, arrays: Mapping[str, NDArray[Any]], compressed: bool = False) -> None:

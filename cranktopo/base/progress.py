@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Callable, Iterator, MutableMapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.files import json_text, read_json, write_json
+from cranktopo.base.files import read_json, write_json
 from cranktopo.base.notes import note
 from cranktopo.base.result import Result
+from cranktopo.base.seals import sealed, unsealed
 
 Json = dict[str, Any]
 Kept = TypeVar("Kept", bound=Result)
 
 
-_RESULT = "result"
-
-
-def _sealed(result: Any) -> Json:
-    text = json_text({_RESULT: result}, "work")
-    return {"sha256": hashlib.sha256(text.encode()).hexdigest(), **json.loads(text)}
+_NAME = "work"
 
 
 @dataclass(frozen=True)
@@ -64,12 +59,12 @@ class StageCache(MutableMapping[str, Json]):
         self._data: dict[str, Json] = {}
         try:
             stored = read_json(path) if path.is_file() else {}
-            whole = {name: part for name, part in stored.items() if part == _sealed(part[_RESULT])}
-            self._data = {name: part[_RESULT] for name, part in whole.items()}
-            damaged = len(self._data) < len(stored)
-        except (CranktopoError, KeyError, TypeError):
-            damaged = True
-        if damaged:
+        except CranktopoError:
+            stored = None
+        for name, part in (stored or {}).items():
+            with suppress(ValueError, CranktopoError):
+                self._data[name] = unsealed(part, _NAME)
+        if stored is None or len(self._data) < len(stored):
             note(f"'{path}': damaged; what is missing is done again")
 
     def __getitem__(self, key: str) -> Json:
@@ -77,7 +72,7 @@ class StageCache(MutableMapping[str, Json]):
 
     def __setitem__(self, key: str, value: Json) -> None:
         self._data[key] = value
-        write_json(self._path, {name: _sealed(result) for name, result in self._data.items()})
+        write_json(self._path, {name: sealed(result, _NAME) for name, result in self._data.items()})
 
     def __delitem__(self, key: str) -> None:
         del self._data[key]

@@ -16,6 +16,7 @@ from cranktopo.design.halves import halves
 from cranktopo.design.messages import explain
 from cranktopo.design.schema import Scene
 from cranktopo.design.toml_text import parse_toml
+from cranktopo.runs.stored import unchanged
 from cranktopo.throw.journal import Journal
 
 _OTHERS_KEYS = ("crankpin", "second_crankpin_length_mm", "drilling")
@@ -151,7 +152,8 @@ def end_journal(scene: Scene, side: Side) -> Journal | None:
 
 def _other(name: str) -> Scene:
     try:
-        return Scene.model_validate(parse_toml(read_text_file(name, f"crank.throws: '{name}'"), name))
+        text = read_text_file(unchanged(Path(name)), f"crank.throws: '{name}'")
+        return Scene.model_validate(parse_toml(text, name))
     except ValidationError as error:
         raise explain(error, name) from None
 

@@ -1,7 +1,7 @@
 """Keep of a long computation: a checkpoint that is whole or absent, and every design.
 
 The new file replaces the old one by a rename, so a process killed at any moment leaves one of the two. The
-zip format's own checksums are verified on loading.
+arrays carry the hash of all of them, which is verified on loading.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError, quoted
-from cranktopo.base.files import from_json, json_text, read_npz, unwritable, write_npz
+from cranktopo.base.files import from_json, json_text, unwritable
+from cranktopo.base.seals import read_arrays, write_arrays
 
 SCHEMA_VERSION = 1
 _HINT, _AGAIN = "Start a new run of the design.", "Run `cranktopo optimise` again."
@@ -34,7 +35,7 @@ def save_iteration(run: Path, iteration: int, x: NDArray[np.float64], beta: floa
         path.parent.mkdir(exist_ok=True)
     except OSError as error:
         raise unwritable(path, error) from None
-    write_npz(path, {"x": x.astype(np.float16), "beta": np.array(beta)}, compressed=True)
+    write_arrays(path, {"x": x.astype(np.float16), "beta": np.array(beta)}, compressed=True)
 
 
 def load_iteration(run: Path, iteration: int) -> tuple[NDArray[np.float64], float]:
@@ -46,7 +47,7 @@ def load_iteration(run: Path, iteration: int) -> tuple[NDArray[np.float64], floa
             f"run '{run}': no density of iteration {iteration}; it {held}.",
             hint="Give one of these." if saved else _AGAIN,
         )
-    content = read_npz(path, f"'{path}'", _AGAIN)
+    content = read_arrays(path, f"'{path}'", _AGAIN)
     try:
         x, beta = content["x"].astype(np.float64), float(content["beta"])
     except (KeyError, ValueError, TypeError):
@@ -83,14 +84,14 @@ def save_checkpoint(path: Path, arrays: Mapping[str, NDArray[Any]], state: Mappi
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise unwritable(path, error) from None
-    write_npz(path, content)
+    write_arrays(path, content)
 
 
 def load_checkpoint(path: Path) -> Checkpoint:
     """Load and verify a checkpoint; raises CranktopoError for one missing, damaged or of another version."""
     if not path.exists():
         raise _bad(path, "missing: the run stopped before its first checkpoint")
-    content = read_npz(path, f"checkpoint '{path}'", _HINT)
+    content = read_arrays(path, f"checkpoint '{path}'", _HINT)
     if _STATE not in content:
         raise _bad(path, f"incomplete, {_STATE} missing")
     try:

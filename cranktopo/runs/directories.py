@@ -24,6 +24,7 @@ from cranktopo.base.files import (
     write_json,
     write_text,
 )
+from cranktopo.base.notes import note
 from cranktopo.runs.destination import LOCK, check_folder, locked, moved, unfinished_folder
 from cranktopo.runs.manifest import (
     Manifest,
@@ -36,7 +37,8 @@ from cranktopo.runs.manifest import (
 )
 
 RUNS = Path("runs")
-_MANIFEST, _DESIGN, _LOG = "manifest.json", "design.toml", "run.log"
+MANIFEST = "manifest.json"
+_DESIGN, _LOG = "design.toml", "run.log"
 WORK = "work.json"
 """Name of the file with the finished parts of a search."""
 _HISTORY, _METRICS, _CHECKPOINT = "history.csv", "metrics.json", "checkpoint/state.npz"
@@ -51,12 +53,12 @@ class RunStore:
     @property
     def has_only_begun(self) -> bool:
         """True while it holds nothing but what a run begins with, so that a refusal may leave nothing."""
-        return self._files <= {LOCK, _MANIFEST, _DESIGN, _LOG}
+        return self._files <= {LOCK, MANIFEST, _DESIGN, _LOG}
 
     @property
     def has_searched_only(self) -> bool:
         """True while it holds no more than the finished parts of a search besides, and no result."""
-        return self._files <= {LOCK, _MANIFEST, _DESIGN, _LOG, WORK}
+        return self._files <= {LOCK, MANIFEST, _DESIGN, _LOG, WORK}
 
     @property
     def _files(self) -> set[str]:
@@ -74,7 +76,7 @@ class RunStore:
 
     def manifest(self) -> Manifest:
         """Return the manifest; raises CranktopoError when it is missing, corrupted or of another version."""
-        return read_manifest(self.path / _MANIFEST)
+        return read_manifest(self.path / MANIFEST)
 
     def started(self) -> datetime:
         """Return when the run was started; raises CranktopoError when the manifest does not say."""
@@ -83,7 +85,7 @@ class RunStore:
             return datetime.fromisoformat(text)
         except ValueError:
             raise CranktopoError(
-                f"'{self.path / _MANIFEST}': started = {quoted(text)} is no date.", hint="Start a new run."
+                f"'{self.path / MANIFEST}': started = {quoted(text)} is no date.", hint="Start a new run."
             ) from None
 
     def set_status(self, status: RunStatus) -> None:
@@ -95,14 +97,29 @@ class RunStore:
         digests = {name: file_hash(self.path / name) for name in results if (self.path / name).is_file()}
         self._record(status="done", ended=timestamp(), results_sha256=digests)
 
-    def unchanged(self, name: str) -> Path:
-        """Return a file of the run; raises CranktopoError where it is not as it was when the run ended."""
-        path, written = self.path / name, self.manifest().results_sha256.get(name)
+    def record(self, digests: Mapping[str, str]) -> None:
+        """Record hashes of files by name that stay as they are, whether the run goes on or has ended."""
+        self._record(recorded_sha256={**self.manifest().recorded_sha256, **digests})
+
+    def recorded(self, name: str) -> bool:
+        """Tell whether the run has the hash of a file; raises CranktopoError where the file has another."""
+        path, manifest = self.path / name, self.manifest()
+        written = manifest.results_sha256.get(name) or manifest.recorded_sha256.get(name)
         if written and file_hash(path) != written:
             raise CranktopoError(
                 f"'{path}': changed since the run wrote it.",
                 hint="Restore that file, start a new run, or use a copy of it elsewhere.",
             )
+        return bool(written)
+
+    def unchanged(self, name: str) -> Path:
+        """Return a file of the run; raises CranktopoError where it is not as the run wrote it.
+
+        A line tells where the run has no hash of it, as one of an older version, or one that goes on.
+        """
+        path = self.path / name
+        if not self.recorded(name) and path.is_file():
+            note(f"'{path}': the run has no hash of it, so it is not checked for changes")
         return path
 
     def resume(self) -> None:
@@ -112,7 +129,7 @@ class RunStore:
         self._record(status="running", ended=None, resumed=resumed, results_sha256={})
 
     def _record(self, **changes: Any) -> None:
-        write_json(self.path / _MANIFEST, self.manifest().model_copy(update=changes).as_json())
+        write_json(self.path / MANIFEST, self.manifest().model_copy(update=changes).as_json())
 
     def require_same_inputs(self) -> None:
         """Check that the input files are those the run was started with; raises CranktopoError."""
@@ -142,7 +159,7 @@ class RunStore:
 
     def read_history(self) -> list[dict[str, Any]]:
         """Return the rows of history.csv, numbers as numbers; none before the first write."""
-        path = self.path / _HISTORY
+        path = self.unchanged(_HISTORY)
         if not path.is_file():
             return []
         lines = read_text_file(path, f"'{path}'").splitlines()
@@ -204,7 +221,7 @@ def create_run(
     )
     with unfinished_folder(root if out is None else out.parent) as folder:
         write_text(folder / _DESIGN, design_toml)
-        write_json(folder / _MANIFEST, manifest.as_json())
+        write_json(folder / MANIFEST, manifest.as_json())
         RunStore(folder).log(f"started: {shlex.join(command)}")
         return RunStore(_published(folder, root / stem) if out is None else moved(folder, out))
 
@@ -217,8 +234,8 @@ def open_run(reference: str | Path, root: Path = RUNS) -> RunStore:
     path = Path(reference)
     if not path.exists():
         path = _by_name(str(reference), root)
-    if not path.is_dir() or not (path / _MANIFEST).is_file():
-        what = f"{_MANIFEST} is missing" if path.is_dir() else "a file"
+    if not path.is_dir() or not (path / MANIFEST).is_file():
+        what = f"{MANIFEST} is missing" if path.is_dir() else "a file"
         raise CranktopoError(
             f"run '{reference}': not a run directory ({what}).", hint="List runs with 'cranktopo runs list'."
         )
@@ -229,7 +246,7 @@ def open_run(reference: str | Path, root: Path = RUNS) -> RunStore:
 
 def status_of(folder: Path) -> RunStatus | None:
     """Return the status of the run in a folder, None where none was begun; raises CranktopoError."""
-    return open_run(folder).manifest().status if (folder / _MANIFEST).is_file() else None
+    return open_run(folder).manifest().status if (folder / MANIFEST).is_file() else None
 
 
 def runs_named(reference: str, root: Path = RUNS) -> list[str]:
@@ -240,7 +257,7 @@ def runs_named(reference: str, root: Path = RUNS) -> list[str]:
 
 def list_runs(root: Path = RUNS) -> list[RunStore]:
     """Return the runs under `root`, oldest first; directories without a manifest are left out."""
-    found = sorted(root.glob(f"*/{_MANIFEST}"))
+    found = sorted(root.glob(f"*/{MANIFEST}"))
     return [RunStore(path.parent) for path in found if not path.parent.name.startswith(".")]
 
 
@@ -274,8 +291,8 @@ def _published(folder: Path, preferred: Path) -> Path:
     number = 1
     while True:
         path = preferred if number == 1 else preferred.with_name(f"{preferred.name}-{number}")
-        manifest = read_json(folder / _MANIFEST)
-        write_json(folder / _MANIFEST, {**manifest, "run": path.name})
+        manifest = read_json(folder / MANIFEST)
+        write_json(folder / MANIFEST, {**manifest, "run": path.name})
         if not path.exists():
             try:
                 return moved(folder, path)

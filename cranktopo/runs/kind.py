@@ -33,8 +33,8 @@ RESULT_FILES: dict[RunKind, str] = {
     "each-web": "each-web.json",
 }
 """Name of the file that a run of each kind writes last."""
-_WEBS = ("web.stl", "web.toml")
-"""Names of the files with the web of a run, which other commands take."""
+_TAKEN = ("web.stl", "web.step", "web.toml", "history.csv")
+"""Names of the files with the web of a run and its course, which other commands take."""
 
 
 def kind_of(run: RunStore) -> RunKind:
@@ -158,7 +158,7 @@ def working_in(run: RunStore, kept: str) -> Iterator[Callable[[], None]]:
         try:
             with closed_by(interrupted), interruptible() as check:
                 yield check
-            run.set_done([RESULT_FILES[kind_of(run)], *_WEBS])
+            run.set_done([RESULT_FILES[kind_of(run)], *_TAKEN])
         except (KeyboardInterrupt, Exception) as error:
             if not _is_interruption(error):
                 if _leaves_nothing(run, error):

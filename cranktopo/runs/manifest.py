@@ -61,6 +61,8 @@ class Manifest(Result):
     settings_sha256: str
     results_sha256: dict[str, str] = Field(default_factory=dict)
     """Of the files with what the run reached, by name, once it has ended."""
+    recorded_sha256: dict[str, str] = Field(default_factory=dict)
+    """Of the files of finished parts, and of what other commands added, by name: a resume leaves them."""
     inputs: dict[str, InputFile] = Field(default_factory=dict)
     """By their roles."""
     versions: dict[str, str | None]

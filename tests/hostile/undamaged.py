@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from unittest.mock import patch
 
 import pytest
 
-from cranktopo import shape_settings, sweep
+from cranktopo import shape_settings
 from cranktopo.app.main import main
+from cranktopo.base.files import write_text
 from cranktopo.base.machine import this_machine
+from cranktopo.base.progress import Json
 from cranktopo.bodies.solid.files import export_solid, kernel_surface_of
 from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import design_text, load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.design.writing import toml_text
 from cranktopo.numerics.surfaces.files import write_surface
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.tasks.accuracy.stage import pareto_front
@@ -25,6 +29,7 @@ from cranktopo.tasks.fea.studies import EVALUATION, Level, store_study
 from cranktopo.tasks.shape import evaluated_web
 from cranktopo.tasks.shape import run as shape_run
 from cranktopo.tasks.shape.each_web import rounds, run
+from cranktopo.tasks.sweep.job import Job, do_job
 from tests import sweep_cases
 from tests.cli.test_iterate import ARGUMENTS, with_stand_ins
 from tests.plain_runs import plain_runs
@@ -84,7 +89,22 @@ def _optimise(folder: Path) -> None:
 
 
 def _sweep(folder: Path) -> None:
-    sweep(DESIGN, {"web.width_mm": [50, 52, 3]}, out=folder / "run", function=sweep_cases.empty, workers=1)
+    """A sweep that the command line began and resumes, its stage of the numbers of `sweep_cases`."""
+
+    def stage(name: str, scene: Scene, place: Path, fineness: object) -> Json:
+        write_text(place / "design.toml", toml_text(scene, f"Point: {name}"))
+        numbers = sweep_cases.empty(scene)
+        per_mass = {"torsion_per_mass_Nm_per_rad_kg": numbers["torsion_Nm_per_rad"] / numbers["mass_kg"]}
+        return {**numbers, **per_mass, "target": "design.toml"}
+
+    def compute(jobs: Sequence[Job], pool: object, done: Callable[..., None], enough: object) -> None:
+        for job in jobs:
+            done(job, do_job(job))
+
+    words = ["sweep", DESIGN, "--vary", "web.width_mm=50,52,54", "--out", str(folder / "run"), "--quiet"]
+    where = "cranktopo.tasks.sweep"
+    with patch(f"{where}.job.run_stage", stage), patch(f"{where}.computed.compute", compute):
+        assert main(words) == 0
 
 
 def _shape(folder: Path) -> None:
@@ -138,18 +158,13 @@ def _accuracy(folder: Path) -> None:
 
 def _remodel(folder: Path) -> None:
     """An optimise run with its re-model, the web of the design as what was fitted."""
-    from cranktopo.bodies.solid.files import surface_of
     from cranktopo.tasks.refit import stage
     from cranktopo.tasks.refit.fit import FittedWeb
 
     _optimise(folder)
-    scene = load_scene(DESIGN)
-    fitted = FittedWeb(scene, ("web.width_mm",), (50.0,), (), (0.8,), ())
-    half = surface_of(scene, "half")
+    fitted = FittedWeb(load_scene(DESIGN), ("web.width_mm",), (50.0,), (), (0.8,), ())
     with patch.object(stage, "fit_web", lambda *_, **__: fitted):
-        (folder / "run" / "remodel").mkdir()
-        near = stage.shape_error(scene, half)
-        stage.write_refit(fitted, near, half, half, folder / "run" / "remodel")
+        assert main(["remodel", str(folder / "run"), "--no-evaluation", "--quiet"]) == 0
 
 
 def _import(folder: Path) -> None:

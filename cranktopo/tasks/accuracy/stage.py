@@ -6,13 +6,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from cranktopo.base.files import as_path, write_json
+from cranktopo.base.files import as_path, json_file_text
 from cranktopo.design.assumed import EVALUATED, filter_by_table
 from cranktopo.numerics.extrapolation import Extrapolation, extrapolate, observed_order
 from cranktopo.report.report_file import write_report
 from cranktopo.runs.destination import check_folder
 from cranktopo.runs.directories import RUNS
 from cranktopo.runs.manifest import timestamp
+from cranktopo.runs.stored import write_recorded
 from cranktopo.tasks.accuracy.page import accuracy_page
 from cranktopo.tasks.accuracy.study import Study, run_studies
 from cranktopo.tasks.fea.stage import print_assumed
@@ -193,7 +194,7 @@ def _folder(target: Target) -> Path:
 def _write(result: StudyResult, folder: Path) -> dict[str, str]:
     folder.mkdir(parents=True, exist_ok=True)
     plain, markdown = folder / "accuracy.json", folder / "accuracy.md"
-    write_json(plain, result.as_json())
+    write_recorded(plain, json_file_text(result.as_json(), plain.name))
     page = accuracy_page(result, timestamp()[:10])
     write_report(page, markdown)
     files = {"json": str(plain), "markdown": str(markdown)}

@@ -60,6 +60,8 @@ _OUTPUT = dict.fromkeys(("optimise", "shape", "sweep", "remodel"), _OUT) | {"ext
 RESUMABLE = ("optimise", "shape", "sweep")
 PARTLY = (0, 5, 6)
 """Exit codes with a result."""
+_INTERRUPTED = (130, 128 + signal.SIGTERM)
+"""Exit codes of a job that was asked to end; the second one while its program loads."""
 
 
 def own_command(*words: str) -> list[str]:
@@ -116,7 +118,7 @@ class BenchJob:
         code = self.code
         if code is None:
             return "running" if self.alive else "stopped"
-        return "done" if code in PARTLY else "stopped" if code in (130, -2) else "failed"
+        return "done" if code in PARTLY else "stopped" if code in _INTERRUPTED else "failed"
 
     @property
     def command(self) -> str:
@@ -183,11 +185,15 @@ class BenchJob:
         return read_text_file(path, f"'{path}'", _MOST_MIB, otherwise="latin-1")
 
     def stop(self) -> None:
-        """Interrupt it as Ctrl-C does, so that it saves what it has."""
+        """Ask it to end, so that it saves what it has.
+
+        It ends as by Ctrl-C, but SIGINT would not reach a job of a bench in the background: shells have such
+        commands ignore it, and all that they start.
+        """
         if self.alive:
             for child in psutil.Process(self.known.pid).children():
                 with suppress(psutil.Error):
-                    child.send_signal(signal.SIGINT)
+                    child.send_signal(signal.SIGTERM)
 
     def discard(self) -> None:
         """Kill it with all that it started, and forget it."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import read_text_file
 from cranktopo.base.line_width import unfolded
+from cranktopo.runs.stored import unchanged
 from cranktopo.tasks.bench.jobs import BenchJob, own_command
 from cranktopo.tasks.bound.result import BoundResult, ProvenBound
 from cranktopo.tasks.evaluate.result import EvaluationList
@@ -65,7 +66,7 @@ def _lines(job: BenchJob) -> list[str]:
 
 
 def _shape(job: BenchJob) -> ShapeResult:
-    return ShapeResult.read(job.out / "shape.json")
+    return ShapeResult.read(unchanged(job.out / "shape.json"))
 
 
 def _fatigue(job: BenchJob) -> FatigueResult:
@@ -161,7 +162,7 @@ def variant_of(job: BenchJob) -> str | None:
 def _design(file: Path) -> str:
     if not file.is_file():
         raise CranktopoError(f"'{file}': is missing.")
-    return read_text_file(file, f"'{file}'")
+    return read_text_file(unchanged(file), f"'{file}'")
 
 
 def _of_shape(job: BenchJob) -> dict[str, float]:
@@ -204,4 +205,4 @@ def _of_fatigue(job: BenchJob) -> dict[str, float]:
 
 
 def _of_optimise(job: BenchJob) -> dict[str, float]:
-    return {"mass": RunMetrics.read(job.out / "metrics.json").mass_kg.throw}
+    return {"mass": RunMetrics.read(unchanged(job.out / "metrics.json")).mass_kg.throw}

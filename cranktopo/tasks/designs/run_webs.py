@@ -22,6 +22,7 @@ from cranktopo.design.writing import design_from_run
 from cranktopo.engine.one_throw import one_throw, worse_web
 from cranktopo.runs.directories import RUNS, RunStore, open_run, runs_named
 from cranktopo.runs.kind import EACH_WEB, LOOP, SHAPE, has_result, kind_of, result_file, resume_command
+from cranktopo.runs.stored import unchanged, unchanged_result
 
 REMODEL = "remodel.json"
 _WEB = "web.toml"
@@ -150,20 +151,20 @@ def _run_web(run: RunStore) -> Path | None:
         raise CranktopoError(
             f"run '{run.path}': its loop found no better web.", hint="Begin with its design instead."
         )
-    return run.path / best.folder / _WEB
+    return unchanged(run.path / best.folder / _WEB)
 
 
 def _newest_remodel(run: RunStore) -> Path | None:
     """Return the scene file of the newest re-model of a run, in it or beside it or under runs/."""
     places = ((run.path, 1), (run.path.resolve().parent, 1), (RUNS, 1), (RUNS, 2))
     found = {file.resolve() for folder, depth in places for file in folder.glob("*/" * depth + REMODEL)}
-    remodels = [file for file in found if read_json(file).get("run") == run.name]
+    remodels = [file for file in found if read_json(unchanged_result(file)).get("run") == run.name]
     newest = max(remodels, key=lambda file: (file.stat().st_mtime_ns, str(file)), default=None)
     return None if newest is None else _design_of(newest.parent)
 
 
 def _design_of(folder: Path) -> Path:
-    files = read_json(folder / REMODEL).get("files")
+    files = read_json(unchanged_result(folder / REMODEL)).get("files")
     name = files.get("design") if isinstance(files, dict) else None
     if not isinstance(name, str):
         raise CranktopoError(
@@ -174,7 +175,7 @@ def _design_of(folder: Path) -> Path:
 
 def _of_remodel(folder: Path) -> WebTarget:
     """Return the folder of a re-model; its original is that of the run that it was made of."""
-    name = read_json(folder / REMODEL).get("run")
+    name = read_json(unchanged_result(folder / REMODEL)).get("run")
     beside = folder.resolve().parent
     for place in (beside, beside / str(name), RUNS / str(name)):
         if place.name == name and (place / "manifest.json").is_file():

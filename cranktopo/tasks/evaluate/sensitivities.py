@@ -17,6 +17,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
 from cranktopo.runs.kind import LOOP, SHAPE, kind_of, reading_results
+from cranktopo.runs.stored import unchanged
 from cranktopo.tasks.designs.run_webs import REMODEL, WebTarget, parametric_scene, web_target
 from cranktopo.tasks.evaluate.result import WebSensitivities
 from cranktopo.tasks.fatigue.needs import check_inputs
@@ -121,7 +122,7 @@ def _limits(target: WebTarget, scene: Scene) -> ManufacturingLimits:
     options = run.manifest().options
     with reading_results(run):
         if (file.parent / REMODEL).is_file():
-            return ManufacturingLimits(**read_json(file.parent / REMODEL).get("rules", {}))
+            return ManufacturingLimits(**read_json(unchanged(file.parent / REMODEL)).get("rules", {}))
         if kind_of(run) == LOOP:
             return Settings.from_json(options[LOOP]).limits
         return ProcessLimits(**options[SHAPE]["limits"])

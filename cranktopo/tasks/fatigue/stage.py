@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import as_path, write_json
+from cranktopo.base.files import as_path, json_file_text
 from cranktopo.base.notes import Pace, note
 from cranktopo.design.assumed import Assumption, filter_by_table
 from cranktopo.design.opened_fillets import bore_remarks
@@ -19,6 +19,7 @@ from cranktopo.engine.performance import note_pressure, pressure_words
 from cranktopo.engine.plan.planning import note_left_off, plan_for_stress
 from cranktopo.engine.vibration.end_chain import tip_remarks
 from cranktopo.runs.destination import check_folder
+from cranktopo.runs.stored import write_recorded
 from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
 from cranktopo.tasks.fatigue.criteria import safety_method, strengths_of
 from cranktopo.tasks.fatigue.needs import check_inputs, safety_left_off
@@ -75,7 +76,7 @@ def assess_fatigue(
     if out is not None:
         for field in found.fields:
             _write_field(out, field)
-        write_json(out / "fatigue.json", found.as_json())
+        write_recorded(out / "fatigue.json", json_file_text(found.as_json(), "fatigue.json"))
     return found
 
 

@@ -9,10 +9,12 @@ from typing import Any, Final, Literal
 
 from pydantic import Field
 
-from cranktopo.base.errors import CranktopoError
+from cranktopo.base.errors import CranktopoError, quoted
 from cranktopo.base.files import read_json, write_json
 from cranktopo.base.machine import Machine, private_cache, this_machine
+from cranktopo.base.notes import note
 from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.base.seals import sealed, unsealed
 from cranktopo.design.assumed import Assumption
 from cranktopo.numerics.extrapolation import Extrapolation
 from cranktopo.tasks.fea.targets import Target
@@ -71,7 +73,7 @@ class PlannedLevel:
     solve: Callable[[], Level]
 
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 
 
 @dataclass(frozen=True)
@@ -108,7 +110,7 @@ def store_study(key: str, result: StudyResult) -> Path | None:
         return None
     stored = {name: kept for name, kept in _stored().items() if name != key}  # the newest is the last
     try:
-        designs = {name: kept.as_json() for name, kept in {**stored, key: result}.items()}
+        designs = {name: sealed(kept.as_json(), name) for name, kept in {**stored, key: result}.items()}
         write_json(path, {"schema_version": SCHEMA_VERSION, "designs": designs})
     except CranktopoError:
         return None
@@ -132,15 +134,21 @@ def load_study(key: str, study: StudyName) -> StoredStudy | None:
 
 
 def _stored() -> dict[str, StudyResult]:
-    """Studies by key; none where there is no file, one of another version, or a damaged one."""
+    """Studies by key; none where there is no file or one of another version; a line tells of damaged ones."""
     path = studies_path()
     try:
         data = {} if path is None else read_json(path)
         valid = data["schema_version"] == SCHEMA_VERSION
-        designs = data["designs"] if valid else {}
-        return {name: StudyResult.of_json(kept, name) for name, kept in designs.items()}
-    except (OSError, CranktopoError, KeyError, TypeError, AttributeError):
+        designs = dict(data["designs"]) if valid else {}
+    except (OSError, CranktopoError, KeyError, TypeError, ValueError):
         return {}
+    found = {}
+    for name, kept in designs.items():
+        try:
+            found[name] = StudyResult.of_json(unsealed(kept, name), name)
+        except (CranktopoError, ValueError):
+            note(f"'{path}': the study of {quoted(name)} was changed since it was written, so it is left out")
+    return found
 
 
 class LevelResult(Result):

@@ -27,6 +27,7 @@ from cranktopo.engine.plan.planning import left_out_features, planned_scene
 from cranktopo.engine.plan.simulated import Feature
 from cranktopo.runs.directories import RunStore, open_run, runs_named
 from cranktopo.runs.kind import require_kind
+from cranktopo.runs.stored import unchanged
 
 _GEOMETRY = (".stl", ".step", ".stp")
 _TRIANGLES = ".stl"
@@ -169,7 +170,7 @@ def _resolved(text: TargetLike, design: str | None, align: bool, kept: _Kept) ->
             hint="Add --design NAME.",
             code=ExitCode.USAGE,
         )
-    scene = load_scene(design)
+    scene, path = load_scene(design), unchanged(path)
     body = planned_scene(scene, ("bores", "fillets"))
     return Target(path.name, body, path, align=align, assumed=assumptions(scene, USED), design=scene)
 

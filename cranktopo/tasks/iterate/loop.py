@@ -23,6 +23,7 @@ from cranktopo.report.result_table import comma_separated
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.directories import RunStore, check_destination, open_run
 from cranktopo.runs.kind import LOOP, RESULT_FILES, SHAPE, require_kind, result_file, working_in
+from cranktopo.runs.stored import unchanged
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.bound.stage import bounds_for_result
 from cranktopo.tasks.density import stage
@@ -224,7 +225,8 @@ def _page(run: RunStore, result: LoopResult, webs: Sequence[StepWeb]) -> Page:
 
 def _shaped_body(folder: Path) -> ShownBody:
     scene = load_scene(str(folder / "web.toml"))
-    return ShownBody(SHAPE, read_stl(folder / "web.stl"), scene.web_z_mm, scene.pitch_mm / 2)
+    mesh = read_stl(unchanged(folder / "web.stl"))
+    return ShownBody(SHAPE, mesh, scene.web_z_mm, scene.pitch_mm / 2)
 
 
 def _line(steps: Sequence[LoopStep]) -> str:

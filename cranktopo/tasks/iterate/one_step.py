@@ -12,7 +12,7 @@ import numpy as np
 from manifold3d import Manifold
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import write_json, write_text
+from cranktopo.base.files import json_file_text, write_text
 from cranktopo.base.frames import X, Y, Z
 from cranktopo.base.notes import note, silent
 from cranktopo.base.result import Result
@@ -30,6 +30,7 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh, manifold_fault, mesh_o
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.directories import RunStore, open_run, status_of
 from cranktopo.runs.kind import result_file
+from cranktopo.runs.stored import unchanged, unchanged_result, write_recorded
 from cranktopo.tasks.density import stage
 from cranktopo.tasks.extraction.release import shaped_undercuts
 from cranktopo.tasks.fea.evaluation import Evaluation, evaluate
@@ -50,6 +51,8 @@ _BEYOND_MM = 1.0
 
 WEB = "web_only.stl"
 HALF = "web"
+_ENVELOPE, _OPTIMISE = "envelope.stl", "optimise"
+"""In the folder of a step: its web as the envelope of the next one, and the run of its own optimisation."""
 _X_AXIS = (1.0, 0.0, 0.0)
 _SIMPLIFY_MM = (2e-3, 4e-3, 1e-3, 8e-3)
 """Distances by which simplification may move the surface, from attempt to attempt."""
@@ -87,14 +90,14 @@ def _written(half: SurfaceMesh, web: SurfaceMesh, folder: Path) -> Solids:
 
 def read_solids(folder: Path) -> Solids:
     """Return the solids of a step that an earlier go of the loop wrote."""
-    return Solids(read_stl(folder / f"{HALF}.stl"), read_stl(folder / WEB))
+    half, web = (unchanged(folder / name) for name in (f"{HALF}.stl", WEB))
+    return Solids(read_stl(half), read_stl(web))
 
 
 def write_envelope(web: SurfaceMesh, folder: Path) -> Path:
-    """Write the web of a step as an envelope that is exactly its own mirror image, once; return its path."""
-    path = folder / "envelope.stl"
-    if not path.is_file():
-        write_stl(path, _symmetric(solid_of(web, f"web of {folder.name}")))
+    """Write the web of a step as an envelope that is exactly its own mirror image; return its path."""
+    path = folder / _ENVELOPE
+    write_stl(path, _symmetric(solid_of(web, f"web of {folder.name}")))
     return path
 
 
@@ -150,6 +153,8 @@ def _in_other_bore(place: np.ndarray, scene: Scene) -> bool:
 
 
 _STEP_FILE = "step.json"
+_STEP_FILES = ("web.toml", f"{HALF}.step", f"{HALF}.stl", WEB)
+"""Beside it, of a step; the original web may have the surfaces alone."""
 _MOST_KEPT = 0.98
 """Largest volume fraction of a step: a little goes even where the re-model lost more than planned."""
 
@@ -180,14 +185,15 @@ def finished_step(folder: Path) -> StepWeb | None:
     path = folder / _STEP_FILE
     if not path.is_file():
         return None
-    kept = _KeptStep.read(path)
+    kept = _KeptStep.read(unchanged_result(path))
     return StepWeb(kept.step, scene_from_dict(kept.scene, str(path)), read_solids(folder))
 
 
 def _kept(web: StepWeb, folder: Path) -> StepWeb:
     """Write the file that says that a step is finished."""
     kept = _KeptStep(step=web.step, scene=web.scene.model_dump(mode="json"))
-    write_json(folder / _STEP_FILE, kept.as_json())
+    beside = [name for name in _STEP_FILES if (folder / name).is_file()]
+    write_recorded(folder / _STEP_FILE, json_file_text(kept.as_json(), _STEP_FILE), beside)
     return web
 
 
@@ -210,7 +216,7 @@ def make_step(
     folder.mkdir(exist_ok=True)
     bounded, fraction = _bounded(folder, number, webs, settings)
     note(f"  removing {100 * (1 - fraction):.0f} % of the envelope")
-    surface = optimised_surface(folder / "optimise", bounded)
+    surface = optimised_surface(folder / _OPTIMISE, bounded)
     note("  re-modelling")
     fitted = fit_web(surface, bounded, fit_limits(bounded, settings.limits))
     near = shape_error(fitted.scene, surface)
@@ -234,7 +240,10 @@ def _bounded(folder: Path, number: int, webs: Sequence[StepWeb], settings: Setti
     target = volume * share ** (number / settings.steps)
     if number > 1:
         volume = web_volume_mm3(webs[-1].scene)
-        path = write_envelope(webs[-1].solids.web, folder.parent / f"step-{number - 1:02d}")
+        before = folder.parent / f"step-{number - 1:02d}"
+        path = before / _ENVELOPE
+        if status_of(folder / _OPTIMISE) is None:  # else its run has the hash of it
+            write_envelope(webs[-1].solids.web, before)
         envelope = StlEnvelope(shape="stl", file=str(path.resolve()), symmetric=True)
         if own := scene.envelope:
             envelope = envelope.model_copy(update={"frozen": own.frozen, "removable": own.removable})
@@ -256,10 +265,12 @@ def optimised_surface(folder: Path, scene: Scene) -> SurfaceMesh:
     """
     path, status = folder / "web.stl", status_of(folder)
     if status == "done":
-        refusal = RunMetrics.read(result_file(open_run(folder))).refusal
+        run = open_run(folder)
+        run.require_same_inputs()
+        refusal = RunMetrics.read(result_file(run)).refusal
         if refusal:
             raise _no_surface(folder, refusal)
-        return read_half_throw(path, scene)
+        return read_half_throw(unchanged(path), scene)
     if status:
         done = resume_optimisation(str(folder))
     else:

@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.files import from_json, read_npz, write_npz
+from cranktopo.base.files import from_json
+from cranktopo.base.result import Result
+from cranktopo.base.seals import read_arrays, write_arrays
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.design.schema import Scene
@@ -58,7 +60,7 @@ def solve_run_stress(run: RunStore, scene: Scene, surface: str) -> CaseStress:
         "von_mises_MPa": found.von_mises_MPa.astype(np.float32),
         "about": np.array(json.dumps(about)),
     }
-    write_npz(run.path / _FILE, arrays, compressed=True)
+    write_arrays(run.path / _FILE, arrays, compressed=True)
     return found
 
 
@@ -68,7 +70,7 @@ def read_run_stress(run: RunStore, surface: str) -> CaseStress | None:
     if not path.is_file():
         return None
     hint = "Delete it and write the report again."
-    stored = read_npz(path, f"'{path}'", hint)
+    stored = read_arrays(path, f"'{path}'", hint)
     try:
         about = from_json(str(stored["about"]))
         points, stress = (stored[name].astype(np.float64) for name in ("points_mm", "von_mises_MPa"))
@@ -85,6 +87,7 @@ def read_run_stress(run: RunStore, surface: str) -> CaseStress | None:
 
 # What other commands print with --json, where the run holds it.
 _FATIGUE, _ACCURACY, _REMODEL = "fatigue.json", "accuracy.json", "remodel/remodel.json"
+Added = TypeVar("Added", bound=Result)
 _MOST_SNAPSHOTS = 60
 MOST_CELLS = 6_000_000
 """Of all snapshots together, one byte each before compression; finer grids are averaged over blocks."""
@@ -147,11 +150,16 @@ def record_of(
         loads=analyse(scene) if scene.engine else None,
         mesh=mesh,
         snapshots=designs,
-        fatigue=FatigueResult.read(run.path / _FATIGUE) if (run.path / _FATIGUE).is_file() else None,
-        accuracy=StudyResult.read(run.path / _ACCURACY) if (run.path / _ACCURACY).is_file() else None,
+        fatigue=_added(run, _FATIGUE, FatigueResult),
+        accuracy=_added(run, _ACCURACY, StudyResult),
         stress=stress,
-        refit=RefitResult.read(run.path / _REMODEL) if (run.path / _REMODEL).is_file() else None,
+        refit=_added(run, _REMODEL, RefitResult),
     )
+
+
+def _added(run: RunStore, name: str, kind: type[Added]) -> Added | None:
+    """Return what another command added to a run; None where it did not; raises CranktopoError."""
+    return kind.read(run.unchanged(name)) if (run.path / name).is_file() else None
 
 
 def _snapshots(run: RunStore, scene: Scene) -> tuple[DesignSnapshot, ...]:

@@ -25,6 +25,7 @@ from cranktopo.runs.destination import moved, unfinished_folder
 from cranktopo.runs.directories import check_destination, open_run
 from cranktopo.runs.kind import interruptible
 from cranktopo.runs.manifest import timestamp, versions
+from cranktopo.runs.stored import record_folder
 from cranktopo.tasks.drawing.sheet import write_drawing
 from cranktopo.tasks.drawing.views import Sheet
 from cranktopo.tasks.extraction.release import shaped_undercuts
@@ -92,6 +93,7 @@ def remodel_run(
         write_json(unfinished / files.result, result.as_json())
         _write_page(result, fitted.scene, half_throw, surface, unfinished)
         check()
+        record_folder(unfinished, folder)
         moved(unfinished, folder)
     return result.model_copy(update={"folder": str(folder)})
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import hashlib
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -14,8 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import UnwritableError, json_text, read_json, unwritable, write_json
+from cranktopo.base.files import UnwritableError, read_json, unwritable, write_json
 from cranktopo.base.notes import note
+from cranktopo.base.seals import seal_of
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.runs.destination import locked
@@ -54,7 +54,7 @@ def kept_result(job: Job) -> PointResult | None:
         return None
     try:
         told = read_json(file)
-        sealed = told.pop(_SEAL, None) == _digest(told)
+        sealed = told.pop(_SEAL, None) == seal_of(told, RESULT)
         kept = PointResult.of_json(told, f"'{file}'")
         if sealed and (kept.id, kept.sha256) == (job.point.id, job.point.sha256):
             return kept
@@ -109,11 +109,7 @@ def point_result(job: Job, status: str, reason: str = "", **numbers: Any) -> Poi
 
 def _write(folder: Path, result: PointResult) -> None:
     told = result.as_json()
-    write_json(folder / RESULT, {**told, _SEAL: _digest(told)})
-
-
-def _digest(told: Mapping[str, Any]) -> str:
-    return hashlib.sha256(json_text(told, RESULT).encode()).hexdigest()
+    write_json(folder / RESULT, {**told, _SEAL: seal_of(told, RESULT)})
 
 
 def _computed(job: Job, folder: Path) -> PointResult:

@@ -22,6 +22,7 @@ from cranktopo.engine.performance import note_pressure
 from cranktopo.report.report_file import REPORT
 from cranktopo.runs.directories import RunStore, check_destination, open_run
 from cranktopo.runs.kind import RESULT_FILES, SWEEP, require_kind, working_in
+from cranktopo.runs.manifest import file_hash
 from cranktopo.tasks.sweep.computed import ALL_CORES, Computed, Session, Workplace
 from cranktopo.tasks.sweep.executor import check_packages, check_scheduler
 from cranktopo.tasks.sweep.front import OBJECTIVES, choices_of, conditions_of, front_of, picks_of
@@ -149,9 +150,19 @@ def _worked(run: RunStore, plan: SweepPlan, points: Sequence[SweepPoint], place:
         write_text(run.path / REPORT, sweep_html(result, found.webs))
         seconds = SweepSeconds(total=time.perf_counter() - began)
         result = result.model_copy(update={"seconds": seconds})
+        _record_picks(run, result)
         write_json(run.path / RESULT_FILES[SWEEP], result.as_json())
     run.log(", ".join(f"{count} {status}" for status, count in result.ends.items()))
     return SweptRun(run.path, result)
+
+
+def _record_picks(run: RunStore, result: SweepResult) -> None:
+    """Record the designs that `compare` takes; raises CranktopoError where one was changed since."""
+    points = {point.id: point for point in result.points}
+    picked = (points[one] for one in result.picks.values())
+    names = {f"{point.run}/{target}" for point in picked if (target := point.number("target"))}
+    new = [name for name in sorted(names) if (run.path / name).is_file() and not run.recorded(name)]
+    run.record({name: file_hash(run.path / name) for name in new})
 
 
 def _result(run: RunStore, plan: SweepPlan, computed: Computed, points: Sequence[SweepPoint]) -> SweepResult:

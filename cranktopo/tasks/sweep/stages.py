@@ -21,6 +21,7 @@ from cranktopo.report.goal_table import violated_limits
 from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
 from cranktopo.report.viewer.small_web import packed_web
 from cranktopo.runs.directories import open_run, status_of
+from cranktopo.runs.stored import unchanged
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.fea.targets import Target, simulated
@@ -150,7 +151,7 @@ def _remodelled(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     metrics = _densities(scene, folder)
     done = folder / REMODEL / "remodel.json"
     if done.is_file():
-        refit = RefitResult.read(done)
+        refit = RefitResult.read(unchanged(done))
     else:
         refit = remodel_run(str(folder / RUN), folder / REMODEL, evaluated=False)
     file = f"{REMODEL}/{refit.files.design}"

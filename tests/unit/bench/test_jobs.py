@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import signal
 import time
 from pathlib import Path
 
@@ -49,8 +50,10 @@ def test_a_job_that_fails_says_why_and_is_found_by_the_next_server(tmp_path: Pat
 
 
 def test_a_job_is_stopped_and_can_go_on(tmp_path: Path) -> None:
-    jobs = Jobs(tmp_path)
+    """As one of a bench in the background, which ignores Ctrl-C as all that a shell starts there."""
+    jobs, before = Jobs(tmp_path), signal.signal(signal.SIGINT, signal.SIG_IGN)
     job = jobs.start("optimise", TEXT, {"volume-fraction": 0.3, "resolution-mm": 6})
+    signal.signal(signal.SIGINT, before)
     assert jobs.job(job.known.id).state == "running"
     time.sleep(0.5)
     while jobs.job(job.known.id).state == "running":

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from cranktopo.base.files import write_text
 from cranktopo.design.crank import OWN_THROW, Crank
 from cranktopo.design.crank_throws import throw_count
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
+from cranktopo.runs.stored import write_recorded
 from cranktopo.throw.web import WebTable
 
 MAIN = "crank.toml"
@@ -28,13 +28,13 @@ def write_crank(scene: Scene, webs: Mapping[int, WebTable], folder: Path, headin
     different = list(dict.fromkeys(throws))
     names = [OWN_THROW, *(f"throw-{throws.index(pair) + 1}.toml" for pair in different[1:])]
     for name, pair in zip(names[1:], different[1:], strict=True):
-        write_text(folder / name, toml_text(_with_webs(scene, *pair), f"{heading} One of its throws."))
+        write_recorded(folder / name, toml_text(_with_webs(scene, *pair), f"{heading} One of its throws."))
     order = tuple(names[different.index(pair)] for pair in throws)
     crank = (scene.crank or Crank()).model_copy(update={"throws": order if len(different) > 1 else ()})
     main = _with_webs(scene, *throws[0])
     if crank != Crank():
         main = main.model_copy(update={"crank": crank})
-    write_text(folder / MAIN, toml_text(main, heading))
+    write_recorded(folder / MAIN, toml_text(main, heading))
     load_scene(str(folder / MAIN), whole=True)
     return (MAIN, *names[1:])
 

@@ -18,6 +18,7 @@ from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import WebLoads
+from cranktopo.runs.stored import unchanged
 from cranktopo.tasks.shape.each_web.crank_files import MAIN, write_crank
 from cranktopo.tasks.shape.each_web.groups import WebGroup
 from cranktopo.tasks.shape.each_web.loaded_shaft import LoadedShaft, loaded_shaft
@@ -192,6 +193,8 @@ class CrankSearch:
                 return loaded_shaft(str(folder / MAIN), self.settings.fillet_fraction).as_json()
 
         kept = LoadedShaft.of_json(self.work.once(folder.name, solved))
+        for design in folder.glob("*.toml"):
+            unchanged(design)
         safeties = ", ".join(f"{safety:.3f}" for safety in kept.figures.safeties)
         note(f"{folder.name}: {kept.figures.mass_kg:.3f} kg; safety of the webs {safeties}")
         return kept
