@@ -28,7 +28,7 @@ from cranktopo.design.schema import Original, Scene
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.runs.directories import RUNS, open_run, runs_named
 from cranktopo.runs.kind import RESULT_FILES, SHAPE
-from cranktopo.runs.stored import unchanged
+from cranktopo.runs.stored import told_where_changed
 
 _PART = re.compile(r"([A-Za-z_]\w*)((?:\[\d+\])*)")
 
@@ -207,7 +207,7 @@ def shaped_web(reference: str) -> Path | None:
 
 def design_text(design: str) -> str:
     """Return the text of a design given as a TOML path or a built-in name."""
-    path = unchanged(resolve_design(design))
+    path = told_where_changed(resolve_design(design))
     kind = _GEOMETRY.get(path.suffix.lower())
     text = "" if kind else read_text_file(path, f"design {quoted(str(path), 400)}")
     kind = kind or next((kind for head, kind in _HEADS.items() if text.startswith(head)), None)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import text_bytes, write_bytes
+from cranktopo.base.notes import note
 from cranktopo.runs.directories import MANIFEST, RunStore
 from cranktopo.runs.manifest import file_hash
 
@@ -21,6 +22,15 @@ def unchanged(path: Path) -> Path:
     if path.is_file() and (owner := _owner(path)):
         run, name = owner
         run.recorded(name)
+    return path
+
+
+def told_where_changed(path: Path) -> Path:
+    """Return the path of a design that is asked for itself; a line tells where a run wrote another text."""
+    try:
+        unchanged(path)
+    except CranktopoError:
+        note(f"'{path}': changed since its run wrote it, taken as it is now; the run is what it was")
     return path
 
 

@@ -9,6 +9,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import builtin_designs
 from cranktopo.runs.directories import RunStore, open_run, runs_named
 from cranktopo.runs.kind import SWEEP, kind_of, read_result, reading_results, resume_command
+from cranktopo.runs.stored import unchanged
 from cranktopo.tasks.fea.targets import TargetLike
 from cranktopo.tasks.sweep.result import SweepResult
 from cranktopo.tasks.sweep.text import condition_words
@@ -47,7 +48,8 @@ def _picked(run: RunStore) -> list[str]:
         result = SweepResult.of_json(data, f"run '{run.path}'")
         points = {point.id: point for point in result.points}
         picked = [points[one] for one in result.picks.values()]
-        found = [str(run.path / p.run / target) for p in picked if (target := p.number("target"))]
+        names = [f"{p.run}/{target}" for p in picked if (target := p.number("target"))]
+        found = [str(unchanged(run.path / name)) for name in names]
     if not found and result.operating_conditions:
         raise CranktopoError(f"run '{run.path}': picks nothing.", hint=f"{condition_words(result)}.")
     if not found:

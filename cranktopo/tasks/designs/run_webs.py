@@ -170,7 +170,7 @@ def _design_of(folder: Path) -> Path:
         raise CranktopoError(
             f"re-model '{folder}': its {REMODEL} names no design.", hint="Make it anew: cranktopo remodel RUN"
         )
-    return inside(folder, name)
+    return unchanged(inside(folder, name))
 
 
 def _of_remodel(folder: Path) -> WebTarget:
