@@ -217,11 +217,11 @@ def joined_extremes(
                 hint=f"Give engine.{key}, or [engine.gas].",
             )
     high_radial, low_radial = _radial_extremes_N(analysis, others, radial.case.radial_N)
-    low_torque = min(states["min_torque"].case.torque_Nm, 0.0) if "min_torque" in states else 0.0
+    low_torque = states["min_torque"].case.torque_Nm if "min_torque" in states else 0.0
     if analysis.engine.min_torque_Nm is not None:
         low_torque = analysis.engine.min_torque_Nm
     speed = angular_speed_rad_s(analysis.engine.speed_rpm)
-    forces = {"largest": max(high_radial, 0.0), "smallest": min(low_radial, 0.0)}
+    forces = {"largest": high_radial, "smallest": low_radial}
     torques = {"largest": torque.case.torque_Nm, "smallest": low_torque}
     pairs = [(force, twist) for force in forces for twist in torques]
     return LoadHistory(
@@ -248,7 +248,7 @@ def _radial_extremes_N(
     Where inertia outweighs the gas, the load case of bending is the smallest force, and tells no other end.
     """
     if analysis.cycle is None or analysis.engine.max_gas_force_N is not None:
-        return gas_force_N, 0.0
+        return max(gas_force_N, 0.0), min(gas_force_N, 0.0)
     found = [cycle.extreme("web_force_N") for cycle in (analysis.cycle, *others)]
     high, low = max(found, key=lambda ends: ends[0].value - ends[1].value)
     return high.value, low.value
