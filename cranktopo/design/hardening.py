@@ -74,6 +74,12 @@ class CaseHardening(SceneTable):
         return self.transition_hardness_HV or _DROP * core_HV
 
     @property
+    def demand(self) -> str:
+        """Process, least depth and least hardness for a workshop drawing."""
+        process = "induction-hardened" if self.process == "induction" else self.process
+        return f"{process}, at least {self.case_depth_mm:g} mm deep and {self.surface_hardness_HV:g} HV"
+
+    @property
     def words(self) -> str:
         """The treatment in words."""
         source = self.source or "NO SOURCE; name it in its key `source`"

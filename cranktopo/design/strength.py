@@ -58,6 +58,17 @@ def strength_notes(scene: Scene) -> list[str]:
     return material_notes(scene.material, _crank_section(scene))
 
 
+def treatment_notes(scene: Scene) -> list[str]:
+    """Return what a drawing asks of the fillets, so that they have the treatment which the safety counts."""
+    settings, demands = scene.fatigue, dict[str, list[str]]()
+    for fillet, one in settings.hardened.items():
+        demands.setdefault(one.demand, []).append("crankpins" if fillet == "pin" else "main journals")
+    if settings.surface_treatment_factor > 1.0:
+        asked = settings.surface_treatment_source or "treated, as agreed with the forge"
+        demands[f"{asked}; strength times {settings.surface_treatment_factor:g}"] = ["all journals"]
+    return [f"Fillets of {' and '.join(places)}: {demand}." for demand, places in demands.items()]
+
+
 def material_notes(material: Material, section: RulingSection) -> list[str]:
     """Return the same of a material in any part."""
     if _section_remark(material, section):

@@ -21,6 +21,7 @@ from cranktopo.bodies.crank_ends import ends_volume_mm3
 from cranktopo.bodies.volume import throw_volume_mm3
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
+from cranktopo.design.strength import treatment_notes
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.crank_drawing.balancing import balancing_notes
 from cranktopo.tasks.crank_drawing.crank_shape import crank_shape
@@ -71,6 +72,41 @@ def test_it_says_what_the_shop_needs(sheet: tuple[Figure, SheetLayout]) -> None:
     wanted = ("2× ⌀44 h6 (0/-0.016)", "1× ⌀40 k6 (+0.018/+0.002)", "54 HRC", "K-17", "Crack test.")
     for text in (*wanted, "42CrMo4", "G 16", "40 ±0.05", "2026-01-02", "↗", "∥", "R2\nRa 0.4", "WEB 1"):
         assert text in found, text
+
+
+@pytest.mark.parametrize(
+    ("fatigue", "lines"),
+    [
+        (
+            {"hardening": {"process": "nitrided", "case_depth_mm": 0.4, "surface_hardness_HV": 700.0}},
+            ["Fillets of crankpins and main journals: nitrided, at least 0.4 mm deep and 700 HV."],
+        ),
+        (
+            {
+                "hardening": {
+                    "process": "induction",
+                    "case_depth_mm": 1.0,
+                    "surface_hardness_HV": 600.0,
+                    "fillets": "pin",
+                }
+            },
+            ["Fillets of crankpins: induction-hardened, at least 1 mm deep and 600 HV."],
+        ),
+        (
+            {"surface_treatment_factor": 1.3, "surface_treatment_source": "rolled, by tests of the forge"},
+            ["Fillets of all journals: rolled, by tests of the forge; strength times 1.3."],
+        ),
+        ({}, []),
+    ],
+)
+def test_the_treatment_that_the_safety_counts_is_asked_of_the_shop(
+    fatigue: dict[str, Any], lines: list[str]
+) -> None:
+    """A crank made to a sheet without it had a safety of 1.27 where 1.62 was told."""
+    scene = small(fatigue=fatigue, material={"name": "42CrMo4", "fkm_group": "Steel"})
+    assert treatment_notes(scene) == lines
+    found = " ".join(" ".join(words(drawn(scene)[0])).split())
+    assert all(line in found for line in lines)
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from cranktopo.design.drawing import surface_notes
 from cranktopo.design.halves import difference, web_asymmetry
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
-from cranktopo.design.strength import strength_notes
+from cranktopo.design.strength import strength_notes, treatment_notes
 from cranktopo.engine.balance.crank import beyond_throws_kg
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.report.drafting import THIN, number_mm
@@ -210,7 +210,7 @@ def _notes(scene: Scene, shape: CrankShape) -> list[str]:
         *surface_notes(drawing),
         "A-B: axis of the outer main journals, on which it is measured.",
     ]
-    notes += strength_notes(scene)
+    notes += strength_notes(scene) + treatment_notes(scene)
     notes += balancing_notes(scene, mass)
     if any(web_asymmetry(throw.scene) and not difference(throw.scene) for throw in shape.throws):
         notes.append("A web drawn for both of a throw is the first; the second is its mirror image.")

@@ -24,7 +24,7 @@ from cranktopo.design.crank_throws import refuse_split_pins
 from cranktopo.design.drawing import surface_notes
 from cranktopo.design.halves import difference, halves, mirror_image, web_asymmetry
 from cranktopo.design.schema import Scene
-from cranktopo.design.strength import strength_notes
+from cranktopo.design.strength import strength_notes, treatment_notes
 from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 from cranktopo.report.drafting import GHOST, INK, TEXT_SIZE, folded, frame, projection_symbol
@@ -141,6 +141,7 @@ def _page(sheet: Sheet, balance: ThrowBalance) -> SheetPage:
         notes=[
             *surface_notes(scene.drawing),
             *strength_notes(scene),
+            *treatment_notes(scene),
             *(["Web symmetric in x."] if not web_asymmetry(scene) else [_IMAGE] * (sheet.half is None)),
             *[_TURNED] * sheet.turned,
         ],
