@@ -434,7 +434,10 @@ def second_web_open(monkeypatch: pytest.MonkeyPatch, safeties: None) -> None:
     monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", checked)
 
 
-OPEN = "second web, pin fillet: the mesh misses the rule's checks: surface-normal stress 3.3 % (at most 3 %)"
+OPEN = (
+    "second web, pin fillet: the mesh misses the checks of IACS UR M53: surface-normal stress 3.3 % "
+    "(at most 3 %)"
+)
 
 
 @pytest.mark.usefixtures("second_web_open")

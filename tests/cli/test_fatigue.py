@@ -221,7 +221,7 @@ def test_result_and_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) ->
     ]
     assert main(arguments) == 0
     captured = capsys.readouterr()
-    assert "the mesh misses the rule's checks" in captured.err
+    assert "the mesh misses the checks of IACS UR M53" in captured.err
     result: dict[str, Any] = json.loads(captured.out)
     assert json.loads((tmp_path / "fatigue.json").read_text(encoding="utf-8")) == result
     (entry,) = result["fatigue"]

@@ -120,7 +120,10 @@ def test_a_material_that_the_rule_does_not_cover_is_said_first_and_not_accepted(
 
 def test_only_a_check_that_the_mesh_misses_is_told_as_missed() -> None:
     one = replace(QUALITY, normal_percent=3.2)
-    assert one.shortfall == "the mesh misses the rule's checks: surface-normal stress 3.2 % (at most 3 %)"
+    assert (
+        one.shortfall
+        == "the mesh misses the checks of IACS UR M53: surface-normal stress 3.2 % (at most 3 %)"
+    )
     assert "jump between elements 4.0 % (at most 5 %)" in one.kept
     assert "jump" in replace(one, jump_percent=5.1).shortfall
 

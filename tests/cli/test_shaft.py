@@ -284,7 +284,7 @@ def test_safety_in_words() -> None:
 
 def test_a_safety_on_a_mesh_that_misses_the_checks_is_not_shown_as_sure(bored: dict[str, Any]) -> None:
     loads = BearingPolar(900.0, np.array([0.0, 360.0]), (1,), np.ones((1, 2, 2)))
-    missed = "the mesh misses the rule's checks: jump between elements 9.4 % (at most 5 %)"
+    missed = "the mesh misses the checks of IACS UR M53: jump between elements 9.4 % (at most 5 %)"
     unwritten = {"throw_inertias_kg_mm2": (1.0,) * 4, "throw_by_bearings_Nm_per_rad": {}, "weighed": "shaft"}
     for safety, status, told in (
         (judged(), "good", False),

@@ -24,9 +24,9 @@ class MeshCheck:
         return self.value <= self.at_most
 
     def __str__(self) -> str:
-        if self.unit == "%":
-            return f"{self.name} {self.value:.1f} % (at most {self.at_most:g} %)"
-        return f"{self.name} {self.value:.4f} (at most {self.at_most:g})"
+        least, unit = (1, " %") if self.unit == "%" else (4, "")
+        digits = next((n for n in range(least, 9) if (round(self.value, n) <= self.at_most) == self.kept), 9)
+        return f"{self.name} {self.value:.{digits}f}{unit} (at most {self.at_most:g}{unit})"
 
 
 class _RuleChecks:
@@ -44,7 +44,7 @@ class _RuleChecks:
     def shortfall(self) -> str:
         """The checks that the mesh misses beside their limits in words."""
         missed = [str(check) for check in self.checks if not check.kept]
-        return f"the mesh misses the rule's checks: {', '.join(missed)}"
+        return f"the mesh misses the checks of IACS UR M53: {', '.join(missed)}"
 
     @property
     def kept(self) -> str:

@@ -122,8 +122,9 @@ def _as_safe(ratio: float, one: Summary, base: Summary) -> str:
     meshes = " and of ".join(each.name for each in (one, base) if each.coarse)
     if meshes and abs(ratio - 1) > SAME:
         return (
-            f"not told apart from {base.name}: the mesh of {meshes} misses the rule's checks, and safeties "
-            f"scatter by up to {error_text(error)} % then; a smaller --fillet-fraction of `fatigue` may help"
+            f"not told apart from {base.name}: the mesh of {meshes} misses the checks of IACS UR M53, "
+            f"and safeties scatter by up to {error_text(error)} % then; "
+            "a smaller --fillet-fraction of `fatigue` may help"
         )
     if one.error_percent or base.error_percent:
         return f"equal to {base.name} within their error: {_error_words(one)}, {_error_words(base)}"

@@ -58,7 +58,10 @@ def judged(name: str, safety: float, normal_percent: float, fitted: bool = False
 @pytest.mark.parametrize(
     ("other", "answer"),
     [
-        (judged("other", 1.033, 4.0), "not told apart from base: the mesh of other misses the rule's checks"),
+        (
+            judged("other", 1.033, 4.0),
+            "not told apart from base: the mesh of other misses the checks of IACS UR M53",
+        ),
         (judged("other", 1.033, 2.0), "safer than base."),
         (judged("other", 1.033, 4.0, fitted=True), "safer than base."),
         (judged("other", 1.01, 4.0), "as safe as base."),

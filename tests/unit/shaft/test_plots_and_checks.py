@@ -11,7 +11,7 @@ import pytest
 from cranktopo import Target, load_scene
 from cranktopo.base.notes import redirected
 from cranktopo.tasks.fatigue import stress_model
-from cranktopo.tasks.fatigue.mesh_quality import Quality
+from cranktopo.tasks.fatigue.mesh_quality import MeshCheck, Quality
 from cranktopo.tasks.shaft.web_sections import WebSections
 from cranktopo.tasks.shaft_safety.judged import JudgedShaft
 from cranktopo.tasks.shaft_safety.plots import web_pictures
@@ -43,9 +43,18 @@ def test_a_mesh_of_any_throw_that_misses_the_checks_is_told(fitted: bool) -> Non
     good, bad = throw("good", 1.0, fitted), throw("bad", 3.4, fitted)
     assert JudgedShaft(target, "rigid", [good, good], [900.0], "lsa").missed_checks == ""
     told = JudgedShaft(target, "rigid", [bad], [900.0], "lsa").missed_checks
-    assert told.startswith("the mesh misses the rule's checks: surface-normal stress 3.4 %")
+    assert told.startswith("the mesh misses the checks of IACS UR M53: surface-normal stress 3.4 %")
     both = JudgedShaft(target, "rigid", [good, bad], [900.0], "lsa").missed_checks
     assert both == f"bad: {told}"
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [(3.0312, "3.03 %"), (3.00004, "3.00004 %"), (3.4, "3.4 %"), (2.96, "3.0 %"), (2.4, "2.4 %")],
+)
+def test_a_check_that_is_missed_has_the_digits_that_show_it(value: float, words: str) -> None:
+    """3.0312 was told as "3.0 % (at most 3 %)", a miss that kept its limit."""
+    assert str(MeshCheck("stress", value, 3.0)) == f"stress {words} (at most 3 %)"
 
 
 @pytest.mark.parametrize(("longest", "fractions"), [(0.25005, 2), (0.2499, 1)])
