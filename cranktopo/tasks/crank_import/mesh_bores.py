@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from cranktopo.base.arrays import Array, Int64, Mask
-from cranktopo.tasks.crank_import.faces import CylinderFace, from_line_mm
 from cranktopo.tasks.crank_import.fits import across, circle, covered_rad, median_direction, tilt
 from cranktopo.tasks.crank_import.mesh_skin import Skin
+from cranktopo.tasks.importing.faces import CylinderFace, from_line_mm
 
 BENT_RAD = (3e-3, 0.75)
 """Angle between neighbours that may be facets of one round face."""

@@ -13,7 +13,6 @@ import numpy as np
 
 from cranktopo.base.arrays import Array, Int64
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.tasks.crank_import.faces import Faces, PlaneFace, TorusFace
 from cranktopo.tasks.crank_import.fits import (
     across,
     covered_rad,
@@ -26,6 +25,7 @@ from cranktopo.tasks.crank_import.fits import (
 from cranktopo.tasks.crank_import.mesh_bores import BENT_RAD, FEWEST, bore_of, drillings, of_one_bore
 from cranktopo.tasks.crank_import.mesh_skin import Skin
 from cranktopo.tasks.crank_import.mesh_walls import FULL_RAD, Wall, walls
+from cranktopo.tasks.importing.faces import Faces, PlaneFace, TorusFace
 
 _SPREAD = 0.07
 """Sine between the crank axis and the fold of two neighbours that lie along it."""

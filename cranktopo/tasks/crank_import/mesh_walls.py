@@ -9,9 +9,9 @@ from functools import cached_property
 import numpy as np
 
 from cranktopo.base.arrays import Array, Int64, Mask
-from cranktopo.tasks.crank_import.faces import CylinderFace, PlaneFace
 from cranktopo.tasks.crank_import.fits import circle, covered_rad, trimmed_circle
 from cranktopo.tasks.crank_import.mesh_skin import Skin
+from cranktopo.tasks.importing.faces import CylinderFace, PlaneFace
 
 FULL_RAD = 2 * np.pi - 0.65
 """Angle that the corners of a whole cylinder cover at least: a few facets may lie between."""

@@ -24,11 +24,11 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout
 from cranktopo.tasks.crank_import.crank_finder import find_crank
 from cranktopo.tasks.crank_import.design_text import crank_table
-from cranktopo.tasks.crank_import.faces import CylinderFace, Faces, PlaneFace, exact_faces
 from cranktopo.tasks.crank_import.result import CrankImport
 from cranktopo.tasks.crank_import.stage import import_crank
 from cranktopo.tasks.crank_import.text import import_text
 from cranktopo.tasks.importing.cad_body import moved_rigidly
+from cranktopo.tasks.importing.faces import CylinderFace, Faces, PlaneFace, exact_faces
 from tests.random_engines import random_engine
 
 

@@ -18,7 +18,6 @@ from cranktopo.design.loading import builtin_designs, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.files import write_stl, write_surface
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
-from cranktopo.tasks.crank_import.faces import CylinderFace, Faces
 from cranktopo.tasks.crank_import.mesh_faces import mesh_faces
 from cranktopo.tasks.crank_import.mesh_skin import Skin
 from cranktopo.tasks.crank_import.mesh_walls import walls
@@ -27,6 +26,7 @@ from cranktopo.tasks.crank_import.result import CrankImport
 from cranktopo.tasks.crank_import.solids import parallel_axes
 from cranktopo.tasks.crank_import.stage import import_crank, misfit_hint
 from cranktopo.tasks.crank_import.web_reading import ReadWeb
+from cranktopo.tasks.importing.faces import CylinderFace, Faces
 from tests.random_engines import random_engine
 
 LENGTH_MM, ANGLE_DEG = 0.02, 0.05
