@@ -1,6 +1,6 @@
-"""How far each dimension of a design is from its body: that of the faces which tell it.
+"""Deviation of each dimension of a design from its body: that of the faces which tell it.
 
-Which faces tell a feature is found by leaving out one at a time: without them it is not read.
+The faces of a feature are found by leaving out one at a time: without them it is not read.
 """
 
 from __future__ import annotations
