@@ -1,7 +1,7 @@
 """What the mesh of the fillets costs and gives: concentration factors, seconds and the rule's quality checks.
 
 Run with `python -m tests.benchmarks.fatigue_mesh` (all throws and sizes) or with `--throw NAME --fraction F`
-for one row. Three throws inside the validity of IACS UR M53; factors from finite elements are followed by
+for one row. Throws inside the validity of IACS UR M53; factors from finite elements are followed by
 their difference from the rule's polynomials in percent.
 """
 

@@ -22,6 +22,7 @@ from cranktopo.bodies.volume import throw_volume_mm3
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.design.strength import treatment_notes
+from cranktopo.engine.balance.crank import crank_mass
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.crank_drawing.balancing import balancing_notes
 from cranktopo.tasks.crank_drawing.crank_shape import crank_shape
@@ -261,6 +262,32 @@ def test_ends_and_own_throws_are_drawn() -> None:
     assert stop - start == pytest.approx(whole, rel=1e-6)
     first, last = shape.journals[0], shape.journals[-1]
     assert [b - a for a, b in (first.z_mm, last.z_mm)] == pytest.approx([40.0, 40.0])
+
+
+@pytest.mark.slow
+def test_flying_webs_are_drawn() -> None:
+    """The pieces hold the crank's volume, and each flying web joins two pins without a journal in between."""
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True, exclude={"published"})
+    flying = [{"number": number, "length_mm": 0.0} for number in (1, 3)]
+    scene = scene_from_dict({**data, "crank": {"bearings": [0, 2, 4], "main_journal": flying}}, "crank")
+    shape, mass = crank_shape(scene), crank_mass(scene)
+    assert mass is not None
+    kg = sum(piece.solid.volume() for piece in shape.pieces) * scene.material.density_kg_m3 * 1e-9
+    assert kg == pytest.approx(mass.mass_kg, rel=5e-3)
+    start, stop = shape.z_mm
+    assert stop - start == pytest.approx(
+        4 * scene.pitch_mm - 2 * scene.throw.main_journal.length_mm, rel=1e-6
+    )
+    figure, _ = crank_figure(scene, shape, DAY)
+    assert "3× ⌀42 h6" in "\n".join(words(figure))
+
+
+def test_the_detail_of_a_fillet_names_its_recess() -> None:
+    journal = {**JOURNAL, "recess_mm": 0.5}
+    throw = {"radius_mm": 40.0, "main_journal": {**JOURNAL, "outer_diameter_mm": 44.0}, "crankpin": journal}
+    found = words(drawn(small(throw=throw))[0])
+    assert any("R2, recess 0.5\nRa 0.4" in text for text in found)
+    assert any(text.startswith("R2\nRa 0.4") for text in found), "the main journal has none"
 
 
 def test_a_crank_that_is_unbalanced_by_design_asks_for_bob_weights() -> None:

@@ -1,4 +1,4 @@
-"""Concentration factors from finite elements against the polynomials of IACS UR M53, three throws."""
+"""Concentration factors from finite elements against the polynomials of IACS UR M53, also with recesses."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tests.studies.example_throws import rule_throws
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["rule-example", "mikron-iiic-plain", "industrial-gas"])
+@pytest.mark.parametrize("name", ["rule-example", "recessed", "mikron-iiic-plain", "industrial-gas"])
 def test_elements_agree_with_the_rule(name: str) -> None:
     """On the rule's own mesh, whose two checks of quality must hold.
 

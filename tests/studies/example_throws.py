@@ -64,6 +64,17 @@ def rule_throws() -> dict[str, Scene]:
     """Throws inside the validity of IACS UR M53, by name."""
     return {
         "rule-example": throw_scene(MARINE["throw"], MARINE["web"]),
+        "recessed": throw_scene(_with_recesses(MARINE["throw"], 0.8, 1.2), MARINE["web"]),
         "mikron-iiic-plain": load_scene("mikron-iiic-plain"),
         "industrial-gas": throw_scene(INDUSTRIAL["throw"], INDUSTRIAL["web"]),
+    }
+
+
+def _with_recesses(throw: dict[str, Any], main_mm: float, pin_mm: float) -> dict[str, Any]:
+    """Return a throw whose fillets run below the faces of the web."""
+    main, pin = (throw[key] for key in ("main_journal", "crankpin"))
+    return {
+        **throw,
+        "main_journal": {**main, "recess_mm": main_mm},
+        "crankpin": {**pin, "recess_mm": pin_mm},
     }

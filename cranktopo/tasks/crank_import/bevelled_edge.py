@@ -9,8 +9,8 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.crank_import.faces import DIGITS, FLAT
 from cranktopo.tasks.crank_import.half_body import HalfBody
+from cranktopo.tasks.importing.faces import DIGITS, FLAT
 from cranktopo.throw.counterweight.sector import Sector
 from cranktopo.throw.counterweight.tangent_circle import flank_directions
 

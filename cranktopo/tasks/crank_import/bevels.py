@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.crank_import.faces import DIGITS, FLAT, CylinderFace
 from cranktopo.tasks.crank_import.half_body import HalfBody
+from cranktopo.tasks.importing.faces import DIGITS, FLAT, CylinderFace
 from cranktopo.throw.bevel import LARGEST_DRAFT_DEG
 
 _SLANTED = 1e-3

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.tasks.crank_import.faces import FLAT, Faces, PlaneFace
+from cranktopo.tasks.importing.faces import FLAT, Faces, PlaneFace
 from cranktopo.throw.floor_rounding import FloorRounding
 
 _STEEPEST = 0.5

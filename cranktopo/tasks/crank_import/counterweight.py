@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from cranktopo.tasks.crank_import.faces import (
+from cranktopo.tasks.crank_import.half_body import HalfBody
+from cranktopo.tasks.importing.faces import (
     DIGITS,
     FLAT,
     CylinderFace,
@@ -16,7 +17,6 @@ from cranktopo.tasks.crank_import.faces import (
     from_line_mm,
     span_along,
 )
-from cranktopo.tasks.crank_import.half_body import HalfBody
 
 _CENTRED = 1e-5
 """Distance of a rim's axis from the crank axis over its radius."""

@@ -15,7 +15,8 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.tasks.crank_import.choices import EndJournals
 from cranktopo.tasks.crank_import.end_steps import EndFinder
-from cranktopo.tasks.crank_import.faces import (
+from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf, FoundJournal, FoundStep
+from cranktopo.tasks.importing.faces import (
     CylinderFace,
     Faces,
     from_line_mm,
@@ -24,7 +25,6 @@ from cranktopo.tasks.crank_import.faces import (
     same_axis,
     span_along,
 )
-from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf, FoundJournal, FoundStep
 
 _Spans = Callable[[CylinderFace], tuple[float, float]]
 _NEAR = 1e-5

@@ -12,10 +12,10 @@ from cranktopo.base.notes import note
 from cranktopo.design.crank import OWN_THROW
 from cranktopo.design.loading import parse_scene
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.crank_import.faces import DIGITS
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundStep
 from cranktopo.tasks.crank_import.half_body import EXACT, Closeness
 from cranktopo.tasks.crank_import.throw_designs import Throws, fillets_of, throw_keys
+from cranktopo.tasks.importing.faces import DIGITS
 
 
 def design_text(

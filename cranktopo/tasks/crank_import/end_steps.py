@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.tasks.crank_import.faces import (
+from cranktopo.tasks.crank_import.found_crank import FoundBolts, FoundKeyway, FoundStep
+from cranktopo.tasks.importing.faces import (
     FLAT,
     CylinderFace,
     Faces,
@@ -18,7 +19,6 @@ from cranktopo.tasks.crank_import.faces import (
     parallel,
     span_along,
 )
-from cranktopo.tasks.crank_import.found_crank import FoundBolts, FoundKeyway, FoundStep
 
 _NEAR = 1e-5
 """Share of a radius in which places count as one."""

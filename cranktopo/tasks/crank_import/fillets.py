@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cranktopo.tasks.crank_import.faces import Faces, TorusFace, from_line_mm, parallel
 from cranktopo.tasks.crank_import.fits import centred_ellipse
+from cranktopo.tasks.importing.faces import Faces, TorusFace, from_line_mm, parallel
 from cranktopo.tasks.importing.found_fillets import FilletRing, ring_of
 
 _TANGENT = 1e-5

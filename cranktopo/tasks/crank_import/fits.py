@@ -30,6 +30,11 @@ class FittedCircle:
     off_mm: Array
 
 
+def rms(off_mm: Array) -> float:
+    """Return the root of the mean of squares of distances (n,)."""
+    return float(np.sqrt((off_mm**2).mean()))
+
+
 def circle(points: Array, weights: Array | None = None) -> FittedCircle:
     """Return the circle through points (n, 2) by linear least squares (I. Kasa, IEEE Trans. IM 25, 1976)."""
     middle = points.mean(axis=0)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.tasks.crank_import.faces import from_line_mm
+from cranktopo.tasks.importing.faces import from_line_mm
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid.checked import SolidProperties
-from cranktopo.tasks.crank_import.faces import Faces
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf
 from cranktopo.tasks.crank_import.solids import FoundSolid
+from cranktopo.tasks.importing.faces import Faces
 
 if TYPE_CHECKING:
     from cranktopo.numerics.surfaces.mesh import SurfaceMesh

@@ -15,7 +15,6 @@ from cranktopo.bodies.solid.step import kernel_surface
 from cranktopo.numerics.gmsh_session import DimTags, cad_session, quiet_stdout
 from cranktopo.tasks.crank_import.choices import EndJournals, Unit
 from cranktopo.tasks.crank_import.crank_finder import find_crank
-from cranktopo.tasks.crank_import.faces import exact_faces
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf
 from cranktopo.tasks.crank_import.half_body import (
     EXACT,
@@ -29,6 +28,7 @@ from cranktopo.tasks.crank_import.half_body import (
 )
 from cranktopo.tasks.crank_import.solids import read_crank
 from cranktopo.tasks.importing.cad_body import between_planes, moved_rigidly
+from cranktopo.tasks.importing.faces import exact_faces
 
 
 def crank_by_kernel(

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from cranktopo.base.arrays import Array, Int64, Mask
-from cranktopo.tasks.crank_import.faces import CylinderFace, from_line_mm
-from cranktopo.tasks.crank_import.fits import across, circle, covered_rad, median_direction, tilt
+from cranktopo.tasks.crank_import.fits import across, circle, covered_rad, median_direction, rms, tilt
 from cranktopo.tasks.crank_import.mesh_skin import Skin
+from cranktopo.tasks.importing.faces import CylinderFace, from_line_mm
 
 BENT_RAD = (3e-3, 0.75)
 """Angle between neighbours that may be facets of one round face."""
@@ -87,7 +87,8 @@ def bore_of(skin: Skin, region: Int64) -> CylinderFace | None:
     on = found.radius * np.array([np.cos(middle), np.sin(middle)]) @ frame
     out = (((skin.mesh.corners_mm[region].mean(axis=1) - centre) * normals).sum(axis=1) * areas).sum() > 0
     span = (float(heights.min()), float(heights.max()))
-    return CylinderFace(centre, axis, found.radius, span, turn, bool(out), centre + on + axis * sum(span) / 2)
+    at = centre + on + axis * sum(span) / 2
+    return CylinderFace(centre, axis, found.radius, span, turn, bool(out), at, rms(found.off_mm))
 
 
 def _along(points: Array, axis: Array) -> Array:

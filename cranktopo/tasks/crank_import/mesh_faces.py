@@ -13,11 +13,11 @@ import numpy as np
 
 from cranktopo.base.arrays import Array, Int64
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.tasks.crank_import.faces import Faces, PlaneFace, TorusFace
 from cranktopo.tasks.crank_import.fits import (
     across,
     covered_rad,
     median_direction,
+    rms,
     tangent_fillet,
     tilt,
     trimmed_circle,
@@ -26,6 +26,7 @@ from cranktopo.tasks.crank_import.fits import (
 from cranktopo.tasks.crank_import.mesh_bores import BENT_RAD, FEWEST, bore_of, drillings, of_one_bore
 from cranktopo.tasks.crank_import.mesh_skin import Skin
 from cranktopo.tasks.crank_import.mesh_walls import FULL_RAD, Wall, walls
+from cranktopo.tasks.importing.faces import Faces, PlaneFace, TorusFace
 
 _SPREAD = 0.07
 """Sine between the crank axis and the fold of two neighbours that lie along it."""
@@ -182,7 +183,8 @@ def _plane(skin: Skin, region: Int64) -> PlaneFace:
     normal /= np.linalg.norm(normal)
     if abs(normal[2]) > _SQUARE:
         normal = np.array([0.0, 0.0, np.sign(normal[2])])
-    return PlaneFace(normal, np.array([x, y, middle]), float(areas.sum()))
+    off = rms(skin.corners(region)[:, 2] - middle)
+    return PlaneFace(normal, np.array([x, y, middle]), float(areas.sum()), off)
 
 
 def _flats(skin: Skin, region: Int64) -> Iterator[PlaneFace]:
@@ -196,7 +198,7 @@ def _flats(skin: Skin, region: Int64) -> Iterator[PlaneFace]:
             middle = points.mean(axis=0)
             normal = np.linalg.svd(points - middle, full_matrices=False)[2][-1]
             sign = np.sign(normal @ (skin.normals[part] * skin.areas[part, None]).sum(axis=0))
-            yield PlaneFace(sign * normal, middle, area)
+            yield PlaneFace(sign * normal, middle, area, rms((points - middle) @ normal))
 
 
 def _torus(skin: Skin, region: Int64, rounds: Sequence[Wall]) -> TorusFace | None:
@@ -210,7 +212,7 @@ def _torus(skin: Skin, region: Int64, rounds: Sequence[Wall]) -> TorusFace | Non
         off = np.abs(np.hypot(out - wall.radius - tube, points[:, 2] - height) - abs(tube))
         if 0 < tube < wall.radius and np.median(off) < skin.near_mm and (off < 2 * skin.near_mm).mean() > 0.9:
             centre = np.array([*wall.centre, height])
-            return TorusFace(centre, np.array([0.0, 0.0, 1.0]), wall.radius + tube, tube)
+            return TorusFace(centre, np.array([0.0, 0.0, 1.0]), wall.radius + tube, tube, rms(off))
     return None
 
 

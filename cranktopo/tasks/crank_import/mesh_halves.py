@@ -18,7 +18,6 @@ from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
 from cranktopo.tasks.crank_import.choices import EndJournals, Unit
 from cranktopo.tasks.crank_import.crank_finder import find_crank
-from cranktopo.tasks.crank_import.faces import CylinderFace, Faces, PlaneFace, span_along
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf
 from cranktopo.tasks.crank_import.half_body import (
     FACETED,
@@ -34,6 +33,7 @@ from cranktopo.tasks.crank_import.mesh_faces import mesh_faces, turned_faces
 from cranktopo.tasks.crank_import.mesh_skin import Skin
 from cranktopo.tasks.crank_import.meshes import mesh_solids
 from cranktopo.tasks.crank_import.solids import FoundSolid, chosen, parallel_axes
+from cranktopo.tasks.importing.faces import CylinderFace, Faces, PlaneFace, span_along
 from cranktopo.tasks.importing.imported_body import surface_properties
 
 if TYPE_CHECKING:

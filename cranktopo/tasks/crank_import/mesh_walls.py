@@ -9,9 +9,9 @@ from functools import cached_property
 import numpy as np
 
 from cranktopo.base.arrays import Array, Int64, Mask
-from cranktopo.tasks.crank_import.faces import CylinderFace, PlaneFace
-from cranktopo.tasks.crank_import.fits import circle, covered_rad, trimmed_circle
+from cranktopo.tasks.crank_import.fits import circle, covered_rad, rms, trimmed_circle
 from cranktopo.tasks.crank_import.mesh_skin import Skin
+from cranktopo.tasks.importing.faces import CylinderFace, PlaneFace
 
 FULL_RAD = 2 * np.pi - 0.65
 """Angle that the corners of a whole cylinder cover at least: a few facets may lie between."""
@@ -67,7 +67,7 @@ class Wall:
     @property
     def off_mm(self) -> float:
         """Distance of its corners from the circle, root of the mean of squares."""
-        return float(np.sqrt((self.off(self.points) ** 2).mean()))
+        return rms(self.off(self.points))
 
     def off(self, points: Array) -> Array:
         """Return the distance of points (..., 3) from the circle, outside positive."""
@@ -96,13 +96,14 @@ class Wall:
             2 * np.pi if self.full else turn,
             self.outward,
             np.array([*on, sum(self.span) / 2]),
+            self.off_mm,
         )
 
     def plane(self) -> PlaneFace:
         """Return the wall as a plane face."""
-        return PlaneFace(
-            np.array([*self.normal, 0.0]), np.array([*self.centre, sum(self.span) / 2]), self.area
-        )
+        middle = np.array([*self.centre, sum(self.span) / 2])
+        off = rms((self.points[:, :2] - self.centre) @ self.normal)
+        return PlaneFace(np.array([*self.normal, 0.0]), middle, self.area, off)
 
 
 def walls(skin: Skin, region: Int64) -> Iterator[Wall]:

@@ -12,8 +12,8 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.crank_import.faces import CylinderFace, same_axis, span_along
 from cranktopo.tasks.crank_import.half_body import HalfBody
+from cranktopo.tasks.importing.faces import CylinderFace, same_axis, span_along
 
 _DIGITS = 6
 _OBLIQUE = 6.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +12,7 @@ import numpy as np
 
 from cranktopo.report.page import Fact, Page, Section, counted, pairs
 from cranktopo.report.plot import Picture, plain, save_figure
+from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.crank_import import text
 from cranktopo.tasks.crank_import.result import CrankImport, ImportedHalf
 from cranktopo.tasks.crank_import.web_reading import ImportedWeb
@@ -125,15 +126,23 @@ def _dimensions(result: CrankImport) -> Section:
     return Section(
         "dimensions",
         "Dimensions in the designs, mm and deg",
-        "",
-        tuple((f"Half {half.number}", pairs(list(_rows(half)))) for half in result.halves),
+        "Deviation: root of the mean square distance of a dimension's faces from the corners of their "
+        "triangles, at least the rounding in the design, which of exact faces is all. Dimensions of an "
+        "outline have the largest distance of both outlines.",
+        tuple((f"Half {half.number}", _dimension_table(half)) for half in result.halves),
     )
 
 
-def _rows(half: ImportedHalf) -> Iterator[tuple[str, str]]:
-    """Yield dimensions by key, those of a list in one row."""
+def _dimension_table(half: ImportedHalf) -> ResultTable:
+    """Return dimensions by key with their deviations, those of a list in one row."""
+    rows = []
     for key, group in groupby(half.dimensions_mm.items(), lambda item: _LAST_INDEX.sub("", item[0])):
-        yield key, ", ".join(f"{value:.9g}" for _, value in group)
+        own = list(group)
+        off = half.deviations_mm[own[0][0]]
+        value = ", ".join(f"{number:.9g}" for _, number in own)
+        said = "no face tells it" if off is None else f"{off:.1g}"
+        rows.append({"what": key, "value": value, "deviation_mm": said})
+    return ResultTable({"what": 0, "value": 0, "deviation_mm": 0}, tuple(rows))
 
 
 def _over_each_other(half: ImportedHalf, web: ImportedWeb) -> Picture:

@@ -11,8 +11,8 @@ import numpy as np
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.crank_import.box_cuts import BoxCut, box_cuts
 from cranktopo.tasks.crank_import.counterweight import ALONG, ORIGIN
-from cranktopo.tasks.crank_import.faces import DIGITS, FLAT, ConeFace, CylinderFace, span_along
 from cranktopo.tasks.crank_import.half_body import HalfBody
+from cranktopo.tasks.importing.faces import DIGITS, FLAT, ConeFace, CylinderFace, span_along
 from cranktopo.throw.face_pocket import BoxPocket
 from cranktopo.throw.side_pocket import SidePocket
 from cranktopo.throw.side_slots import BEYOND_MM

@@ -163,6 +163,10 @@ class ImportedHalf(Result):
     """Volume that the design has and the body lacks."""
     dimensions_mm: dict[str, float]
     """Dimensions of journals, fillets and web by their keys in the design; angles in deg."""
+    deviations_mm: dict[str, float | None]
+    """Of each dimension: root of the mean square distance of its faces from the corners of their triangles,
+    at least the rounding in the design, which of exact faces is all; of outlines the largest distance; null
+    where no face tells it."""
     unread: tuple[str, ...]
     """Parts of this half throw that the design does not say, in words."""
 

@@ -10,7 +10,7 @@ from cranktopo.base.child import tell_read
 from cranktopo.base.errors import CranktopoError, suggest
 from cranktopo.bodies.solid.step import step_solids
 from cranktopo.tasks.crank_import.choices import UNIT_MM, Unit
-from cranktopo.tasks.crank_import.faces import Faces, exact_faces, lines_of, parallel
+from cranktopo.tasks.importing.faces import Faces, exact_faces, lines_of, parallel
 
 _LISTED = 20
 

@@ -17,7 +17,6 @@ from cranktopo.report.report_file import write_report
 from cranktopo.runs.destination import check_folder, moved, unfinished_folder
 from cranktopo.tasks.crank_import.choices import DEFAULT_MATERIAL, EndJournals, Unit
 from cranktopo.tasks.crank_import.design_files import half_names, write_designs
-from cranktopo.tasks.crank_import.faces import DIGITS
 from cranktopo.tasks.crank_import.fillets import fillet_keys
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf, FoundJournal
 from cranktopo.tasks.crank_import.half_body import HalfBody
@@ -27,6 +26,7 @@ from cranktopo.tasks.crank_import.meshes import MESH_SUFFIXES
 from cranktopo.tasks.crank_import.result import CrankImport, ImportedHalf
 from cranktopo.tasks.crank_import.summary import PAGE, PICTURE, half_of, result_of, web_words
 from cranktopo.tasks.crank_import.web_reading import ImportedWeb, read_web
+from cranktopo.tasks.importing.faces import DIGITS
 from cranktopo.tasks.importing.placement import ring_misfits
 
 

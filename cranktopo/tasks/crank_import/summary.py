@@ -11,6 +11,7 @@ from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.crank_import.choices import Unit
 from cranktopo.tasks.crank_import.design_files import DesignFiles, volume_words
+from cranktopo.tasks.crank_import.deviations import deviation_mm
 from cranktopo.tasks.crank_import.fillets import unread_patches
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf, FoundJournal
 from cranktopo.tasks.crank_import.half_body import FoundBody
@@ -162,6 +163,7 @@ def half_of(number: int, web: ImportedWeb, folder: Path) -> ImportedHalf:
         missing_mm3=web.read.missing_mm3,
         extra_mm3=web.read.extra_mm3,
         dimensions_mm=dict(_dimensions(scene)),
+        deviations_mm={key: deviation_mm(web, key) for key, _ in _dimensions(scene)},
         unread=tuple(_unread(web)),
     )
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.tasks.crank_import.counterweight import counterweights
-from cranktopo.tasks.crank_import.faces import DIGITS, FLAT, Faces, PlaneFace
 from cranktopo.tasks.crank_import.fits import centred_ellipse
 from cranktopo.tasks.crank_import.half_body import HalfBody
 from cranktopo.tasks.crank_import.silhouette import half_width_mm, outer_edge
+from cranktopo.tasks.importing.faces import DIGITS, FLAT, Faces, PlaneFace
 
 if TYPE_CHECKING:
     from manifold3d import CrossSection

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -36,6 +37,7 @@ from cranktopo.tasks.importing.cad_body import (
     sides_alike,
     volumes_between,
 )
+from cranktopo.tasks.importing.exact_motion import Motion, exact_motions, snapped
 from cranktopo.tasks.importing.found_fillets import with_found_fillets
 from cranktopo.tasks.importing.placement import Placement, placed, without_bores_left_out
 
@@ -174,9 +176,12 @@ def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> _Solid:
             _placed(half, scene, path, align=False)
         motion, remark = None, f"{apart}. The whole throw is taken"
     else:
-        motion, remark = _placed(surface, scene, path, align)
+        motion, remark = _placed(surface, scene, path, align, partial(exact_motions, gmsh, scene))
+        if motion is not None and not motion.exact:
+            remark += "; its journals are no exact cylinders, its triangles tell the place to about 1e-3 mm"
     if motion is not None:
         moved_rigidly(occ, body, motion.matrix, motion.shift_mm)
+    body = snapped(gmsh, body)
     return _Solid(body, solid_properties(occ, body), _web_mm3(gmsh, body, scene, path), remark, bool(apart))
 
 
@@ -273,10 +278,16 @@ def _half_throw(surface: SurfaceMesh, path: Path, scene: Scene, align: bool) -> 
     return SurfaceMesh(snapped, faces), note
 
 
-def _placed(body: Manifold, scene: Scene, path: Path, align: bool) -> tuple[Placement | None, str]:
+def _placed(
+    body: Manifold,
+    scene: Scene,
+    path: Path,
+    align: bool,
+    exact: Callable[[], Sequence[Motion]] = tuple,
+) -> tuple[Placement | None, str]:
     """Return the motion to where the journals are, if one is needed, and what was done or is to be known."""
     scene, lacking = without_bores_left_out(body, scene)
-    motion = placed(body, scene, str(path), align)
+    motion = placed(body, scene, str(path), align, exact)
     return motion, f"moved to where the journals are: it {motion.words}" if motion else lacking
 
 

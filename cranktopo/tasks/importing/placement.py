@@ -2,13 +2,14 @@
 
 Cross-sections tell: at the ends of both journals a body must show a round ring of the journal's diameter and
 bore, centred on its axis. A body that does not fit is tried in the 24 attitudes of a cube; in each one the
-centres of its end sections give the shift and the angle that are left.
+centres of its end sections give the shift and the angle that are left. A body of exact faces is tried
+first in the places that these tell (see `exact_motion`).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING
@@ -22,6 +23,7 @@ from cranktopo.design.crank_throws import throw_count
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
+from cranktopo.tasks.importing.exact_motion import Motion
 from cranktopo.throw.journal import Journal
 
 if TYPE_CHECKING:
@@ -44,6 +46,8 @@ _SHAFT = 1.25
 """Length of a body over a throw's from which on it is a whole shaft."""
 _SMALLER, _MORE = 2.0, 4
 """A throw's length over that of a body in another unit at least, and lengths of throws that ends may add."""
+_END_FOR_END = 0.999
+"""Cosine between a body's crank axis and its place reversed from which on it is turned end for end."""
 _KEPT: tuple[Feature, ...] = ("fillets",)
 _NEAR = (0.4, 0.9)
 """Sections of the main journal that tell its direction: above the end face even where that is tilted."""
@@ -66,20 +70,32 @@ class CutRing:
 class Placement:
     """A rigid motion that puts a body where the scene's journals are: p -> matrix p + shift.
 
-    `words` tell what is wrong with the body as it lies.
+    Attributes:
+        words: what is wrong with the body as it lies.
+        exact: from faces, not from sections of triangles.
     """
 
     matrix: Array
     shift_mm: Array
     words: str
+    exact: bool = False
 
     def moved(self, points_mm: Array) -> Array:
         """Return points (n, 3) after the motion."""
         return np.asarray(points_mm @ self.matrix.T + self.shift_mm)
 
 
-def placed(body: Manifold, scene: Scene, name: str, align: bool) -> Placement | None:
+def placed(
+    body: Manifold,
+    scene: Scene,
+    name: str,
+    align: bool,
+    exact: Callable[[], Sequence[Motion]] = tuple,
+) -> Placement | None:
     """Return the motion that puts a half throw in its place, if `align` asks; None where it lies right.
+
+    Args:
+        exact: motions that its faces tell, if it has any; asked for a body that lies elsewhere alone.
 
     Raises:
         CranktopoError: it lies elsewhere: what was found and, where another attitude fits, which one.
@@ -87,8 +103,7 @@ def placed(body: Manifold, scene: Scene, name: str, align: bool) -> Placement | 
     found = misfits(body, scene)
     if not found:
         return None
-    tried = (_settled(body, scene, matrix) for matrix in _attitudes())
-    where = next((motion for motion in tried if motion is not None), None)
+    where = _first_fit(body, scene, exact())
     if where is not None and align:
         return where
     fits, hint = "", _other_body(body, scene) or f"Is '{scene.name}' the design that it was made from?"
@@ -101,6 +116,15 @@ def placed(body: Manifold, scene: Scene, name: str, align: bool) -> Placement | 
             ),
         )
     raise CranktopoError(f"{name}: does not lie where the throw is: {found[0]}.{fits}", hint=hint)
+
+
+def _first_fit(body: Manifold, scene: Scene, exact: Sequence[Motion]) -> Placement | None:
+    """Return the first motion after which a body fits: one that its faces tell, else that of its sections."""
+    for turn, shift in exact:
+        if not misfits(body.transform(np.column_stack([turn, shift])), scene):
+            return Placement(turn, shift, _words(turn, shift), exact=True)
+    tried = (_settled(body, scene, matrix) for matrix in _attitudes())
+    return next((motion for motion in tried if motion is not None), None)
 
 
 def _other_body(body: Manifold, scene: Scene) -> str:
@@ -268,7 +292,7 @@ def _settled(body: Manifold, scene: Scene, matrix: Array) -> Placement | None:
         rotation, shift = turn @ rotation, turn @ shift + move
     if misfits(body.transform(np.column_stack([rotation, shift])), scene):
         return None
-    return Placement(rotation, shift, _words(matrix, rotation, shift))
+    return Placement(rotation, shift, _words(rotation, shift))
 
 
 def _correction(body: Manifold, scene: Scene) -> tuple[Array, Array] | None:
@@ -291,25 +315,25 @@ def _correction(body: Manifold, scene: Scene) -> tuple[Array, Array] | None:
     return None if ring is None else (turn, -np.array([*ring.centre_mm, bottom]))
 
 
-def _words(attitude: Array, rotation: Array, shift: Array) -> str:
+def _words(rotation: Array, shift: Array) -> str:
     back = rotation.T  # of the body as it lies, against the body as it should lie
     angle = math.degrees(math.acos(max(-1.0, min(1.0, (np.trace(back) - 1) / 2))))
     place = -back @ shift
     words = []
     if angle > 0.05:
         axis = np.array([back[2, 1] - back[1, 2], back[0, 2] - back[2, 0], back[1, 0] - back[0, 1]])
-        words.append(f"looks turned {_axis_words(attitude, axis, angle)}")
-    if np.abs(place).max() > 0.005 and attitude[2, 2] > 0.5:
+        words.append(f"looks turned {_axis_words(rotation, axis, angle)}")
+    if np.abs(place).max() > 0.005 and rotation[2, 2] > 0.5:
         amount = ", ".join(f"{round(value, 2) + 0.0:.2f}" for value in place)
         words.append(("and " if words else "looks ") + f"shifted by ({amount}) mm")
     return " ".join(words) or "fits as it is"
 
 
-def _axis_words(attitude: Array, axis: Array, angle: float) -> str:
-    if attitude[2, 2] < -0.5:
+def _axis_words(rotation: Array, axis: Array, angle: float) -> str:
+    if rotation[2, 2] < -_END_FOR_END:
         return "end for end"
     if abs(angle - 180) < 0.05:
-        return "by 180 deg about z" if attitude[2, 2] > 0.5 else "by 180 deg"
+        return "by 180 deg about z" if rotation[2, 2] > 0.5 else "by 180 deg"
     axis = axis / np.linalg.norm(axis)
     main = int(np.abs(axis).argmax())
     if abs(axis[main]) > 0.999:

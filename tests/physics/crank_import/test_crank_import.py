@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -24,11 +25,11 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout
 from cranktopo.tasks.crank_import.crank_finder import find_crank
 from cranktopo.tasks.crank_import.design_text import crank_table
-from cranktopo.tasks.crank_import.faces import CylinderFace, Faces, PlaneFace, exact_faces
 from cranktopo.tasks.crank_import.result import CrankImport
 from cranktopo.tasks.crank_import.stage import import_crank
 from cranktopo.tasks.crank_import.text import import_text
 from cranktopo.tasks.importing.cad_body import moved_rigidly
+from cranktopo.tasks.importing.faces import CylinderFace, Faces, PlaneFace, exact_faces
 from tests.random_engines import random_engine
 
 
@@ -462,16 +463,53 @@ def test_side_pockets_that_run_out_come_back(tmp_path: Path) -> None:
     assert not half.unread
 
 
+def end_dimensions(scene: Scene) -> dict[str, Any]:
+    """Numbers of ends and own main journals; no body tells words: a seat and a thread are cylinders."""
+    if scene.crank is None:
+        return {}
+    found = flat(scene.crank.model_dump(mode="json", include={"end", "main_journal"}, exclude_none=True))
+    return {key: value for key, value in found.items() if not isinstance(value, str)}
+
+
+def run_out(scene: Scene) -> Iterator[str]:
+    """Yield keys of slots that run out of the web: their length beyond it is no dimension of the body."""
+    for index, pocket in enumerate(scene.web.pocket):
+        if pocket.shape == "side":
+            yield from (f".web.pocket[{index}].{key}" for key in ("length_mm", "y_mm"))
+
+
+def built_in() -> Iterator[Any]:
+    """Yield the designs of cranks; those of connecting rods have the crank of another one."""
+    told = pytest.mark.xfail(reason="its ellipse comes back 0.005 mm smaller, which the import tells")
+    for name in builtin_designs():
+        if "-rod" not in name:
+            yield pytest.param(name, marks=[told] if name == "opposed-piston-variant-1" else [])
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in builtin_designs() if "variant" not in name])
+@pytest.mark.parametrize("name", [*built_in()])
 def test_built_in_cranks(tmp_path: Path, name: str) -> None:
-    scene = load_scene(name)
-    result = imported(scene, tmp_path, "crankshaft" if scene.engine else "throw")
-    assert result.halves[0].design_volume_mm3 == pytest.approx(result.halves[0].volume_mm3, rel=1e-3)
-    throw = load_scene(result.halves[0].design).throw
-    assert throw.radius_mm == pytest.approx(scene.throw.radius_mm, rel=1e-9)
-    for key in ("main_journal", "crankpin"):
-        assert getattr(throw, key).model_dump() == pytest.approx(getattr(scene.throw, key).model_dump())
+    """Webs, drillings, ends and the whole volume to 1e-6; the radius of outlets follows from that within 5 %.
+
+    Of a body that was turned either end may be the free one: a crank with ends is not.
+    """
+    scene = load_scene(name, whole=True)
+    part: Any = "crankshaft" if scene.engine else "throw"
+    if scene.crank:
+        export_solid(scene, part, tmp_path / "body.step")
+        result = import_crank(tmp_path / "body.step", name, tmp_path / "out")
+    else:
+        result = imported(scene, tmp_path, part)
+    outlets = tuple(key for key in dimensions(scene) if key.endswith("outlet_radius_mm"))
+    check_same(scene, result, (*outlets, *run_out(scene)))
+    found = load_scene(result.files.design, whole=True)
+    for key in outlets:
+        assert dimensions(found)[key] == pytest.approx(dimensions(scene)[key], rel=0.05)
+    ends, wanted = (end_dimensions(one) for one in (found, scene))
+    assert ends == pytest.approx(wanted, rel=1e-6, abs=1e-6)
+    if scene.engine:
+        near = 1e-5 if outlets else 1e-6  # the kernel approximates the roundings of drillings
+        assert result.design_volume_mm3 == pytest.approx(result.volume_mm3, rel=near)
 
 
 @pytest.mark.slow

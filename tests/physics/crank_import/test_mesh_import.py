@@ -18,7 +18,6 @@ from cranktopo.design.loading import builtin_designs, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.files import write_stl, write_surface
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
-from cranktopo.tasks.crank_import.faces import CylinderFace, Faces
 from cranktopo.tasks.crank_import.mesh_faces import mesh_faces
 from cranktopo.tasks.crank_import.mesh_skin import Skin
 from cranktopo.tasks.crank_import.mesh_walls import walls
@@ -27,6 +26,7 @@ from cranktopo.tasks.crank_import.result import CrankImport
 from cranktopo.tasks.crank_import.solids import parallel_axes
 from cranktopo.tasks.crank_import.stage import import_crank, misfit_hint
 from cranktopo.tasks.crank_import.web_reading import ReadWeb
+from cranktopo.tasks.importing.faces import CylinderFace, Faces
 from tests.random_engines import random_engine
 
 LENGTH_MM, ANGLE_DEG = 0.02, 0.05
@@ -39,13 +39,24 @@ def turned(mesh: SurfaceMesh, seed: int) -> SurfaceMesh:
 
 
 def coarse(scene: Scene, part: Any, monkeypatch: pytest.MonkeyPatch) -> SurfaceMesh:
-    """Triangles that end up to 0.02 mm beside the body; of one throw where the kernel fails on a shaft."""
+    """Triangles that end up to 0.02 mm beside the body."""
     monkeypatch.setitem(step._TRIANGULATION, "StlLinearDeflection", 0.02)
     monkeypatch.setitem(step._TRIANGULATION, "StlAngularDeflection", 0.5)
+    return kernel_surface_of(scene, part)
+
+
+def coarse_shaft(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> tuple[SurfaceMesh, bool]:
+    """Triangles of a shaft, or of one throw where the kernel fails on it; and whether it is all of it."""
     try:
-        return kernel_surface_of(scene, part)
+        return coarse(scene, "crankshaft", monkeypatch), True
     except CranktopoError:
-        return kernel_surface_of(scene, "throw")
+        return coarse(scene, "throw", monkeypatch), False
+
+
+def tell_one_throw(whole: bool) -> None:
+    """Count a test that had one throw alone, which is right, as one that has failed as expected."""
+    if not whole:
+        pytest.xfail("one throw is right: the kernel triangulates no whole shaft of this design")
 
 
 def imported(mesh: SurfaceMesh, name: str, folder: Path, seed: int = 3) -> CrankImport:
@@ -175,19 +186,23 @@ def test_journals_that_a_drilling_joins_are_found_apart() -> None:
 @pytest.mark.parametrize("name", [name for name in builtin_designs() if "variant" not in name])
 def test_built_in_cranks(tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     scene = load_scene(name)
-    result = imported(coarse(scene, "crankshaft", monkeypatch), name, tmp_path)
+    mesh, whole = coarse_shaft(scene, monkeypatch)
+    result = imported(mesh, name, tmp_path)
     throw = load_scene(result.halves[0].design).throw
     assert throw.radius_mm == pytest.approx(scene.throw.radius_mm, abs=LENGTH_MM)
     for key in ("main_journal", "crankpin"):
         found, wanted = (getattr(one, key).model_dump() for one in (throw, scene.throw))
         assert found == pytest.approx(wanted, abs=LENGTH_MM)
+    tell_one_throw(whole)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(60))
 def test_random_engines(tmp_path: Path, seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     scene = scene_from_dict(random_engine(seed), f"engine-{seed}")
-    check_near(scene, imported(coarse(scene, "crankshaft", monkeypatch), "engine", tmp_path, seed))
+    mesh, whole = coarse_shaft(scene, monkeypatch)
+    check_near(scene, imported(mesh, "engine", tmp_path, seed))
+    tell_one_throw(whole)
 
 
 @pytest.mark.slow

@@ -33,6 +33,7 @@ class CylinderFace:
         turn_rad: angle about the axis; of two halves that were joined, their sum.
         outward: True for a shaft, False for a bore.
         middle_mm: the point in the middle of the face.
+        off_mm: distance of the corners that it was fitted to, root of the mean of squares; 0 of exact ones.
     """
 
     point_mm: Array
@@ -42,6 +43,7 @@ class CylinderFace:
     turn_rad: float
     outward: bool
     middle_mm: Array
+    off_mm: float = 0.0
 
     @property
     def full(self) -> bool:
@@ -61,11 +63,12 @@ class CylinderFace:
 
 @dataclass(frozen=True)
 class PlaneFace:
-    """A plane face with its outward normal, a point on it and its area."""
+    """A plane face with its outward normal, a point on it and its area; `off_mm` as of a cylinder."""
 
     normal: Array
     point_mm: Array
     area_mm2: float
+    off_mm: float = 0.0
 
     @property
     def upright(self) -> bool:
@@ -75,12 +78,13 @@ class PlaneFace:
 
 @dataclass(frozen=True)
 class TorusFace:
-    """A face of a torus: a round fillet or an edge's rounding about an axis."""
+    """A face of a torus: a round fillet or an edge's rounding about an axis; `off_mm` as of a cylinder."""
 
     centre_mm: Array
     axis: Array
     ring_mm: float
     tube_mm: float
+    off_mm: float = 0.0
 
 
 @dataclass(frozen=True)
