@@ -14,7 +14,7 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.named import with_values
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.free_forces import turning_masses
-from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.balance.throw import product_of_inertia_kg_mm2, throw_balance
 from cranktopo.engine.balance.whole_engine import main_bearings
 from cranktopo.engine.continuous_beam import PinLoads, Spans, bend_spans, span_bending
 from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
@@ -212,6 +212,19 @@ def test_section_forces_have_the_resultants_of_the_loads() -> None:
     rigid[[UY, 6 + UY]] = 1.0
     assert np.abs(throw.stiffness @ rigid).max() < 1e-6 * throw.stiffness.max()
     assert not mesh.whole
+
+
+def test_unlike_webs_turn_with_the_couple_of_their_product_of_inertia() -> None:
+    """About the middle of the throw; elements of 20 mm are within 2 % of the closed form, of 12 mm nearer."""
+    scene = load_scene("mikron-iiic-plain")
+    wider = scene.web.model_copy(update={"width_mm": scene.web.width_mm + 14})
+    scene = scene.model_copy(update={"second_web": wider})
+    spinning = about_near(scene, meshed(scene, 20.0)[1].loads["centrifugal"])
+    couple = spinning[3:] - np.cross([0.0, 0.0, scene.pitch_mm / 2], spinning[:3])
+    couple_Nmm_s2 = product_of_inertia_kg_mm2(scene).real / 1000
+    assert couple_Nmm_s2 > 0.1
+    assert couple[0] == pytest.approx(-couple_Nmm_s2, rel=2e-2)  # a force along y at z has the moment -z
+    assert couple[1:] == pytest.approx([0.0, 0.0], abs=1e-2 * couple_Nmm_s2)
 
 
 def test_a_single_throw_carries_half_of_its_pin_force() -> None:
