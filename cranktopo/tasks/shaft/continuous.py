@@ -12,6 +12,7 @@ from cranktopo.base.units import UM_PER_MM
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
+from cranktopo.engine.bearings import life_over_cycle_h
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.tasks.fea.condense import RX, RY, UX, UY
 from cranktopo.tasks.film.result import BearingFilm
@@ -115,7 +116,7 @@ def _at_speed(
         speed_rpm=engine_of(scene).speed_rpm,
         spring_N_per_mm=support if isinstance(support, float) else None,
         webs=webs,
-        main_bearings=_main_bearings(cycle, single, angles, carried(scene)),
+        main_bearings=_main_bearings(cycle, single, angles, scene),
         sections=sections,
     )
     return shaft, cycle
@@ -134,9 +135,9 @@ def _of_throw(forces: CycleForces, index: int) -> CycleForces:
 
 
 def _main_bearings(
-    cycle: ShaftCycle, single: Sequence[ShaftCycle], angles_deg: Sequence[float], numbers: Sequence[int]
+    cycle: ShaftCycle, single: Sequence[ShaftCycle], angles_deg: Sequence[float], scene: Scene
 ) -> tuple[ShaftBearing, ...]:
-    sections = len(cycle.bearing_N)
+    sections, roller, speed = len(cycle.bearing_N), scene.supports.roller_bearing, engine_of(scene).speed_rpm
     size = np.hypot(cycle.bearing_N[:, 0], cycle.bearing_N[:, 1])
     added = np.zeros_like(cycle.bearing_N)
     for index, (one, angle) in enumerate(zip(single, angles_deg, strict=True)):
@@ -153,8 +154,9 @@ def _main_bearings(
             halves_N=float(halves_N[number]),
             tilt_mrad=float(tilt[number]),
             offset_um=float(offset[number]),
+            life_h=life_over_cycle_h(roller, size[number], speed),
         )
-        for number in numbers
+        for number in carried(scene)
     )
 
 

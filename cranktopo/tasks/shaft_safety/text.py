@@ -19,6 +19,7 @@ _BEARING_DIGITS = {
     "throws_alone_kN": 2,
     "tilt_mrad": 2,
     "offset_um": 1,
+    "life_h": 0,
     "film_um": 2,
     "pressure_MPa": 1,
 }
@@ -190,6 +191,7 @@ def bearing_table(at: ContinuousShaft) -> ResultTable:
             "throws_alone_kN": bearing.halves_N / N_PER_KN,
             "tilt_mrad": bearing.tilt_mrad,
             "offset_um": bearing.offset_um,
+            **({} if bearing.life_h is None else {"life_h": bearing.life_h}),
             **({} if film is None else {"film_um": film.film_um, "pressure_MPa": film.pressure_MPa}),
         }
         for bearing in at.main_bearings
