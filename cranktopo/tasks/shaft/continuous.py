@@ -18,6 +18,7 @@ from cranktopo.tasks.fea.condense import RX, RY, UX, UY
 from cranktopo.tasks.film.result import BearingFilm
 from cranktopo.tasks.film.stage import LoadedBearing, films_of, main_bearing, plain_bearings
 from cranktopo.tasks.shaft.assembly import turned
+from cranktopo.tasks.shaft.carried_parts import carried_motions
 from cranktopo.tasks.shaft.cycle import (
     CycleForces,
     ShaftCycle,
@@ -117,6 +118,7 @@ def _at_speed(
         spring_N_per_mm=support if isinstance(support, float) else None,
         webs=webs,
         main_bearings=_main_bearings(cycle, single, angles, scene),
+        carried=carried_motions(cycle, scene),
         sections=sections,
     )
     return shaft, cycle

@@ -77,6 +77,20 @@ class ShaftBearing(Result):
         return LeastFilm(f"main {self.bearing}", rpm, film, self.film_below_um, pressure)
 
 
+class CarriedMotion(Result):
+    """Motion of a part that an end of the shaft carries, in the shaft without mass.
+
+    Attributes:
+        part: its name; one whose `mass_kg` the design gives.
+        offset_um: largest distance of its centre of mass from the crank axis.
+        tilt_mrad: largest angle of its axis to the crank axis.
+    """
+
+    part: str
+    offset_um: float
+    tilt_mrad: float
+
+
 class ContinuousShaft(Result):
     """Moments and forces of the shaft on all its bearings, at one speed."""
 
@@ -85,6 +99,8 @@ class ContinuousShaft(Result):
     """Of each bearing; none of rigid ones."""
     webs: tuple[WebMoment, ...]
     main_bearings: tuple[ShaftBearing, ...]
+    carried: tuple[CarriedMotion, ...] = ()
+    """Motions of the parts that the ends carry, from the free end."""
     sections: SkipJsonSchema[InstanceOf[WebSections] | None] = Field(default=None, exclude=True)
     """Forces and moments in the webs at every angle."""
 
