@@ -46,23 +46,33 @@ def main_journal_places_mm(scene: Scene) -> tuple[float, ...]:
 
 def crank_end(scene: Scene, side: Side) -> tuple[EndPiece, ...]:
     """Return the pieces of an end from the middle of the outer main journal outwards, if it has one."""
-    crank, journal = scene.crank, end_journal(scene, side)
-    if crank is None or journal is None:
-        return ()
-    end = crank.end_on(side)
     outward = -1 if side == "free" else 1
     at = 0.0 if side == "free" else main_journal_places_mm(scene)[-1]
     pieces = []
-    for step in (_half(journal), *(end.step if end else ())):
+    for step in _steps(scene, side):
         z_mm = at, at + outward * step.length_mm
         pieces.append(_piece(step, z_mm))
         at = z_mm[1]
     return tuple(pieces)
 
 
+def end_length_mm(scene: Scene, side: Side) -> float:
+    """Return how far an end reaches beyond the middle of the outer main journal; 0 where it has none."""
+    return sum(step.length_mm for step in _steps(scene, side))
+
+
 def ends_volume_mm3(scene: Scene) -> float:
     """Return the volume of both ends of the crank, mm3."""
     return sum(piece.moments.volume for side in SIDES for piece in crank_end(scene, side))
+
+
+def _steps(scene: Scene, side: Side) -> tuple[EndStep, ...]:
+    """Return the outer half of the outer main journal, and the steps beyond."""
+    crank, journal = scene.crank, end_journal(scene, side)
+    if crank is None or journal is None:
+        return ()
+    end = crank.end_on(side)
+    return _half(journal), *(end.step if end else ())
 
 
 def _half(journal: Journal) -> CylinderStep:

@@ -108,3 +108,14 @@ def rating_life_h(dynamic_rating_kN: float, equivalent_N: float, speed_rpm: floa
     """Basic rating life of a roller bearing (90 % survive), hours: (C / P)^(10/3) million turns, ISO 281."""
     turns = 1e6 * math.pow(dynamic_rating_kN * N_PER_KN / equivalent_N, _LIFE_EXPONENT)
     return turns / (60.0 * speed_rpm)
+
+
+def life_over_cycle_h(bearing: RollerBearing | None, load_N: Array, speed_rpm: float) -> float | None:
+    """Basic rating life of a roller bearing under the forces of a cycle, hours; None without a rating.
+
+    Args:
+        load_N: radial force at even steps of the angle.
+    """
+    if bearing is None or bearing.dynamic_rating_kN is None or not speed_rpm:
+        return None
+    return rating_life_h(bearing.dynamic_rating_kN, equivalent_load_N(load_N), speed_rpm)

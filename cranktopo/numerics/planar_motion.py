@@ -23,17 +23,22 @@ _DIFFERENCE, _LATER = 1e-7, 1e-3
 """Distances of finite differences: in the plane, and in time over a step."""
 
 
-def motions(slope: Slope, start: Complex, steps: int, tolerance: float) -> Complex:
-    """Return the places of all motions at the points of a grid of times, shape (steps + 1, motions).
+def motions(
+    slope: Slope, start: Complex, steps: int, tolerance: float, length: Array | None = None
+) -> tuple[Complex, Array]:
+    """Return the places of all motions at the points of a grid of times, and the length of the next steps.
+
+    The places have shape (steps + 1, motions).
 
     Args:
         slope: may have kinks at the points of the grid, where every motion stops.
         tolerance: largest estimated error of a step.
+        length: of the first step of each motion; by default one of the grid.
     """
     path = np.empty((steps + 1, len(start)), dtype=complex)
     path[0] = start
     place, at = np.zeros(len(start)), start.astype(complex)
-    length = np.ones(len(start))
+    length = np.ones(len(start)) if length is None else length.copy()
     active = np.arange(len(start))
     while active.size:
         now, goal = place[active], np.floor(place[active]) + 1
@@ -51,15 +56,21 @@ def motions(slope: Slope, start: Complex, steps: int, tolerance: float) -> Compl
         there = active[ended]
         path[place[there].astype(np.intp), there] = at[there]
         active = active[place[active] < steps]
-    return path
+    return path, length
 
 
 def _rodas3(slope: Slope, now: Array, at: Complex, step: Array, one: Index) -> tuple[Complex, Array]:
-    """Return where a step of each motion ends, and the estimate of its error."""
-    beside = np.concatenate([at, at + _DIFFERENCE, at + 1j * _DIFFERENCE, at])
-    times = np.concatenate([now, now, now, now + _LATER * step])
-    first, by_x, by_y, later = slope(times, beside, np.tile(one, 4)).reshape(4, -1)
-    solve = _stage(2 / step, (by_x - first) / _DIFFERENCE, (by_y - first) / _DIFFERENCE)
+    """Return where a step of each motion ends, and the estimate of its error.
+
+    Differences lie away from the origin, and to both sides of that: so they turn and mirror with the motion.
+    """
+    out = np.exp(1j * np.angle(at))
+    near, side = _DIFFERENCE * out, 1j * _DIFFERENCE * out
+    beside = np.concatenate([at, at + near, at + side, at - side, at])
+    times = np.concatenate([now, now, now, now, now + _LATER * step])
+    first, outer, left, right, later = slope(times, beside, np.concatenate([one] * 5)).reshape(5, -1)
+    by_out, by_side = (outer - first) / _DIFFERENCE, (left - right) / (2 * _DIFFERENCE)
+    solve = _stage(2 / step, out.conj() * (by_out - 1j * by_side) / 2, out * (by_out + 1j * by_side) / 2)
     rise = (later - first) / _LATER  # by time, times the step
     u1 = solve(first + rise / 2)
     u2 = solve(first + 4 * u1 / step + 1.5 * rise)
@@ -70,13 +81,13 @@ def _rodas3(slope: Slope, now: Array, at: Complex, step: Array, one: Index) -> t
     return near + u4, np.abs(u4)
 
 
-def _stage(own: Array, by_x: Complex, by_y: Complex) -> Callable[[Complex], Complex]:
-    """Return the solver of (own - J) u = right, J the derivative by both coordinates of the point."""
-    a, b, c, d = own - by_x.real, -by_y.real, -by_x.imag, own - by_y.imag
-    determinant = a * d - b * c
+def _stage(own: Array, plain: Complex, conjugate: Complex) -> Callable[[Complex], Complex]:
+    """Return the solver of own u - J u = right, where J u is plain u + conjugate u*: any plane Jacobian."""
+    rest = own - plain
+    determinant = (rest.conj() * rest).real - (conjugate.conj() * conjugate).real
+    by_right, by_mirrored = rest.conj() / determinant, conjugate / determinant
 
     def solve(right: Complex) -> Complex:
-        x, y = right.real, right.imag
-        return np.asarray(((d * x - b * y) + 1j * (a * y - c * x)) / determinant)
+        return np.asarray(by_right * right + by_mirrored * right.conj())
 
     return solve

@@ -59,6 +59,10 @@ def test_torque_of_a_diesel() -> None:
         assert shafts.mwm_curve(section).off(1400.0, 2450.0).max() < 0.063
         assert (shafts.mwm_curve(section).off(1400.0, 2450.0) < 0.05).mean() > 0.88
         assert shafts.mwm_curve(section).off().max() < 0.135
+    behind = shafts.mwm_curve("cylinder 6 - flywheel")
+    point = np.abs(behind.speed_rpm - 2174.0).argmin()
+    assert behind.printed_Nm[point] == pytest.approx(9255.0, abs=0.5)
+    assert behind.ours_Nm[point] == pytest.approx(9255.0 * 1.020, rel=1e-3)
 
 
 def test_formulae_of_the_map_by_hand() -> None:

@@ -14,9 +14,10 @@ from cranktopo.base.errors import solver_error
 from cranktopo.numerics.bearing_film.mobility import THICKNESS, Mobility, mobility
 from cranktopo.numerics.planar_motion import motions
 
-_TOLERANCE = 1e-6
-"""Of the eccentricity, a step."""
-_CYCLES = 30
+_TOLERANCE, _ROUGH = 1e-6, 1e-4
+"""Of the eccentricity, a step; the latter in the first cycle, which only leads away from the start."""
+_FEWEST, _CYCLES = 4, 30
+"""A journal forgets its start by about 1e-4 in a cycle."""
 _SAME = 1e-4
 """Part of the least film by which it may differ from that of the cycle before."""
 _CLOSED = 1e-4
@@ -98,14 +99,15 @@ def orbits(journals: Sequence[LoadedJournal], angle_deg: Array, start: complex =
     motion = _Motion.of(journals, math.radians(angle_deg[1] - angle_deg[0]))
     found: list[Orbit | None] = [None] * len(journals)
     left, least = np.arange(len(journals)), np.full(len(journals), np.inf)
-    at = np.full(len(journals), start, dtype=complex)
+    at, length = np.full(len(journals), start, dtype=complex), np.ones(len(journals))
     for number in range(1, _CYCLES + 1):
-        path = motions(partial(motion.slope, left), at[left], len(angle_deg), _TOLERANCE)
+        slope, tolerance = partial(motion.slope, left), _ROUGH if number == 1 else _TOLERANCE
+        path, length[left] = motions(slope, at[left], len(angle_deg), tolerance, length[left])
         before, least[left] = least[left], np.maximum(1 - np.abs(path).max(axis=0), LEAST_SHARE)
         at[left] = path[-1]
         same = np.abs(least[left] - before) <= _SAME * least[left]
         closed = np.abs(path[0] - path[-1]) < _CLOSED
-        steady = same & closed & (number > 1)
+        steady = same & closed & (number >= _FEWEST)
         for place in np.flatnonzero(steady):
             index = int(left[place])
             found[index] = _result(journals[index], motion, index, angle_deg, path[:-1, place], number)

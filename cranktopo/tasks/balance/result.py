@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import LOADS, THROW, Assumption, assumptions
 from cranktopo.design.crank_throws import throw_scenes
@@ -17,7 +15,7 @@ from cranktopo.engine.balance.crank import CrankMass, crank_mass
 from cranktopo.engine.balance.free_forces import ORDERS, FreeForce, NeededCounterweight
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, EngineBalance
-from cranktopo.engine.bearings import equivalent_load_N, rating_life_h
+from cranktopo.engine.bearings import life_over_cycle_h
 from cranktopo.tasks.balance.proposal import ProposedCounterweight
 
 
@@ -197,9 +195,7 @@ def _bearing(balance: EngineBalance, index: int) -> MainBearing:
 
 
 def _loads(balance: EngineBalance, state: str, index: int) -> dict[str, Any]:
-    bearings, roller, life = balance.bearings[state], balance.scene.supports.roller_bearing, None
+    bearings, roller = balance.bearings[state], balance.scene.supports.roller_bearing
     largest, deg = bearings.largest(index)
-    if roller is not None and roller.dynamic_rating_kN is not None:
-        equivalent = equivalent_load_N(np.abs(bearings.load_N[index]))
-        life = rating_life_h(roller.dynamic_rating_kN, equivalent, engine_of(balance.scene).speed_rpm)
+    life = life_over_cycle_h(roller, bearings.load_N[index], engine_of(balance.scene).speed_rpm)
     return {"max_N": largest, "deg": deg, "mean_N": bearings.mean_N(index), "life_h": life}

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.units import MPA_PER_GPA
-from cranktopo.bodies.crank_ends import SIDES, crank_end, main_journal_places_mm
+from cranktopo.bodies.crank_ends import SIDES, crank_end, end_length_mm, main_journal_places_mm
 from cranktopo.design.crank import Side
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
@@ -245,8 +245,8 @@ def _parts_at_tip(scene: Scene, side: Side) -> tuple[Part, ...]:
 
 def _tip_mm(scene: Scene, side: Side) -> float:
     """Return the place along the shaft of the outer face of an end."""
-    pieces = crank_end(scene, side)
-    return pieces[-1].z_mm[1] if pieces else main_journal_places_mm(scene)[0 if side == "free" else -1]
+    length = end_length_mm(scene, side)
+    return -length if side == "free" else main_journal_places_mm(scene)[-1] + length
 
 
 def _lost(stiffness: Array, bent: float, twisted: float) -> Array:

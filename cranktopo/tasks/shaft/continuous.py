@@ -12,11 +12,13 @@ from cranktopo.base.units import UM_PER_MM
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
+from cranktopo.engine.bearings import life_over_cycle_h
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.tasks.fea.condense import RX, RY, UX, UY
 from cranktopo.tasks.film.result import BearingFilm
 from cranktopo.tasks.film.stage import LoadedBearing, films_of, main_bearing, plain_bearings
 from cranktopo.tasks.shaft.assembly import turned
+from cranktopo.tasks.shaft.carried_parts import carried_motions
 from cranktopo.tasks.shaft.cycle import (
     CycleForces,
     ShaftCycle,
@@ -115,7 +117,8 @@ def _at_speed(
         speed_rpm=engine_of(scene).speed_rpm,
         spring_N_per_mm=support if isinstance(support, float) else None,
         webs=webs,
-        main_bearings=_main_bearings(cycle, single, angles, carried(scene)),
+        main_bearings=_main_bearings(cycle, single, angles, scene),
+        carried=carried_motions(cycle, scene),
         sections=sections,
     )
     return shaft, cycle
@@ -134,9 +137,9 @@ def _of_throw(forces: CycleForces, index: int) -> CycleForces:
 
 
 def _main_bearings(
-    cycle: ShaftCycle, single: Sequence[ShaftCycle], angles_deg: Sequence[float], numbers: Sequence[int]
+    cycle: ShaftCycle, single: Sequence[ShaftCycle], angles_deg: Sequence[float], scene: Scene
 ) -> tuple[ShaftBearing, ...]:
-    sections = len(cycle.bearing_N)
+    sections, roller, speed = len(cycle.bearing_N), scene.supports.roller_bearing, engine_of(scene).speed_rpm
     size = np.hypot(cycle.bearing_N[:, 0], cycle.bearing_N[:, 1])
     added = np.zeros_like(cycle.bearing_N)
     for index, (one, angle) in enumerate(zip(single, angles_deg, strict=True)):
@@ -153,8 +156,9 @@ def _main_bearings(
             halves_N=float(halves_N[number]),
             tilt_mrad=float(tilt[number]),
             offset_um=float(offset[number]),
+            life_h=life_over_cycle_h(roller, size[number], speed),
         )
-        for number in numbers
+        for number in carried(scene)
     )
 
 

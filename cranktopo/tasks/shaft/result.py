@@ -50,6 +50,7 @@ class ShaftBearing(Result):
         halves_N: the largest force if each throw stood alone: half of either neighbour's.
         tilt_mrad: largest angle between journal and bearing axis.
         offset_um: largest distance of the journal from the bearing axis; 0 in rigid bearings.
+        life_h: basic rating life of `supports.roller_bearing` under these forces at this speed (ISO 281).
         film_um, pressure_MPa: least thickness and largest pressure of the oil film, where the design has
             `[bearings]`; a thickness that is `film_below_um` is below what is resolved.
         conserving: the mass-conserving film of one near what is permitted, also with the journal tilted.
@@ -61,6 +62,7 @@ class ShaftBearing(Result):
     halves_N: float
     tilt_mrad: float
     offset_um: float
+    life_h: float | None = UNLESS_NONE
     film_um: float | None = UNLESS_NONE
     film_below_um: float | None = UNLESS_NONE
     pressure_MPa: float | None = UNLESS_NONE
@@ -75,6 +77,20 @@ class ShaftBearing(Result):
         return LeastFilm(f"main {self.bearing}", rpm, film, self.film_below_um, pressure)
 
 
+class CarriedMotion(Result):
+    """Motion of a part that an end of the shaft carries, in the shaft without mass.
+
+    Attributes:
+        part: its name; one whose `mass_kg` the design gives.
+        offset_um: largest distance of its centre of mass from the crank axis.
+        tilt_mrad: largest angle of its axis to the crank axis.
+    """
+
+    part: str
+    offset_um: float
+    tilt_mrad: float
+
+
 class ContinuousShaft(Result):
     """Moments and forces of the shaft on all its bearings, at one speed."""
 
@@ -83,6 +99,8 @@ class ContinuousShaft(Result):
     """Of each bearing; none of rigid ones."""
     webs: tuple[WebMoment, ...]
     main_bearings: tuple[ShaftBearing, ...]
+    carried: tuple[CarriedMotion, ...] = ()
+    """Motions of the parts that the ends carry, from the free end."""
     sections: SkipJsonSchema[InstanceOf[WebSections] | None] = Field(default=None, exclude=True)
     """Forces and moments in the webs at every angle."""
 

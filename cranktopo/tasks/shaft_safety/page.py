@@ -32,7 +32,9 @@ from cranktopo.tasks.shaft_safety.plots import (
 )
 from cranktopo.tasks.shaft_safety.result import ShaftAssessment, ShaftSafety
 from cranktopo.tasks.shaft_safety.text import (
+    ON_ENDS,
     bearing_table,
+    carried_table,
     moment_table,
     speed_table,
     unsure_words,
@@ -84,7 +86,10 @@ def shaft_page(shaft: ShaftAssessment, loads: BearingPolar, crank: Scene, writte
                 "Main bearings",
                 f"At {carried.speed_rpm:,.0f} rpm, where one carries most. Forces of the shaft on its "
                 "bearings in the axes of the engine: up is where the cylinder of the first throw stands.",
-                (("Largest forces", bearing_table(carried)),),
+                (
+                    ("Largest forces", bearing_table(carried)),
+                    *([(ON_ENDS, carried_table(carried))] if carried.carried else []),
+                ),
                 bearing_pictures(loads),
             ),
             *_vibration(shaft, found),

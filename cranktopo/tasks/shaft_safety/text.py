@@ -12,6 +12,7 @@ from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftEvaluation
 from cranktopo.tasks.shaft_safety.dynamics_text import dynamic_safety_text, dynamics_text
 from cranktopo.tasks.shaft_safety.result import ShaftAssessment, ShaftSafety
 
+ON_ENDS = "Parts that the ends carry, their weight and inertia left out; largest over the cycle"
 _BEARING_DIGITS = {
     "bearing": 0,
     "largest_kN": 2,
@@ -19,6 +20,7 @@ _BEARING_DIGITS = {
     "throws_alone_kN": 2,
     "tilt_mrad": 2,
     "offset_um": 1,
+    "life_h": 0,
     "film_um": 2,
     "pressure_MPa": 1,
 }
@@ -148,6 +150,7 @@ def _on_bearings(shaft: ShaftEvaluation) -> list[str]:
         terminal(moment_table(worst)),
         "Main bearings, beside the sum of throws alone:",
         terminal(bearing_table(worst)),
+        *_carried(worst),
         *_conserving(worst),
     ]
     if len(speeds) > 1:
@@ -190,12 +193,24 @@ def bearing_table(at: ContinuousShaft) -> ResultTable:
             "throws_alone_kN": bearing.halves_N / N_PER_KN,
             "tilt_mrad": bearing.tilt_mrad,
             "offset_um": bearing.offset_um,
+            **({} if bearing.life_h is None else {"life_h": bearing.life_h}),
             **({} if film is None else {"film_um": film.film_um, "pressure_MPa": film.pressure_MPa}),
         }
         for bearing in at.main_bearings
         for film in (bearing.least(at.speed_rpm),)
     )
     return ResultTable({key: _BEARING_DIGITS[key] for key in rows[0]}, rows)
+
+
+def _carried(at: ContinuousShaft) -> list[str]:
+    """Return how the parts move that the ends carry."""
+    return [f"{ON_ENDS}:", terminal(carried_table(at))] if at.carried else []
+
+
+def carried_table(at: ContinuousShaft) -> ResultTable:
+    """Return how the parts move that the ends carry."""
+    rows: tuple[Row, ...] = tuple(dict(one) for one in at.carried)
+    return ResultTable({"part": 0, "offset_um": 1, "tilt_mrad": 2}, rows)
 
 
 def _conserving(at: ContinuousShaft) -> list[str]:

@@ -10,15 +10,12 @@ import pytest
 from cranktopo.design.loading import load_scene
 from cranktopo.engine.vibration.shaft_chain import bare_chain
 from cranktopo.numerics.disk_chain import DiskChain
+from tests.validation.shafts import MWM
 
-# A six-cylinder truck engine: damper, gears, cylinders, flywheel. kg m2, N m/rad; frequencies in Hz to the
-# digits in which they were handed down, source unknown; Holzer's table below checks every one.
-TRUCK = DiskChain(
-    (0.0170, 0.0090, 0.0467, 0.0327, 0.0467, 0.0467, 0.0327, 0.0487, 2.0750),
-    tuple(1e6 * k for k in (1.106, 1.631, 1.253, 1.253, 1.678, 1.253, 1.253, 1.976)),
-)
+# Frequencies of MWM's undamped chain in Hz, to the digits in which they were handed down with it; Holzer's
+# table below checks every one.
 MOVING_KG_MM2 = (0.3254 + (0.491 + 0.1436) / 2) * 48.0**2
-TRUCK_HZ = (216.58, 592.74, 984.92, 1171.0, 1416.0, 1660.0, 1794.4, 2993.5)
+MWM_HZ = (216.58, 592.74, 984.92, 1171.0, 1416.0, 1660.0, 1794.4, 2993.5)
 
 
 def holzer(model: DiskChain, frequency_Hz: float) -> float:
@@ -39,18 +36,18 @@ def test_shaft_of_equal_throws() -> None:
     assert model.natural_frequencies_Hz() == pytest.approx(expected, rel=1e-12)
 
 
-def test_truck_engine() -> None:
+def test_diesel_engine() -> None:
     """To the five digits that are given."""
-    found = TRUCK.natural_frequencies_Hz()
-    assert tuple(float(f"{f:.5g}") for f in found) == TRUCK_HZ
-    assert [mode.frequency_Hz for mode in TRUCK.modes()] == pytest.approx(found, rel=1e-12)
+    found = MWM.natural_frequencies_Hz()
+    assert tuple(float(f"{f:.5g}") for f in found) == MWM_HZ
+    assert [mode.frequency_Hz for mode in MWM.modes()] == pytest.approx(found, rel=1e-12)
 
 
 def test_holzer_table_changes_sign_at_each_frequency() -> None:
-    found = TRUCK.natural_frequencies_Hz()
+    found = MWM.natural_frequencies_Hz()
     for f in found:
-        assert holzer(TRUCK, f * (1 - 1e-9)) * holzer(TRUCK, f * (1 + 1e-9)) < 0
-    signs = [holzer(TRUCK, (a + b) / 2) > 0 for a, b in pairwise((0.0, *found))]
+        assert holzer(MWM, f * (1 - 1e-9)) * holzer(MWM, f * (1 + 1e-9)) < 0
+    signs = [holzer(MWM, (a + b) / 2) > 0 for a, b in pairwise((0.0, *found))]
     assert all(a != b for a, b in pairwise(signs)), "a frequency is missing between two others"
 
 
