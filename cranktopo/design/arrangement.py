@@ -90,9 +90,17 @@ class Arrangement(SceneTable):
     throw_angles_deg: tuple[Turn, ...] = Field(default=(), examples=[(0.0, 180.0)])
     """Angle of each throw about the crank axis from the first, in the sense of rotation, from the free end;
     needed where firing is uneven, by default such that it is even. A `radial` has one row for each."""
-    balanced_oscillating_share: float = Field(default=0.0, ge=0, le=1, allow_inf_nan=False)
-    """Share of the oscillating masses that the counterweights balance beside all rotating ones."""
+    balanced_oscillating_share: float | None = Field(
+        default=None, ge=0, le=1, examples=[0.5], allow_inf_nan=False
+    )
+    """Share of the oscillating masses that the counterweights balance beside all rotating ones; by default 0,
+    which `shape` holds the balance at only if it is given."""
     balancer_shaft: tuple[BalancerShaft, ...] = ()
+
+    @property
+    def balanced_share(self) -> float:
+        """Share of the oscillating masses that the counterweights balance."""
+        return self.balanced_oscillating_share or 0.0
 
     @property
     def banks_deg(self) -> tuple[float, ...]:

@@ -1,223 +1,22 @@
-"""Gas force on the piston over the working cycle: measured, or by Wiebe heat release between polytropes.
-
-One zone of ideal gas (J. B. Heywood, Internal Combustion Engine Fundamentals, McGraw-Hill 1988, sections
-9.2.2 and 14.4.2). With v the volume over the clearance volume, n the polytropic exponent of the expansion
-and x the burnt fraction, the energy balance d(p v^n) = (n - 1) q v^(n-1) dx integrates to
-
-    p v^n = p_s v_s^n + (n - 1) q Integral_s v^(n-1) dx,    x = 1 - exp(-6.908 (phi / phi_b)^(m+1)),
-
-phi the angle since the start of burning s, phi_b the burn duration (99.9 %), m the Wiebe shape and q the
-heat over the clearance volume. Before s the charge is compressed with its own exponent. Start s and heat q
-follow from the peak pressure and its angle.
-"""
+"""Gas force on the piston over the working cycle: measured or fitted, also from a map over speed."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache, lru_cache
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import invalid
-from cranktopo.base.root import root
+from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.design.engine import Engine, Gas, GasAtSpeed
 from cranktopo.design.schema import Scene
 from cranktopo.engine.chamber import Chamber, chamber_of
+from cranktopo.engine.combustion import combustion_pressure_MPa, fit_combustion
 from cranktopo.engine.indicator import read_indicator
-
-_WIEBE_EFFICIENCY = 6.908  # -ln(1 - 0.999)
-_OVERLAP_DEG = 20.0  # width of the change from exhaust to intake pressure after gas-exchange dead centre
-
-
-@dataclass(frozen=True)
-class _Combustion:
-    """A combustion model fitted to the peak.
-
-    Attributes:
-        cycle_deg: 720 (four-stroke) or 360 (two-stroke).
-        start_deg: start of burning after the least volume of firing (negative: before it).
-        heat_MPa: heat released per cycle over the clearance volume.
-    """
-
-    gas: Gas
-    room: Chamber
-    cycle_deg: float
-    start_deg: float
-    heat_MPa: float
-
-
-def fit_combustion(gas: Gas, room: Chamber, cycle_deg: float) -> _Combustion:
-    """Return start of burning and heat such that the pressure peaks where and as high as the scene says.
-
-    At the peak p' = 0, hence (n - 1) q x' = n p v'; q follows from the integral for a trial start, and the
-    start from this one equation. Raises CranktopoError where none fits the peak.
-    """
-    peak = _required_value("engine.gas.peak_angle_deg", gas.peak_angle_deg)
-
-    def model(start: float) -> _Combustion:
-        trial = _Combustion(gas, room, cycle_deg, start, 1.0)
-        return _Combustion(gas, room, cycle_deg, start, _heat_for_peak(trial))
-
-    def slope(start: float) -> float:
-        return _peak_slope(model(start), peak)
-
-    _check_above_compression(gas, model(peak - 1.0))
-    earliest, latest = max(peak - 2 * gas.burn_duration_deg, -90.0), peak - 0.05
-    if slope(earliest) * slope(latest) > 0:
-        raise invalid(
-            "engine.gas.peak_angle_deg",
-            peak,
-            f"no start of burning puts the peak there with burn_duration_deg = {gas.burn_duration_deg:g}",
-            "Lengthen burn_duration_deg or move the peak.",
-        )
-    fitted = model(root(slope, earliest, latest, 1e-12))
-    _check_is_highest(fitted)
-    return fitted
-
-
-def combustion_pressure_MPa(model: _Combustion, angle_deg: Array) -> Array:
-    """Return the absolute cylinder pressure at rising angles after the least volume of firing, MPa."""
-    gas = model.gas
-    opening, closing = gas.exhaust_opening_deg, _intake_closing_deg(model)
-    pressure = np.empty_like(angle_deg)
-    burning = angle_deg <= 180.0
-    pressure[burning] = _expansion(model, angle_deg[burning])
-    compressing = angle_deg >= model.cycle_deg + model.start_deg
-    late = compressing & (angle_deg >= closing)
-    pressure[late] = _expansion(model, angle_deg[late] - model.cycle_deg)
-    early = (angle_deg >= closing) & ~compressing
-    pressure[early] = _compression(model, angle_deg[early] - model.cycle_deg)
-    exchange = (angle_deg > 180.0) & (angle_deg < closing)
-    pressure[exchange] = _gas_exchange(model, angle_deg[exchange])
-    blowdown = (angle_deg > opening) & burning
-    weight = _smooth_step((angle_deg[blowdown] - opening) / (180.0 - opening))
-    released = gas.exhaust_MPa if model.cycle_deg > 360 else gas.intake_MPa
-    pressure[blowdown] += weight * (released - pressure[blowdown])
-    return pressure
-
-
-def _gas_exchange(model: _Combustion, angle_deg: Array) -> Array:
-    gas = model.gas
-    if model.cycle_deg <= 360:
-        return np.full_like(angle_deg, gas.intake_MPa)
-    weight = _smooth_step((angle_deg - 360.0) / _OVERLAP_DEG)
-    return gas.exhaust_MPa + weight * (gas.intake_MPa - gas.exhaust_MPa)
-
-
-def _intake_closing_deg(model: _Combustion) -> float:
-    """Start of compression: bottom dead centre, or where the two-stroke's ports close."""
-    return 540.0 if model.cycle_deg > 360 else 360.0 - model.gas.exhaust_opening_deg
-
-
-def _smooth_step(fraction: Array) -> Array:
-    return (1.0 - np.cos(np.pi * np.clip(fraction, 0.0, 1.0))) / 2
-
-
-def _volume(model: _Combustion, angle_deg: Array) -> tuple[Array, Array]:
-    """Volume over the clearance volume, and its derivative per rad."""
-    return model.room.volume(angle_deg, model.gas.compression_ratio)
-
-
-def _compression(model: _Combustion, angle_deg: Array) -> Array:
-    closing = np.array([_intake_closing_deg(model) - model.cycle_deg])
-    ratio: Array = _volume(model, closing)[0] / _volume(model, angle_deg)[0]
-    return model.gas.intake_MPa * ratio**model.gas.polytropic_compression
-
-
-def _burn_rate(model: _Combustion, angle_deg: Array) -> Array:
-    """Derivative of the burnt fraction per rad."""
-    power = model.gas.wiebe_shape + 1.0
-    phi = np.maximum(angle_deg - model.start_deg, 0.0) / model.gas.burn_duration_deg
-    rate = _WIEBE_EFFICIENCY * power * phi ** (power - 1.0) * np.exp(-_WIEBE_EFFICIENCY * phi**power)
-    return rate / math.radians(model.gas.burn_duration_deg)
-
-
-def _burn_integral(model: _Combustion, angle_deg: Array) -> Array:
-    """Integral of v^(n-1) dx from the start of burning to each angle (ascending, not before the start)."""
-    nodes, weights = _gauss_points()
-    ends = np.concatenate([[model.start_deg], angle_deg])
-    # Long steps are halved until none exceeds 1 deg, so that the 4-point rule is good to 1e-8.
-    parts = max(1, int(np.ceil(np.diff(ends).max(initial=0.0))))
-    fine = np.linspace(ends[:-1], ends[1:], parts + 1, axis=1)
-    half = np.diff(fine, axis=1)[..., None] / 2
-    points = (fine[:, :-1] + fine[:, 1:])[..., None] / 2 + half * nodes
-    values = _volume(model, points)[0] ** (model.gas.polytropic_expansion - 1.0) * _burn_rate(model, points)
-    steps: Array = (values * weights * np.radians(half)).sum(axis=(1, 2))
-    return np.cumsum(steps)
-
-
-@cache
-def _gauss_points() -> tuple[Array, Array]:
-    """Return places from -1 to 1 and their weights; finding them takes longer than using them."""
-    nodes, weights = np.polynomial.legendre.leggauss(4)
-    return nodes, weights
-
-
-def _expansion(model: _Combustion, angle_deg: Array) -> Array:
-    n = model.gas.polytropic_expansion
-    before = angle_deg < model.start_deg
-    pressure = _compression(model, angle_deg)
-    start = np.array([model.start_deg])
-    constant = _compression(model, start) * _volume(model, start)[0] ** n
-    after = angle_deg[~before]
-    energy = constant + (n - 1.0) * model.heat_MPa * _burn_integral(model, after)
-    pressure[~before] = energy / _volume(model, after)[0] ** n
-    return pressure
-
-
-def _heat_for_peak(model: _Combustion) -> float:
-    """Heat that lifts the pressure to the peak at the peak angle, for the model's start of burning."""
-    n = model.gas.polytropic_expansion
-    peak_deg = _required_value("engine.gas.peak_angle_deg", model.gas.peak_angle_deg)
-    peak, start = np.array([peak_deg]), np.array([model.start_deg])
-    charge = _compression(model, start) * _volume(model, start)[0] ** n
-    needed = _peak_MPa(model.gas) * _volume(model, peak)[0] ** n - charge
-    return float((needed / ((n - 1.0) * _burn_integral(model, peak)))[0])
-
-
-def _peak_slope(model: _Combustion, peak_deg: float) -> float:
-    """Residual of (n - 1) q x' = n p v' at the peak angle."""
-    n, peak = model.gas.polytropic_expansion, np.array([peak_deg])
-    heating = (n - 1.0) * model.heat_MPa * _burn_rate(model, peak)
-    expansion = n * _peak_MPa(model.gas) * _volume(model, peak)[1]
-    return float((heating - expansion)[0])
-
-
-def _peak_MPa(gas: Gas) -> float:
-    return _required_value("engine.gas.peak_pressure_MPa", gas.peak_pressure_MPa)
-
-
-def _required_value(key: str, value: float | None) -> float:
-    if value is None:
-        raise invalid(key, value, "must be given for the combustion model")
-    return value
-
-
-def _check_above_compression(gas: Gas, model: _Combustion) -> None:
-    compressed = float(_compression(model, np.array([0.0]))[0])
-    if _peak_MPa(gas) <= compressed:
-        raise invalid(
-            "engine.gas.peak_pressure_MPa",
-            gas.peak_pressure_MPa,
-            f"must be above the compression pressure {compressed:.3f} MPa",
-            "Raise the peak or lower compression_ratio or intake_pressure_MPa.",
-        )
-
-
-def _check_is_highest(model: _Combustion) -> None:
-    pressure = _expansion(model, np.arange(-60.0, 90.0, 0.5))
-    if pressure.max() > _peak_MPa(model.gas) * (1 + 1e-6):
-        raise invalid(
-            "engine.gas.peak_angle_deg",
-            model.gas.peak_angle_deg,
-            f"the fitted pressure is higher elsewhere ({pressure.max():.3f} MPa)",
-            "Move the peak closer to top dead centre or shorten burn_duration_deg.",
-        )
-
 
 STEP_DEG = 0.25
 _SAME_PEAK = 1e-3
@@ -295,7 +94,34 @@ def mapped_curves(scene: Scene) -> tuple[tuple[float, PressureCurve], ...]:
     engine = scene.engine
     if engine is None or engine.gas is None:
         return ()
-    return tuple((at.rpm, _curve_of(scene, engine, gas_at(engine.gas, at))) for at in engine.gas.map)
+    return tuple((at.rpm, _curve_in_map(scene, engine, number)) for number, at in enumerate(engine.gas.map))
+
+
+_KEYS_OF_ENTRY = {
+    "peak_pressure_MPa": "peak_pressure_MPa",
+    "peak_angle_deg": "peak_angle_deg",
+    "indicator_csv": "file",
+}
+"""Keys of an entry of a map by those of the gas that it stands for."""
+
+
+def _curve_in_map(scene: Scene, engine: Engine, number: int) -> PressureCurve:
+    """Return the pressure of an entry of the map; an error names the entry, not its gas."""
+    assert engine.gas is not None
+    at = engine.gas.map[number]
+    try:
+        return _curve_of(scene, engine, gas_at(engine.gas, at))
+    except CranktopoError as error:
+        message, hint = error.message, error.hint
+        for key, own in _KEYS_OF_ENTRY.items():
+            message = message.replace(f"engine.gas.{key}", f"engine.gas.map[{number}].{own}")
+        if at.file is None:
+            hint = (
+                "Compression, intake pressure and burn duration are those of all entries: give this one "
+                "its own trace by `file`, or another peak."
+            )
+        message = f"{message} It is the entry of {at.rpm:g} rpm."
+        raise CranktopoError(message, hint=hint, code=error.code) from None
 
 
 def higher_elsewhere(scene: Scene) -> str:

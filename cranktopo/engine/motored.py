@@ -17,13 +17,12 @@ from cranktopo.design.engine import Engine, Gas
 from cranktopo.design.misfire import MIRRORED
 from cranktopo.design.schema import Scene
 from cranktopo.engine.chamber import chamber_of
+from cranktopo.engine.combustion import combustion_pressure_MPa, fit_combustion
 from cranktopo.engine.gas import (
     PressureCurve,
     after_least_deg,
     at_rising,
     between,
-    combustion_pressure_MPa,
-    fit_combustion,
     gas_at,
     mapped_curves,
     pressure_curve,

@@ -55,7 +55,7 @@ def balance_moved(
         reference: what the original is called.
     """
     meant = scene.web.counterweight is not None or (
-        scene.engine is not None and scene.engine.arranged.balanced_oscillating_share > 0
+        scene.engine is not None and scene.engine.arranged.balanced_oscillating_share is not None
     )
     if not meant or _FACTOR not in result or _FACTOR not in original:
         return None

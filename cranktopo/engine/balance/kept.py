@@ -19,14 +19,15 @@ def balance_kept(scene: Scene) -> Scene:
 
     With `engine.arrangement.balanced_oscillating_share` counterweights are meant to take a share of the
     oscillating mass, no less and no more: the unbalance stays between the original's and the one asked for,
-    with 2 % of that mass of room. The scene itself is returned without a goal, a counterweight or such a
-    share, and where the goal or a limit speaks of the balance. What is assumed is told.
+    with 2 % of that mass of room. A share of 0 that is given asks for the rotating masses alone. The scene
+    itself is returned without a goal, a counterweight or a given share, and where the goal or a limit speaks
+    of the balance. What is assumed is told.
     """
     engine, goal = scene.engine, scene.goal
     if engine is None or goal is None or scene.web.counterweight is None or _is_said(scene):
         return scene
     share, oscillating = engine.arranged.balanced_oscillating_share, rods_kg_mm(scene)[1]
-    if not share or not oscillating:
+    if share is None or not oscillating:
         return scene
     own, target = throw_balance(scene).throw_unbalance_kg_mm, unbalance_at_kg_mm(scene, 100 * share)
     room = _ROOM * oscillating

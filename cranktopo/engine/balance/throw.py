@@ -87,7 +87,7 @@ def throw_balance(scene: Scene) -> ThrowBalance:
     total = journal + crankpin + fillets + first.web + second.web
     rotating_rods, oscillating = rods_kg_mm(scene)
     rotating = total.first_y + rotating_rods
-    share = scene.engine.arranged.balanced_oscillating_share if scene.engine else 0.0
+    share = scene.engine.arranged.balanced_share if scene.engine else 0.0
     own = first.counterweight, second.counterweight
     return ThrowBalance(
         mass_kg=total.volume,
@@ -239,7 +239,7 @@ def turning_throw(scene: Scene) -> TurningThrow:
         with_rods, needed = balance.rotating_unbalance_kg_mm + aside, balance.counterweight_kg_mm + aside
         return TurningThrow(with_rods, couple, needed, couple)
     mass, kg = splayed_mass(scene), engine.rod_rotating_kg
-    share = kg + engine.arranged.balanced_oscillating_share * engine.reciprocating_kg
+    share = kg + engine.arranged.balanced_share * engine.reciprocating_kg
     return TurningThrow(
         mass.throw + kg * mass.rods,
         mass.throw_couple + kg * mass.rods_couple,

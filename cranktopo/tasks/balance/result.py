@@ -135,7 +135,7 @@ def balance_result(balance: EngineBalance, proposal: ProposedCounterweight | Non
             cylinder_pitch_mm=_pitch_mm(balance),
             throw_angles_deg=tuple(engine.throw_angles_deg),
             firing_angles_deg=tuple(engine.firing_angles_deg),
-            balanced_oscillating_share=engine.arranged.balanced_oscillating_share,
+            balanced_oscillating_share=engine.arranged.balanced_share,
         ),
         orders=tuple(
             MassForces(**_forces(part), kind=kind) for kind, part in zip(kinds, balance.parts, strict=True)

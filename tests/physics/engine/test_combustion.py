@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.engine import Gas
 from cranktopo.engine.chamber import Piston, chamber
-from cranktopo.engine.gas import combustion_pressure_MPa, fit_combustion
+from cranktopo.engine.combustion import combustion_pressure_MPa, fit_combustion
 
 R, L = 48.0, 166.0
 ROOM = chamber(Piston(R, L))

@@ -10,8 +10,8 @@ from scipy.integrate import quad
 from cranktopo.design.loading import load_scene
 from cranktopo.engine.analysis import analyse, at_speed
 from cranktopo.engine.chamber import Piston, chamber
+from cranktopo.engine.combustion import combustion_pressure_MPa, fit_combustion
 from cranktopo.engine.forces import by_cylinder, shaft_torque
-from cranktopo.engine.gas import combustion_pressure_MPa, fit_combustion
 from cranktopo.engine.kinematics import exact_motion
 
 MIKRON = load_scene("mikron-iiic-plain")

@@ -51,6 +51,16 @@ def test_at_the_speed_of_an_entry_it_is_that_curve(rpm: float, peak_MPa: float) 
     assert pressure(mapped(), rpm) == pytest.approx(pressure(single(peak_MPa), rpm), rel=1e-12)
 
 
+def test_a_peak_that_cannot_be_is_that_of_its_entry() -> None:
+    """The error named engine.gas.peak_pressure_MPa, which no design with a map has."""
+    scene = mapped(entry(1000.0, 1.2) + entry(2000.0, 6.0))
+    with pytest.raises(
+        CranktopoError, match=r"engine\.gas\.map\[0\]\.peak_pressure_MPa = 1\.2: .* 1000 rpm"
+    ) as told:
+        pressure_curve(scene)
+    assert "its own trace by `file`" in told.value.hint
+
+
 def test_between_two_speeds_and_beyond_the_last() -> None:
     low, high = (pressure(single(PEAKS[rpm]), rpm) for rpm in (1000.0, 2000.0))
     assert pressure(mapped(), 1250.0) == pytest.approx(0.75 * low + 0.25 * high, rel=1e-12)

@@ -18,7 +18,7 @@ def asking(share: float, *limits: str, name: str = "car-diesel", minimise: str =
     return with_goal(scene, minimise=minimise, limits=limits)
 
 
-@pytest.mark.parametrize("share", [0.3, 1.0])
+@pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
 def test_no_farther_from_the_balance_that_is_asked_for_than_it_is(
     share: float, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -39,7 +39,7 @@ def test_no_farther_from_the_balance_that_is_asked_for_than_it_is(
 @pytest.mark.parametrize(
     "scene",
     [
-        asking(0.0),
+        with_goal(load_scene("car-diesel"), minimise="mass"),
         asking(0.5, "unbalance none"),
         asking(0.5, "balance_factor >= 40 %"),
         asking(0.5, minimise="unbalance"),
