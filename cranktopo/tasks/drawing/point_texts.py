@@ -13,13 +13,15 @@ import numpy as np
 from scipy.spatial.distance import cdist
 
 from cranktopo.base.arrays import Array
-from cranktopo.report.drafting import INK, TEXT_SIZE, THIN, circle, leader
+from cranktopo.report.drafting import INK, TEXT_SIZE, THIN, circle, leader, number_mm
 from cranktopo.throw.profile import ProfileWeb
 
 PLACE_MM = 15.0
 """Paper for running dimensions of places."""
 _CLEAR_MM = 1.5
 """Paper between two leaders that is enough."""
+_TEXT_ROOM_MM = 2.4
+"""Paper between the middle of a text and a line beside it."""
 NamedPoint = tuple[tuple[float, float], str]
 """A point of a view and the text about it."""
 
@@ -75,19 +77,47 @@ def _least_gap(lines: Sequence[Array]) -> float:
     return min((float(cdist(one, other).min()) for one, other in combinations(dense, 2)), default=np.inf)
 
 
-def texts_about(axes: Any, named: Sequence[NamedPoint], gap: float) -> list[float]:
+def texts_about(
+    axes: Any,
+    named: Sequence[NamedPoint],
+    gap: float,
+    paper_mm: float,
+    *,
+    levels: Sequence[float] = (),
+    edge: float,
+) -> list[float]:
     """Write texts about points of the outline: on the right outward of them, on the left upon the body.
 
     Left of the body dimensions stand. Return the heights of the texts on the right.
+
+    Args:
+        levels: heights of lines that go to the right, which texts keep clear of.
+        edge: place across of a line that goes down, to the right of which a text on it moves.
     """
     right = []
     for tip, text in named:
         outward = tip[0] > 0
         away = 1 + (0.6 if outward else -1.6) * gap / np.hypot(*tip)
-        leader(axes, tip, (tip[0] * away, tip[1] * away), text, "left")
+        x, y = tip[0] * away, tip[1] * away
         if outward:
-            right.append(tip[1] * away)
+            y = _clear_of(y, levels, _TEXT_ROOM_MM * paper_mm)
+            on_edge = x - _CLEAR_MM * paper_mm < edge < x + number_mm(text) * paper_mm
+            x = edge + _CLEAR_MM * paper_mm if on_edge else x
+            right.append(y)
+        leader(axes, tip, (x, y), text, "left")
     return right
+
+
+def _clear_of(place: float, taken: Sequence[float], room: float) -> float:
+    """Return the nearest place with room to all that are taken, the lower one of two."""
+    near = (place, *(level + way * room for level in taken for way in (-1, 1)))
+    free = [one for one in near if all(abs(one - level) > room * (1 - 1e-9) for level in taken)]
+    return min(free, key=lambda one: (round(abs(one - place), 6), one))
+
+
+def line_levels(places: Sequence[tuple[float, float]]) -> list[float]:
+    """Return the heights of the lines of running dimensions of points, with that of the axis."""
+    return sorted({round(y, 2) + 0.0 for _, y in places} | {0.0}) if places else []
 
 
 def running_dimensions(

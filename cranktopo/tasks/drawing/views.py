@@ -35,6 +35,7 @@ from cranktopo.report.drafting import (
 from cranktopo.tasks.drawing.bolt_views import bolt_feature, draw_bolts, draw_threads
 from cranktopo.tasks.drawing.point_texts import (
     PLACE_MM,
+    line_levels,
     running_dimensions,
     stations,
     text_column,
@@ -214,7 +215,8 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
     if isinstance(web, ProfileWeb):  # its stations fill the paper right of the body
         text_column(axes, [*stations(axes, web, x_way), *named], beside, 1 / scale)
     else:
-        taken = texts_about(axes, named, gap)
+        levels = line_levels(sheet.places)
+        taken = texts_about(axes, named, gap, 1 / scale, levels=levels, edge=widest)
     across = beside + _TEXT_MM / scale if isinstance(web, ProfileWeb) else beside
     corner = across, sheet.y_range_mm[1]
     running_dimensions(axes, sheet.places, corner, 1 / scale, taken, x_way)
