@@ -99,3 +99,18 @@ def test_a_page_is_checked_before_anything_is_solved(capsys: pytest.CaptureFixtu
 def test_the_speeds_are_those_of_the_design(capsys: pytest.CaptureFixture[str]) -> None:
     text = printed(["mikron-iiic-plain"], capsys)
     assert "At 2,800 rpm" in text
+
+
+def test_a_mode_of_disks_that_bending_shares_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A V-twin with a flywheel: none of its modes is the one of its disks, least of all the stiff ones."""
+    text = (Path(__file__).parents[1] / "data/v-twin.toml").read_text(encoding="utf-8")
+    path = tmp_path / "twin.toml"
+    path.write_text(f"{text}mass_kg = 2.5\noverhang_mm = 40.0\n", encoding="utf-8")
+    found = ShaftModes.of_json(json.loads(printed([str(path), "--json"], capsys)), "modes --json")
+    assert not [mode for mode in found.modes if mode.disks_Hz is not None]
+    (shared,) = found.disks_shared
+    assert set(shared.modes[:2]) == {2, 3}
+    assert sum(shared.shares_percent[:2]) > 60.0
+    assert f"Disks swing at {shared.disks_Hz:.1f} Hz; no mode of the body is that alone" in modes_text(found)

@@ -112,8 +112,9 @@ def _film(data):
 
 def _modes(data):
     twists = [mode["disks_Hz"] for mode in data["modes"] if mode["disks_Hz"] is not None]
+    twists += [shared["disks_Hz"] for shared in data["disks_shared"]]
     if twists:
-        yield "first natural frequency by disks", twists[0]
+        yield "first natural frequency by disks", min(twists)
 
 
 def _sweep(data):

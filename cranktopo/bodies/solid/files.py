@@ -14,6 +14,7 @@ from cranktopo.base.arrays import Int64
 from cranktopo.base.errors import solver_error
 from cranktopo.base.files import as_path, replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
+from cranktopo.base.notes import note
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.bodies.raw_crankshaft import raw_crank_end
 from cranktopo.bodies.solid.bolted import (
@@ -26,6 +27,7 @@ from cranktopo.bodies.solid.bolted import (
 from cranktopo.bodies.solid.checked import VOLUME_TOLERANCE, ClosedForm
 from cranktopo.bodies.solid.crankshaft import add_crankshaft, add_end, placed_throws
 from cranktopo.bodies.solid.drilled import drilled
+from cranktopo.bodies.solid.facets import OTHER_SIZES, closed_facets, open_error
 from cranktopo.bodies.solid.plugs import add_plugs, plug_names
 from cranktopo.bodies.solid.raw_crankshaft import add_raw_crankshaft, add_raw_end
 from cranktopo.bodies.solid.raw_part import add_raw_throw
@@ -140,7 +142,8 @@ def export_solid(
     counterweights as bodies of their own, which the volume does not count; an STL file holds the part alone.
     The file appears only when complete. STL facets have 1 mm for a throw of usual size, others in proportion;
     `started` dates a STEP file, now by default. Raises CranktopoError: impossible dimensions, unknown suffix,
-    a STEP file that does not read back, or a file that cannot be written.
+    a STEP file that does not read back, facets that do not close at any size near the one asked for, or a
+    file that cannot be written.
     """
     path = as_path(path)
     scene = as_scene(scene)
@@ -153,13 +156,38 @@ def export_solid(
             volumes = [float(gmsh.model.occ.getMass(*pair)) for pair in (*body, *beside)]
             gmsh.model.occ.synchronize()
             if suffix == ".stl":
-                _triangulate(gmsh, body, part, facet_mm or _usual_facet_mm(scene))
-            with quiet_stdout():
-                gmsh.write(str(temporary))
+                name = f"{part} of {scene.name}"
+                _write_facets(gmsh, body, part, facet_mm or _usual_facet_mm(scene), temporary, name)
+            else:
+                with quiet_stdout():
+                    gmsh.write(str(temporary))
         if suffix != ".stl":
             label_step(temporary, _label(scene, part, time_of_writing(started)))
             read_back(temporary, volumes)
     return sum(volumes[: len(body)])
+
+
+def _write_facets(gmsh: Any, body: DimTags, part: SolidPart, facet_mm: float, path: Path, name: str) -> None:
+    """Write facets as STL once they are closed: as they are, joined, or of a size near the one asked for."""
+    from cranktopo.numerics.surfaces.files import write_stl
+    from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+
+    sizes = [facet_mm, *(factor * facet_mm for factor in OTHER_SIZES)]
+    found = []
+    for size in sizes:
+        gmsh.model.mesh.clear()
+        _triangulate(gmsh, body, part, size)
+        found.append(SurfaceMesh(*triangles(gmsh)))
+        closed = closed_facets(found[-1])
+        if closed is None:
+            continue
+        if size != facet_mm:
+            note(f"{name}: facets of {facet_mm:.3g} mm do not close; written with {size:.3g} mm")
+        if closed is not found[-1]:
+            note(f"{name}: facets along edges of the CAD kernel that do not meet are joined")
+        write_stl(path, closed)
+        return
+    raise open_error(name, found[0], sizes)
 
 
 def surface_of(scene: Scene, part: SolidPart, facet_mm: float | None = None) -> SurfaceMesh:

@@ -113,7 +113,7 @@ _TRIANGULATION = {
     "StlLinearDeflectionRelative": 0,
     "StlAngularDeflection": 0.1,
 }
-_WELD_MM = 2e-5
+WELD_MM = 2e-5
 """Vertices nearer than this are one: twice the tolerance that CAD systems give an edge."""
 _VOLUME_TOLERANCE = 2e-3
 
@@ -151,7 +151,7 @@ def kernel_surface(gmsh: Any) -> SurfaceMesh:
     gmsh.model.mesh.importStl()
     points, faces = triangles(gmsh)
     gmsh.model.mesh.clear()
-    return closed_surface(welded(SurfaceMesh(points, faces), _WELD_MM))
+    return closed_surface(welded(SurfaceMesh(points, faces), WELD_MM))
 
 
 def closed_surface(mesh: SurfaceMesh) -> SurfaceMesh:

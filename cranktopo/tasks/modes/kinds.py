@@ -14,8 +14,6 @@ WITHIN = "deformation within throws"
 _MOST = 60.0
 """Percent of the energy from which a kind stands alone."""
 _ALSO = 25.0
-_AS_MUCH = 0.9
-"""Part of the largest share that counts as being the largest: one throw may twist and bend alike."""
 _ONE_PLANE = 0.75
 """Share of the bending in a plane from which that plane is named."""
 
@@ -46,12 +44,6 @@ def kind_of(shares: EnergyShares) -> str:
     if groups[first] >= _MOST or groups[second] < _ALSO:
         return first
     return f"{first} with {second.split()[0]}"
-
-
-def is_torsion(shares: EnergyShares) -> bool:
-    """Tell whether torsion has the largest share of a mode, or as good as that: disks know it then."""
-    bending = shares.in_plane + shares.across
-    return shares.torsion >= _AS_MUCH * max(bending, shares.axial, shares.rest)
 
 
 def _bending(shares: EnergyShares) -> str:

@@ -14,6 +14,7 @@ from cranktopo.tasks.modes.text import (
     error_sentence,
     fluid_sentence,
     modes_table,
+    shared_sentence,
     speed_table,
     torsion_only_sentence,
 )
@@ -40,7 +41,7 @@ def modes_page(modal: ShaftModes, written: str) -> Page:
             Section(
                 "frequencies",
                 "Frequencies at rest",
-                f"{PLANES} {_fluid(modal)}{error_sentence(modal)}".replace("\n", " "),
+                f"{_shared(modal)}{PLANES} {_fluid(modal)}{error_sentence(modal)}".replace("\n", " "),
                 (("By mode", modes_table(modal)),),
             ),
             Section(
@@ -60,6 +61,10 @@ def modes_page(modal: ShaftModes, written: str) -> Page:
             ),
         ),
     )
+
+
+def _shared(modal: ShaftModes) -> str:
+    return f"{shared_sentence(modal)} " if modal.disks_shared else ""
 
 
 def _fluid(modal: ShaftModes) -> str:

@@ -55,7 +55,7 @@ class ShaftMode(Result):
     kind: str
     shares_percent: EnergyShares
     disks_Hz: float | None
-    """Of torsion: the frequency of the same number among those of disks on massless springs."""
+    """Frequency of disks on massless springs whose counterpart this mode is; null where it is none's."""
     last_step_percent: float
     """Change of the frequency by the last step of the reduction."""
     frequencies_Hz: tuple[float, ...]
@@ -67,6 +67,15 @@ class ShaftMode(Result):
     """Within the range of speeds, the slowest first."""
     shape: tuple[StationMotion, ...]
     """At rest, from the free end."""
+
+
+class SharedDisks(Result):
+    """A mode of disks on massless springs that no mode of the body has alone."""
+
+    disks_Hz: float
+    modes: tuple[int, ...]
+    """Modes of the body that share it, the largest share first."""
+    shares_percent: tuple[float, ...]
 
 
 class ShaftModes(Result):
@@ -87,6 +96,8 @@ class ShaftModes(Result):
     stiffness_error_percent: float
     """Bound of the discretisation error of the torsional stiffness; that of a frequency is half of it."""
     modes: tuple[ShaftMode, ...]
+    disks_shared: tuple[SharedDisks, ...]
+    """Modes of disks without a counterpart among the modes."""
     torsion_only: tuple[str, ...]
     """Parts whose mass the design does not give: they count in torsion alone."""
     disks_with_fluid_Hz: tuple[float, ...]

@@ -158,7 +158,7 @@ def shaft_model(
         own = join.new([step for step in throw.step_of.tolist() if step])
         near, far = index, index + 1
         unknowns = [*sections[near], *sections[far], *shapes[near], *shapes[far], *own]
-        _add_throw(join, throw, unknowns, about_z_deg(angle), places[index])
+        _add_throw(join, throw, unknowns, about_z_deg(angle), places[index], f"throw {index + 1}")
     held = []
     for side, place in zip(SIDES, (0, -1), strict=True):
         held += shapes[place] if crank_end(scene, side) else []
@@ -175,7 +175,7 @@ def shaft_model(
 
 
 def _add_throw(
-    join: _Assembly, throw: ReducedThrow, unknowns: list[int], angle_deg: float, z_mm: float
+    join: _Assembly, throw: ReducedThrow, unknowns: list[int], angle_deg: float, z_mm: float, name: str
 ) -> None:
     back, count = np.eye(len(unknowns)), throw.shapes.count
     back[:12, :12] = turned(angle_deg).T
@@ -185,7 +185,7 @@ def _add_throw(
     turn = turned(angle_deg)[:6, :6]
     for station in throw.stations:
         motion, inertia = turn @ station.motion @ back, turn @ station.inertia @ turn.T
-        join.station(Station(z_mm + station.z_mm, motion, inertia), unknowns)
+        join.station(Station(z_mm + station.z_mm, motion, inertia, name), unknowns)
 
 
 def damped_end(scene: Scene, side: Side) -> DampedBody:
@@ -230,7 +230,7 @@ def _add_end(join: _Assembly, scene: Scene, side: Side, section: list[int]) -> N
             elastic = beam(along, length)
             join.add(elastic, ends)
             join.lose(_lost(elastic.stiffness, table.throw_loss_factor, twisted), ends)
-            join.station(_of_beam(z, along, length), [*tip, *outer])
+            join.station(replace(_of_beam(z, along, length), part=f"{side} end"), [*tip, *outer])
             tip = outer
     _add_parts(join, _parts_at_tip(scene, side), tip, _tip_mm(scene, side), outward)
 
@@ -278,4 +278,4 @@ def _add_parts(join: _Assembly, parts: Sequence[Part], tip: list[int], z_mm: flo
         centre = np.eye(6)
         centre[UX, RY], centre[UY, RX] = outward * part.outwards_mm, -outward * part.outwards_mm
         inertia = replace(part, outwards_mm=0.0).body(outward).mass
-        join.station(Station(z_mm + outward * part.outwards_mm, centre, inertia), unknowns)
+        join.station(Station(z_mm + outward * part.outwards_mm, centre, inertia, part.name), unknowns)

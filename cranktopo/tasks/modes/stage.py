@@ -18,7 +18,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ShaftTable
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
-from cranktopo.engine.vibration.shaft_chain import moving_inertia_kg_mm2, shaft_chain
+from cranktopo.engine.vibration.shaft_chain import ShaftChain, moving_inertia_kg_mm2, shaft_chain
 from cranktopo.engine.vibration.steady import ORDERS
 from cranktopo.numerics.disk_chain import DiskChain
 from cranktopo.numerics.section_shapes import SectionShapes
@@ -29,10 +29,11 @@ from cranktopo.tasks.fea.evaluation import mesh_target
 from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
 from cranktopo.tasks.modes.campbell import OverSpeed, crossings, over_speed
 from cranktopo.tasks.modes.carried import without_mass
-from cranktopo.tasks.modes.kinds import energy_shares, is_torsion, kind_of, station_motions
+from cranktopo.tasks.modes.kinds import energy_shares, kind_of, station_motions
+from cranktopo.tasks.modes.likeness import counterparts, likeness, sharing
 from cranktopo.tasks.modes.page import modes_page
 from cranktopo.tasks.modes.reduced_throw import ReducedThrow, reduced_throw, section_shapes
-from cranktopo.tasks.modes.result import CriticalCrossing, ShaftMode, ShaftModes
+from cranktopo.tasks.modes.result import CriticalCrossing, ShaftMode, ShaftModes, SharedDisks
 from cranktopo.tasks.modes.shaft_model import ShaftModel, shaft_model
 from cranktopo.tasks.shaft.assembly import Bearings
 from cranktopo.tasks.shaft.condensed_throw import once_each
@@ -109,14 +110,13 @@ def _result(
 ) -> ShaftModes:
     scene, rest, fewer = target.scene, modes_at_rest(model.body), _one_step_less(model)
     count = min(_MODES, len(rest.frequency_Hz) - rest.rigid)
-    chain = shaft_chain(scene, static.throw_inertias_kg_mm2, static.stiffness.throws_Nm_per_rad).chain
-    disks = [mode.frequency_Hz for mode in chain.modes()]
+    shaft = shaft_chain(scene, static.throw_inertias_kg_mm2, static.stiffness.throws_Nm_per_rad)
+    disks_Hz, shared = _of_disks(model, rest, shaft, count)
     moved = over_speed(model.body, rest, count, speeds)
     modes = []
     for number in range(count):
         mode = _mode(number, scene, model, rest, fewer, moved, speeds)
-        own = disks.pop(0) if disks and is_torsion(mode.shares_percent) else None
-        modes.append(mode.model_copy(update={"disks_Hz": own}))
+        modes.append(mode.model_copy(update={"disks_Hz": disks_Hz.get(number)}))
     tables = (*shaft_tables(scene, static.bearings), *CARRIED)
     return ShaftModes(
         design=target.name,
@@ -128,10 +128,32 @@ def _result(
         steps=STEPS,
         stiffness_error_percent=static.error_percent,
         modes=tuple(modes),
+        disks_shared=shared,
         torsion_only=without_mass(scene.shaft or ShaftTable()),
-        disks_with_fluid_Hz=_with_fluid(scene, chain),
+        disks_with_fluid_Hz=_with_fluid(scene, shaft.chain),
         assumed=filter_by_table(target.assumed, tables),
     )
+
+
+def _of_disks(
+    model: ShaftModel, rest: FreeModes, shaft: ShaftChain, count: int
+) -> tuple[dict[int, float], tuple[SharedDisks, ...]]:
+    """Return the frequency by disks of each of the first modes that has one, and what several share."""
+    disks = shaft.chain.modes()
+    if not disks:
+        return {}, ()
+    shapes, square = np.stack([mode.shape for mode in disks], axis=1), rest.frequency_Hz[rest.rigid :] ** 2
+    alike = likeness(model.stations, shaft, shapes, rest.shape[:, rest.rigid :], square)
+    pairs = counterparts(alike, count)
+    shared = tuple(
+        SharedDisks(
+            disks_Hz=disks[disk].frequency_Hz,
+            modes=tuple(number + 1 for number in among),
+            shares_percent=tuple(100 * float(alike[disk, number]) for number in among),
+        )
+        for disk, among in sharing(alike, count, pairs).items()
+    )
+    return {body: disks[disk].frequency_Hz for disk, body in pairs.items()}, shared
 
 
 def _with_fluid(scene: Scene, chain: DiskChain) -> tuple[float, ...]:

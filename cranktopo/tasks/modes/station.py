@@ -24,11 +24,13 @@ class Station:
         z_mm: its place along the crank axis.
         motion: displacement of that place and rotation about it by unknowns, (6, unknowns).
         inertia: over these, (6, 6), tonne, mm.
+        part: name of what it belongs to: "throw 2", "output end", "flywheel".
     """
 
     z_mm: float
     motion: Array
     inertia: Array
+    part: str = ""
 
 
 @dataclass(frozen=True)

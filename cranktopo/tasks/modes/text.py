@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cranktopo.report.result_table import Cell, ResultTable, Row, terminal
-from cranktopo.tasks.modes.result import ShaftMode, ShaftModes
+from cranktopo.tasks.modes.result import ShaftMode, ShaftModes, SharedDisks
 
 _SHARES = ("torsion", "in_plane", "across", "axial")
 _ORDERS_SHOWN = 3
@@ -19,6 +19,7 @@ def modes_text(modal: ShaftModes) -> str:
         (
             f"{modal.design}: natural vibrations of the whole crankshaft, {modal.bearings} bearings",
             terminal(modes_table(modal)),
+            *([shared_sentence(modal)] if modal.disks_shared else []),
             PLANES,
             f"At {modal.speeds_rpm[-1]:,.0f} rpm, in the frame that turns with the shaft and as bearings "
             "have it:",
@@ -106,6 +107,19 @@ def critical_sentence(modal: ShaftModes) -> str:
     return (
         f"The lowest order that meets a mode {over} is {order:g}: mode {mode.mode} ({mode.kind}) at "
         f"{speed:,.0f} rpm."
+    )
+
+
+def shared_sentence(modal: ShaftModes) -> str:
+    """Return which modes of disks no mode of the body has alone, and which modes share them."""
+    return " ".join(map(_shared, modal.disks_shared))
+
+
+def _shared(shared: SharedDisks) -> str:
+    parts = zip(shared.modes, shared.shares_percent, strict=True)
+    among = ", ".join(f"mode {mode} {percent:.0f} %" for mode, percent in parts)
+    return (
+        f"Disks swing at {shared.disks_Hz:.1f} Hz; no mode of the body is that alone, they share it: {among}."
     )
 
 
