@@ -15,6 +15,8 @@ from cranktopo.design.loading import designs_folder, load_scene, one_web
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import save_scene
 from cranktopo.tasks.compare.stage import compare_targets, report_comparison
+from cranktopo.tasks.fatigue.assessment import FatigueAssessment
+from cranktopo.tasks.fatigue.stage import assess_fatigue
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
 from cranktopo.tasks.fea.mirrored_webs import counted_alike, next_line
 from cranktopo.tasks.fea.targets import Target, resolve_targets
@@ -104,6 +106,21 @@ def test_only_what_is_mirrored_changes_what_stands_beside_it(drilled: Path) -> N
     assert [one.scene.throw.mirrored_web for one in found] == ["first", "first", None]
     assert found[0].scene.throw == first.throw
     assert line
+
+
+def test_their_fatigue_is_that_of_the_web(drilled: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beside a baseline; without one each throw is itself."""
+    seen: list[list[str]] = []
+
+    def nothing_found(targets: list[Target], *_: object) -> list[FatigueAssessment]:
+        seen.append([one.name for one in targets])
+        return [FatigueAssessment("m53", "extremes", (), ())]
+
+    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.assess_by_methods", nothing_found)
+    names = [str(drilled), str(drilled.parent / "small.toml")]
+    assert assess_fatigue(names, "m53", baseline=0).mirrored.startswith(LINE)
+    assert not assess_fatigue(names, "m53").mirrored
+    assert seen == [["drilled-first-web", "small"], ["drilled", "small"]]
 
 
 def test_first_and_second_webs_are_refused_together(drilled: Path) -> None:

@@ -16,7 +16,7 @@ from cranktopo.tasks.designs.beginning import begun
 
 DIESEL = (86.0, 75.0, 3000.0)
 SIZES = (DIESEL, (40.0, 35.0, 4000.0), (320.0, 480.0, 750.0))
-RATIOS = (8.0, 9.5, 11.0, 13.0, 15.0, 17.0, 18.0, 20.0, 22.0, 23.0)
+RATIOS = (8.0, 11.0, 15.0, 18.0, 20.0, 23.0)
 Size = tuple[float, float, float]
 
 
@@ -113,8 +113,8 @@ def test_every_plausible_power_is_met(size: Size, ratio: float) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("peak", [3.0, 5.0, 8.0, 20.0])
-@pytest.mark.parametrize("ratio", [None, 8.0, 14.0, 20.0, 23.0])
+@pytest.mark.parametrize("peak", [5.0, 20.0])
+@pytest.mark.parametrize("ratio", [None, 8.0, 20.0])
 def test_a_known_peak_gives_the_power_or_advice(ratio: float | None, peak: float) -> None:
     for mean in (0.4, 0.8, 1.5, 3.0):
         kW = power_of(mean, DIESEL)
