@@ -21,7 +21,10 @@ _OF_CHARGE = 4.5, 16.0
 _MOST_OF_CHARGE = 12.0
 """The same where the peak is not known: more is charged."""
 _COMPRESSION = (9.0, 11.0, 13.0, 15.0, 17.0)
-_BURN_DEG = (60.0, 45.0, 30.0)
+_BURN_DEG = (60.0, 45.0, 30.0, 20.0)
+"""Usual first, then shorter: under high compression only a short burning gives little work."""
+_OVER_COMPRESSION = 1.05
+"""Least peak over the pressure of compression alone that is proposed."""
 _INTAKE_MPA = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6)
 _PEAK_MPA = 1.5, 40.0
 _CHARGED = 1.05
@@ -31,6 +34,10 @@ _EXHAUST_SHARE = 0.8
 _HALVINGS = 14
 _BEYOND = 1.0, 1.02, 1.05
 """Peak pressures that are tried for a hint, over what a power needs in proportion."""
+_WITHIN = 0.99, 0.95, 0.9, 0.8, 0.65, 0.5
+"""Powers that are tried for a hint, over the most that there is; their inverse over the least."""
+_MET = 2e-3
+"""Share by which a proposal may miss the mean pressure that is wanted."""
 
 
 @dataclass(frozen=True)
@@ -53,19 +60,26 @@ def gas_for_power(
 
     Where the peak is known, the intake pressure gives the power; where that alone does not, another
     compression ratio, unless it is known as well, or a shorter burning does. Else the peak gives the power,
-    and the charge follows it.
+    the charge follows it, and the burning is as short as the compression needs.
 
     Raises:
         CranktopoError: no such gas, with what is assumed and what would do.
     """
     engine = scene.engine
     assert engine is not None
-    mean = mean_pressure_MPa(target_kW / power_kW(1.0, engine), engine, scene.throw.radius_mm)
+    mean = target_kW * _MPa_per_kW(scene)
     ratios = _COMPRESSION if compression_ratio is None else (compression_ratio,)
-    found = _by_peak(scene, mean) if peak_MPa is None else _at_peak(scene, mean, peak_MPa, ratios)
+    found = _proposed(scene, mean, peak_MPa, ratios)
     if isinstance(found, _Range):
         raise _refused(scene, target_kW, mean, found, peak_MPa, ratios)
     return {key: value for key, value in found.items() if value != Gas.model_fields[key].default}
+
+
+def _proposed(
+    scene: Scene, mean: float, peak_MPa: float | None, ratios: Sequence[float]
+) -> dict[str, float] | _Range:
+    """Return keys that give a mean pressure, MPa; else the mean pressures that can be had."""
+    return _by_peak(scene, mean) if peak_MPa is None else _at_peak(scene, mean, peak_MPa, ratios)
 
 
 def gas_line(scene: Scene) -> str:
@@ -110,17 +124,35 @@ class _Range:
 
 
 def _by_peak(scene: Scene, mean: float) -> dict[str, float] | _Range:
-    """Return the peak that gives a mean pressure, and the charge of one that needs it."""
-    ambient = _ambient(scene)
+    """Return the peak that gives a mean pressure, the charge of one that needs it, and no longer a burning.
+
+    The peak is above what compression alone reaches, which in a diesel is 5 MPa and more.
+    """
+    ambient, seen = _ambient(scene), list[float]()
     charge = _charged(min(max(mean / _MOST_OF_CHARGE, ambient), _INTAKE_MPA[-1]), ambient)
+    intake = charge.get("intake_pressure_MPa", ambient)
+    ends = max(_PEAK_MPA[0], _OVER_COMPRESSION * _compressed_MPa(scene, intake)), _PEAK_MPA[1]
+    for burn in _BURN_DEG:
+        fixed = {**charge, "burn_duration_deg": burn}
 
-    def at(peak: float) -> float:
-        return _mean_MPa(scene, {**charge, "peak_pressure_MPa": peak}) or 0.0
+        def at(peak: float, fixed: dict[str, float] = fixed) -> float:
+            return _mean_MPa(scene, {**fixed, "peak_pressure_MPa": peak}) or 0.0
 
-    low, high = _PEAK_MPA
-    if not at(low) <= mean <= at(high):
-        return _Range(at(low), at(high))
-    return {**charge, "peak_pressure_MPa": halved(at, _PEAK_MPA, mean)}
+        low, high = map(at, ends)
+        seen += [found for found in (low, high) if found]
+        if low <= mean <= high:
+            peak = halved(at, ends, mean)
+            if abs(at(peak) / mean - 1) < _MET:
+                return {**fixed, "peak_pressure_MPa": peak}
+    return _Range(min(seen, default=0.0), max(seen, default=0.0))
+
+
+def _compressed_MPa(scene: Scene, intake_MPa: float) -> float:
+    """Return the pressure that compression alone reaches at top dead centre."""
+    assert scene.engine is not None
+    assert scene.engine.gas is not None
+    gas = scene.engine.gas
+    return float(intake_MPa * gas.compression_ratio**gas.polytropic_compression)
 
 
 def _at_peak(scene: Scene, mean: float, peak: float, ratios: Sequence[float]) -> dict[str, float] | _Range:
@@ -220,6 +252,44 @@ def work_J(scene: Scene) -> float:
     return indicated_work_J(curve, scene.engine, scene.throw.radius_mm)
 
 
+def _advice(scene: Scene, mean: float, peak: float | None, known: _Range, ratios: Sequence[float]) -> str:
+    """Return what would do, as it was tried: a peak, no peak or, where the power is out of reach, another."""
+    free = None if peak is None else _by_peak(scene, mean)
+    if peak is not None and (needed := _peak_that_does(scene, mean, peak, known, ratios)):
+        also = "" if isinstance(free, _Range) else "; or leave it out"
+        return f" A peak pressure of {needed:g} MPa (--peak-pressure-MPa) would do{also}."
+    if isinstance(free, dict):
+        return f" Leave --peak-pressure-MPa out: it is {free['peak_pressure_MPa']:.3g} MPa then."
+    if other := _power_that_does(scene, mean, peak, known, ratios):
+        return f" A power of {other:g} kW (--power-kW) would do."
+    if free and (other := _power_that_does(scene, mean, None, free, ratios)):
+        return f" A power of {other:g} kW (--power-kW) would do without --peak-pressure-MPa."
+    return ""
+
+
+def _MPa_per_kW(scene: Scene) -> float:
+    """Return the mean pressure of a kilowatt."""
+    engine = scene.engine
+    assert engine is not None
+    return mean_pressure_MPa(1.0 / power_kW(1.0, engine), engine, scene.throw.radius_mm)
+
+
+def _power_that_does(
+    scene: Scene, mean: float, peak: float | None, known: _Range, ratios: Sequence[float]
+) -> float | None:
+    """Return a power of three digits within those that can be had, kW; None where none is taken.
+
+    The charge follows the power, so that each is tried.
+    """
+    per_kW = _MPa_per_kW(scene)
+    near, less = min(max(mean, known.least_MPa), known.most_MPa), mean > known.least_MPa
+    for within in _WITHIN if near else ():
+        tried = float(f"{near * (within if less else 1 / within) / per_kW:.3g}")
+        if not isinstance(_proposed(scene, tried * per_kW, peak, ratios), _Range):
+            return tried
+    return None
+
+
 def _peak_that_does(
     scene: Scene, mean: float, peak: float, pressure_range: _Range, ratios: Sequence[float]
 ) -> float | None:
@@ -249,25 +319,30 @@ def _refused(
     engine = scene.engine
     assert engine is not None
     assert engine.gas is not None
-    per_MPa = target_kW / mean
     assumed = f"{'assumed ' if len(ratios) > 1 else ''}compression ratio {ratios[0]:g}"
+    assumed += f" to {ratios[-1]:g}" if peak is not None and len(ratios) > 1 else ""
+    assumed += f", burn duration {_BURN_DEG[-1]:g} to {_BURN_DEG[0]:g} deg"
     at = f"peak pressures of {_PEAK_MPA[0]:g} to {_PEAK_MPA[1]:g} MPa"
     angle = f"assumed at {engine.gas.peak_angle_deg:g} deg after top dead centre"
     hint = "Look at bore, stroke, speed and number of cylinders."
     if peak is not None:
-        assumed += f" to {ratios[-1]:g}" if len(ratios) > 1 else ""
-        assumed += f", burn duration {_BURN_DEG[-1]:g} to {_BURN_DEG[0]:g} deg"
         assumed += ", a mean pressure of {:g} to {:g} times that before compression".format(*_OF_CHARGE)
         at = f"the peak pressure of {peak:g} MPa"
         hint = f"It is indicated, before friction: that at the shaft over 0.8 to 0.9. {hint}"
-        if needed := _peak_that_does(scene, mean, peak, pressure_range, ratios):
-            hint += f" A peak pressure of {needed:g} MPa would do; or leave it out."
+    hint += _advice(scene, mean, peak, pressure_range, ratios)
+    if peak is not None:
         hint += " If it is at another angle, leave the power out and give engine.gas.peak_angle_deg."
     return invalid(
         "power_kW",
         target_kW,
         f"it needs an indicated mean pressure of {plain_number(mean, 3)} MPa; with {at}, {angle}, and "
-        f"{assumed}, this engine has "
-        f"{pressure_range.least_MPa * per_MPa:.0f} to {pressure_range.most_MPa * per_MPa:.0f} kW",
+        f"{assumed}, this engine has {_range_words(pressure_range, mean, target_kW / mean)}",
         hint,
     )
+
+
+def _range_words(known: _Range, mean: float, kW_per_MPa: float) -> str:
+    if not known.most_MPa:
+        return "no power at all"
+    but = ", but not this power" if known.least_MPa <= mean <= known.most_MPa else ""
+    return f"{known.least_MPa * kW_per_MPa:.3g} to {known.most_MPa * kW_per_MPa:.3g} kW{but}"

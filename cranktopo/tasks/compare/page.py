@@ -104,6 +104,7 @@ def comparison_page(record: ComparisonRecord) -> Page:
         subtitle=f"Evaluated with quadratic tetrahedra on {record.written[:10]}",
         headline=" ".join(
             (
+                *filter(None, [comparison.mirrored]),
                 *left_off_lines(comparison),
                 _headline(comparison),
                 *fillet_lines(comparison.bare),

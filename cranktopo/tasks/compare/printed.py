@@ -53,7 +53,7 @@ def comparison_text(comparison: Comparison, form: str) -> str:
         return comma_separated(flat_table(comparison))
     by = _FORMS[form]
     tables = [by.table(table) for table in comparison_tables(comparison)]
-    above = [*balance_lines(comparison), *left_off_lines(comparison)]
+    above = [*filter(None, [comparison.mirrored]), *balance_lines(comparison), *left_off_lines(comparison)]
     above += [*fillet_lines(comparison.bare), *comparison.pitches]
     below = [*by.last, *star_lines(comparison), *method_lines(comparison)]
     parts = [*by.first, *map(by.line, above), *tables, *map(by.line, below), *_verdicts(comparison, by)]

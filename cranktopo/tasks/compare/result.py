@@ -53,6 +53,8 @@ class ComparisonResult(Result):
     """Mass and stiffness with or without fillets, by target; beside the surface of a run all are without."""
     pitch_mm: dict[str, float] | None = UNLESS_NONE
     """Distance of the throws by target, where one has another than the baseline."""
+    mirrored_web: str | None = UNLESS_NONE
+    """That throws whose halves differ count with one web twice, as that beside them has; null where none."""
     evaluations: list[EvaluationResult]
     percent_of_baseline: list[dict[str, Cell]]
     """Rows of the table, by its columns."""
@@ -134,6 +136,7 @@ class Comparison:
         pitch_mm: distance of the throws of every entry, in their order; empty where all are alike.
         pitches: lines on those whose throws are farther apart, or closer, than the baseline's.
         balance: where the balance factor went, by the name of each entry in which it left the baseline's.
+        mirrored: that a web counts twice in every target, as one was found; empty where none does.
         bare: surfaces of runs, for which all designs are compared without fillets.
     """
 
@@ -144,6 +147,7 @@ class Comparison:
     further_fatigue: tuple[FatigueComparison, ...] = ()
     balanced_kg_mm: float = 0.0
     bare: tuple[str, ...] = ()
+    mirrored: str = ""
     pitch_mm: tuple[float, ...] = ()
     pitches: tuple[str, ...] = ()
     balance: Mapping[str, MovedBalance] = field(default_factory=dict)

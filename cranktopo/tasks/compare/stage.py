@@ -45,6 +45,7 @@ from cranktopo.tasks.fatigue.assessment import FatigueMethod
 from cranktopo.tasks.fatigue.result import FieldFatigue, JudgedAs
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fatigue.text import FatigueComparison
+from cranktopo.tasks.fea.mirrored_webs import counted_alike
 from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS, goal_values
 from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
 from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_targets
@@ -97,18 +98,20 @@ def compare_targets(
     picked = with_picks(names)
     every = picked if baseline in picked else [baseline, *picked]
     index = every.index(baseline)
-    designed = resolve_targets(every, design, align=align, whole=True, throw=throw)
+    resolved = resolve_targets(every, design, align=align, whole=True, throw=throw)
+    designed, mirrored = counted_alike(every, resolved)
     targets = _like_for_like(designed)
     check_same_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)
     bare = tuple(target.name for target in targets if target.run)
     pitches = tuple(pitch_lines(targets, index))
-    for line in (*fillet_lines(bare), *pitches):
+    for line in (*filter(None, [mirrored]), *fillet_lines(bare), *pitches):
         note(line)
     methods = list(dict.fromkeys([fatigue] if isinstance(fatigue, str) else fatigue or ()))
     fatigues: list[FatigueComparison] = []
     loaded = None
     if methods:
-        designed = resolve_targets(every, design, fillets=True, align=align, whole=True, throw=throw)
+        resolved = resolve_targets(every, design, fillets=True, align=align, whole=True, throw=throw)
+        designed, _ = counted_alike(every, resolved, fillets=True)
         fatigues, loaded = judge(designed, methods, index, loads, fillet_fraction or RULE_FRACTION)
     found = evaluate_targets(targets, request)
     judged = (one for by in fatigues for one in by.result.fatigue if isinstance(one, FieldFatigue))
@@ -128,6 +131,7 @@ def compare_targets(
     comparison = replace(
         comparison,
         bare=bare,
+        mirrored=mirrored,
         pitch_mm=tuple(target.scene.pitch_mm for target in targets) if pitches else (),
         pitches=pitches,
         goals=_evaluated_goals(targets, designed, entries, index),

@@ -307,6 +307,7 @@ def comparison_result(comparison: Comparison) -> ComparisonResult:
         baseline=comparison.base.name,
         fillets={entry.name: entry.fillets for entry in comparison.entries},
         pitch_mm={e.name: mm for e, mm in zip(comparison.entries, comparison.pitch_mm, strict=False)} or None,
+        mirrored_web=comparison.mirrored or None,
         evaluations=[entry.evaluation.result for entry in comparison.entries],
         percent_of_baseline=records(_percent_table(comparison)),
         change_error_percent=[

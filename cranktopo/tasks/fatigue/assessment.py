@@ -49,6 +49,7 @@ class FatigueAssessment:
         baseline: position of the result that counts as 100 %, if any.
         assumed: what the target of each result does not say and its safety depends on.
         targets: what was assessed, for each result.
+        mirrored: that a web counts twice in every target, as one was found; empty where none does.
     """
 
     method: FatigueMethod
@@ -58,6 +59,7 @@ class FatigueAssessment:
     baseline: int | None = None
     assumed: tuple[tuple[Assumption, ...], ...] = ()
     targets: tuple[Target, ...] = ()
+    mirrored: str = ""
 
     @property
     def results(self) -> Sequence[FatigueField | RuleCheck]:
@@ -84,6 +86,7 @@ class FatigueAssessment:
         return FatigueResult(
             method=self.method,
             loads=self.loads,
+            mirrored_web=self.mirrored or None,
             baseline=None if baseline is None else entries[baseline].target,
             fatigue=tuple(entries),
             percent_of_baseline=None if baseline is None else percent_of_baseline(results, baseline),

@@ -147,4 +147,5 @@ def _text(assessment: FatigueAssessment) -> str:
         if any(check.outlets for check in assessment.checks):
             parts.append(terminal(rule_text.outlet_table(assessment.checks)))
     sentences = [] if baseline is None else verdicts(assessment.results, baseline)
-    return "\n\n".join([*parts, *(["\n".join(sentences)] if sentences else [])])
+    blocks = [assessment.mirrored, *parts, "\n".join(sentences)]
+    return "\n\n".join(filter(None, blocks))

@@ -327,6 +327,8 @@ class FatigueResult(Result):
     """Loads of a throw alone: their extremes joined ("extremes"), or every angle of the cycle ("cycle")."""
     baseline: str | None
     """Target that counts as 100 %."""
+    mirrored_web: str | None = UNLESS_NONE
+    """That throws whose halves differ count with one web twice, as that beside them has; null where none."""
     fatigue: tuple[FieldFatigue | RuleFatigue, ...]
     """One entry per target; by the rule, one per web where the two differ."""
     percent_of_baseline: tuple[FatigueShare, ...] | None

@@ -36,6 +36,7 @@ from cranktopo.tasks.fatigue.taken_keys import assumed_by, note_unused
 from cranktopo.tasks.fatigue.target_safety import fatigue_fields
 from cranktopo.tasks.fatigue.text import web_safety_words
 from cranktopo.tasks.fatigue.vtu import write_fatigue_vtu
+from cranktopo.tasks.fea.mirrored_webs import counted_alike
 from cranktopo.tasks.fea.stage import print_assumed
 from cranktopo.tasks.fea.targets import USED, Target, TargetLike, resolve_targets
 from cranktopo.tasks.shaft.stage import with_throw_stiffness
@@ -72,7 +73,11 @@ def assess_fatigue(
     if out is not None:
         _check_files(method, out)
     resolved = resolve_targets(targets, design, fillets=True, align=align, whole=True, throw=throw)
+    mirrored = ""
+    if baseline is not None:
+        resolved, mirrored = counted_alike(targets, resolved, fillets=True)
     (found,) = assess_by_methods(resolved, (method,), loads, baseline, fillet_fraction)
+    found = replace(found, mirrored=mirrored)
     if out is not None:
         for field in found.fields:
             _write_field(out, field)

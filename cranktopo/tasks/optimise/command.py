@@ -106,9 +106,11 @@ def command(design: str | None, out: Path | None, resume: str | None, as_json: b
     began = time.perf_counter()
     if resume:
         refuse_beside_resume("max_iterations")
+    from cranktopo.tasks.fea.mirrored_webs import next_line
     from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation
     from cranktopo.tasks.optimise.text import run_summary
 
+    last = ""
     with _Bar() as bar:
         if resume:
             run = resume_optimisation(resume, options["max_iterations"], bar, began)
@@ -119,7 +121,10 @@ def command(design: str | None, out: Path | None, resume: str | None, as_json: b
             scene = _scene(name, **options)
             command_line = ["cranktopo", *sys.argv[1:]]
             run = optimise_design(scene, out, design_text(name), command_line, bar, began)
+            last = next_line(scene, name, run.folder, "cranktopo", "remodel")
     tell(run.metrics.as_json() if as_json else run_summary(run.metrics, run.folder), indent=None)
+    if last and not as_json:
+        tell(last, indent=None)
     return _exit_code(run.metrics)
 
 

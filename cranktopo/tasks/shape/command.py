@@ -87,11 +87,13 @@ def command(
     """
     if resume:
         refuse_beside_resume()
+    from cranktopo.tasks.fea.mirrored_webs import next_line
     from cranktopo.tasks.refit.fit import usual_limits
     from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_goal, shape_settings
     from cranktopo.tasks.shape.stage import stresses_in
     from cranktopo.tasks.shape.text import shape_summary
 
+    last = ""
     if each_web or (resume and _is_of_each_web(resume)):
         goal_words = minimise, maximise, limits
         return _each_web(target, web or throw, goal_words, rules, resume, out, as_json=as_json)
@@ -112,7 +114,10 @@ def command(
         settings = shape_settings(scene, usual_limits(scene, **rules), loads)
         line = ["cranktopo", *sys.argv[1:]]
         run = shape_design(scene, settings, out, text, line, found.begun)
+        last = next_line(scene, name, run.folder) if text else ""
     tell(run.result.as_json() if as_json else shape_summary(run.result, run.folder), indent=None)
+    if last and not as_json:
+        tell(last, indent=None)
     return ExitCode.DONE if run.result.held and run.result.makeable else ExitCode.CRITERION_NOT_MET
 
 
