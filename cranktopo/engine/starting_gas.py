@@ -345,4 +345,5 @@ def _range_words(known: _Range, mean: float, kW_per_MPa: float) -> str:
     if not known.most_MPa:
         return "no power at all"
     but = ", but not this power" if known.least_MPa <= mean <= known.most_MPa else ""
-    return f"{known.least_MPa * kW_per_MPa:.3g} to {known.most_MPa * kW_per_MPa:.3g} kW{but}"
+    least, most = (plain_number(end * kW_per_MPa, 3) for end in (known.least_MPa, known.most_MPa))
+    return f"{least} to {most} kW{but}"

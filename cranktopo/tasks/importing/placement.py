@@ -58,12 +58,16 @@ class CutRing:
     """A cross-section of one journal: centre, diameter of its largest contour and of the hole in that, mm.
 
     The polar moment is over that of a circle of the same area.
+
+    Attributes:
+        bored: the hole is round and about the same centre; else a drilling passes, or meets the bore.
     """
 
     centre_mm: Array
     outer_mm: float
     bore_mm: float
     polar_ratio: float
+    bored: bool
 
 
 @dataclass(frozen=True)
@@ -217,7 +221,7 @@ def _misfit(body: Manifold, name: str, journal: Journal, y: float, z: float) -> 
         yield f"{at}: centre at ({ring.centre_mm[0]:.2f}, {ring.centre_mm[1]:.2f}) mm instead of (0, {y:g})"
     if abs(ring.outer_mm - journal.outer_diameter_mm) > size:
         yield f"{at}: diameter {ring.outer_mm:.2f} mm instead of {journal.outer_diameter_mm:g}"
-    elif abs(ring.bore_mm - journal.bore_diameter_mm) > size:
+    elif (ring.bored or journal.bore_diameter_mm) and abs(ring.bore_mm - journal.bore_diameter_mm) > size:
         yield f"{at}: bore {ring.bore_mm:.2f} mm instead of {journal.bore_diameter_mm:g}"
     elif abs(ring.polar_ratio - 1) > _ROUND:
         yield f"{at}: not round (polar moment {100 * (ring.polar_ratio - 1):+z.0f} % off a circle's)"
@@ -245,9 +249,20 @@ def ring_at(body: Manifold, z_mm: float) -> CutRing | None:
     if not measured or measured[0][0] <= 0:
         return None
     area, centre, polar = measured[0]
-    near = (-a for a, c, _ in measured if a < 0 and np.hypot(*(c - centre)) < math.sqrt(area))
-    outer, bore = (2 * math.sqrt(size / math.pi) for size in (area, max(near, default=0.0)))
-    return CutRing(centre, outer, bore, polar / (area**2 / (2 * math.pi)))
+    near = [
+        (-size, middle, own)
+        for size, middle, own in measured
+        if size < 0 and np.hypot(*(middle - centre)) < math.sqrt(area)
+    ]
+    hole, middle, own = max(near, key=lambda one: one[0], default=(0.0, centre, 0.0))
+    outer, bore = (2 * math.sqrt(size / math.pi) for size in (area, hole))
+    on_axis = np.hypot(*(middle - centre)) < _PLACE * outer and abs(_over_circle(hole, own) - 1) < _ROUND
+    return CutRing(centre, outer, bore, _over_circle(area, polar), bool(on_axis))
+
+
+def _over_circle(area: float, polar: float) -> float:
+    """Return the polar moment of a contour over that of a circle of its area; 1 of none."""
+    return abs(polar) / (area**2 / (2 * math.pi)) if area else 1.0
 
 
 def _moments(contour: Array) -> tuple[float, Array, float]:

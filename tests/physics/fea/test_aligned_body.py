@@ -46,13 +46,14 @@ def attitude(seed: int) -> tuple[np.ndarray, np.ndarray]:
     return Rotation.random(random_state=seed).as_matrix(), 100 * np.random.default_rng(seed).normal(size=3)
 
 
-def test_fifty_attitudes_are_told_to_rounding(scene: Scene, lopsided: Path) -> None:
+@pytest.mark.parametrize("attitudes", [8, pytest.param(50, marks=pytest.mark.slow)])
+def test_attitudes_are_told_to_rounding(scene: Scene, lopsided: Path, attitudes: int) -> None:
     """The motion that is found, after the one that was made, is none."""
     with cad_session("attitudes") as gmsh:
         body: Any = [step_solid(gmsh, lopsided, "body")]
         surface = kernel_surface(gmsh)
         turn, shift = np.eye(3), np.zeros(3)
-        for seed in range(50):
+        for seed in range(attitudes):
             more, step = attitude(seed)
             moved_rigidly(gmsh.model.occ, body, more, step)
             gmsh.model.occ.synchronize()

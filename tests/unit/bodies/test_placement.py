@@ -184,3 +184,17 @@ def test_a_web_alone_is_no_shaft_of_another_unit(mikron: Scene) -> None:
     with pytest.raises(CranktopoError) as raised:
         placed(cylinder(20.0, 0.0, (0.0, 19.0)), mikron, "web.step", align=False)
     assert raised.value.hint == "Is 'mikron-iiic-plain' the design that it was made from?"
+
+
+@pytest.mark.parametrize(("bore_mm", "off_mm"), [(0.0, 0.0), (0.0, 30.0), (20.0, 30.0)])
+def test_a_drilling_that_passes_is_no_bore(bore_mm: float, off_mm: float) -> None:
+    """An oil drilling of 10 mm that leans through a solid journal was refused as a bore of 15.6 mm."""
+    journal = Manifold.cylinder(60.0, 55.0, circular_segments=256)
+    if bore_mm:
+        journal -= Manifold.cylinder(60.0, bore_mm / 2, circular_segments=128)
+    drilling = Manifold.cylinder(300.0, 5.0, circular_segments=64).translate((0.0, 0.0, -150.0))
+    ring = ring_at(journal - drilling.rotate((55.0, 0.0, 0.0)).translate((0.0, off_mm, 30.0)), 30.0)
+    assert ring is not None
+    assert ring.outer_mm == pytest.approx(110.0, rel=1e-3)
+    assert ring.bored == bool(bore_mm)
+    assert not bore_mm or ring.bore_mm == pytest.approx(bore_mm, rel=2e-3)
