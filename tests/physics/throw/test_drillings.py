@@ -364,7 +364,7 @@ def test_a_drilled_body_lies_where_the_throw_is(place: float) -> None:
 
 
 def test_a_drilling_is_no_bore_of_a_solid_journal() -> None:
-    """Where a section crosses it whole, be it known or not; the import of a crank asks for the rings alone."""
+    """Where a section crosses it whole, known or not; the import of a crank asks for the rings alone."""
     scene = load_scene("industrial-gas")
     (main, pin), (start, end) = journal_halves(scene), scene.web_z_mm
     web = Manifold.cube((165.0, 285.0, end - start)).translate((-82.5, -95.0, start))

@@ -97,7 +97,8 @@ def test_power_alone_charges_an_engine_that_needs_it() -> None:
         ),
         pytest.param(
             1000,
-            r"needs an indicated mean pressure of 0\.691 MPa; .* A peak pressure of 7\.52 MPa \(--peak-pressure-MPa\) would do",
+            r"needs an indicated mean pressure of 0\.691 MPa; .* A peak pressure of 7\.52 MPa "
+            r"\(--peak-pressure-MPa\) would do",
             marks=pytest.mark.slow,
         ),
     ],
