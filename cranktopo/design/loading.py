@@ -28,7 +28,7 @@ from cranktopo.design.schema import Original, Scene
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.runs.directories import RUNS, open_run, runs_named
 from cranktopo.runs.kind import RESULT_FILES, SHAPE
-from cranktopo.runs.stored import told_where_changed
+from cranktopo.runs.stored import told_where_changed, unchanged
 
 _PART = re.compile(r"([A-Za-z_]\w*)((?:\[\d+\])*)")
 
@@ -304,3 +304,8 @@ def load_scene(design: str | Path, *, whole: bool = False) -> Scene:
     for line in origins(scene):
         detail(f"{scene.name}: {line}")
     return scene
+
+
+def stored_scene(path: Path) -> Scene:
+    """Return a design that a run reads as its own; raises CranktopoError where it was changed since."""
+    return load_scene(unchanged(path))

@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 
 from cranktopo.app.main import main
-from cranktopo.base.errors import ExitCode
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import redirected
 from cranktopo.base.seals import read_arrays, write_arrays
+from cranktopo.design.loading import stored_scene
 from cranktopo.runs.stored import unchanged, write_recorded
 from cranktopo.tasks.fea.studies import EVALUATION, load_study
 from tests.hostile.undamaged import CACHE, DESIGN, made
@@ -71,6 +72,20 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     return of
 
 
+@pytest.fixture
+def copied(
+    stored: Callable[[str], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Callable[[str], Path]:
+    """Folder with a copy of the sound files of a kind, which commands then work in."""
+
+    def of(kind: str) -> Path:
+        shutil.copytree(stored(kind), tmp_path, dirs_exist_ok=True)
+        monkeypatch.chdir(tmp_path)
+        return tmp_path
+
+    return of
+
+
 SLOW = pytest.mark.slow
 CHANGES = [
     ("iterate", "run/step-01/step.json", '"torsion_Nm_per_rad"', ["report run", "iterate --resume run"]),
@@ -96,14 +111,11 @@ def test_a_changed_figure_is_refused(
     name: str,
     key: str,
     commands: list[str],
-    stored: Callable[[str], Path],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    copied: Callable[[str], Path],
     capsys: Capture,
 ) -> None:
-    shutil.copytree(stored(kind), tmp_path, dirs_exist_ok=True)
-    monkeypatch.chdir(tmp_path)
-    file = tmp_path / name if name else picked(tmp_path)
+    folder = copied(kind)
+    file = folder / name if name else picked(folder)
     change(file, key)
     for command in commands:
         capsys.readouterr()
@@ -126,20 +138,19 @@ def test_a_design_that_is_asked_for_itself_may_be_edited(
     kind: str,
     name: str,
     command: str,
-    stored: Callable[[str], Path],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    copied: Callable[[str], Path],
     capsys: Capture,
 ) -> None:
     """With a line: it is no longer what its run found."""
-    shutil.copytree(stored(kind), tmp_path, dirs_exist_ok=True)
-    monkeypatch.chdir(tmp_path)
+    folder = copied(kind)
     assert main([command, name]) == 0
     assert "changed" not in capsys.readouterr().err
-    change(tmp_path / name, "width_mm")
+    change(folder / name, "width_mm")
     assert main([command, name]) == 0
     told = re.sub(r"\n +", " ", capsys.readouterr().err)
     assert told.count("changed since its run wrote it, taken as it is now") == 1, told
+    with pytest.raises(CranktopoError, match="changed since the run wrote it"):
+        stored_scene(folder / name)
 
 
 def picked(folder: Path) -> Path:

@@ -49,7 +49,10 @@ def main() -> None:
         return slow
 
     search, own = ShapeStandIn({"mass": 90.0}), (1.2, 1.3, 1.6, 1.5, 1.5, 1.6, 1.3, 1.2)
-    after = lambda design, _: told_shaft((1.2,) * 8, 5.6 if "one-web" in design else 5.32)  # noqa: E731
+
+    def after(design: str, _: float) -> Any:
+        return told_shaft((1.2,) * 8, 5.6 if "one-web" in design else 5.32)
+
     patched = pytest.MonkeyPatch()
     patched.setattr(run, "loaded_shaft", waited(lambda *_: told_shaft(own, 6.0)))
     patched.setattr(rounds, "loaded_shaft", waited(after))

@@ -173,21 +173,22 @@ def _write_facets(gmsh: Any, body: DimTags, part: SolidPart, facet_mm: float, pa
     from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
     sizes = [facet_mm, *(factor * facet_mm for factor in OTHER_SIZES)]
-    found = []
+    first = None
     for size in sizes:
         gmsh.model.mesh.clear()
         _triangulate(gmsh, body, part, size)
-        found.append(SurfaceMesh(*triangles(gmsh)))
-        closed = closed_facets(found[-1])
+        made = SurfaceMesh(*triangles(gmsh))
+        first, closed = first or made, closed_facets(made)
         if closed is None:
             continue
         if size != facet_mm:
             note(f"{name}: facets of {facet_mm:.3g} mm do not close; written with {size:.3g} mm")
-        if closed is not found[-1]:
+        if closed is not made:
             note(f"{name}: facets along edges of the CAD kernel that do not meet are joined")
         write_stl(path, closed)
         return
-    raise open_error(name, found[0], sizes)
+    assert first is not None
+    raise open_error(name, first, sizes)
 
 
 def surface_of(scene: Scene, part: SolidPart, facet_mm: float | None = None) -> SurfaceMesh:

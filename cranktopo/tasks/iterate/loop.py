@@ -11,7 +11,7 @@ from cranktopo.base.files import write_json, write_text
 from cranktopo.base.near_ties import first_of_the_best
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import assumptions, stored_assumptions
-from cranktopo.design.loading import load_scene
+from cranktopo.design.loading import stored_scene
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, new_run
@@ -224,7 +224,7 @@ def _page(run: RunStore, result: LoopResult, webs: Sequence[StepWeb]) -> Page:
 
 
 def _shaped_body(folder: Path) -> ShownBody:
-    scene = load_scene(str(folder / "web.toml"))
+    scene = stored_scene(folder / "web.toml")
     mesh = read_stl(unchanged(folder / "web.stl"))
     return ShownBody(SHAPE, mesh, scene.web_z_mm, scene.pitch_mm / 2)
 

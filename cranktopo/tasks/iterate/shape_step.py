@@ -12,7 +12,7 @@ from cranktopo.bodies.solid.files import coarse_facet_mm, surface_of
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.outcome import GoalOutcome, GoalWords, goal_outcome
 from cranktopo.design.goal.scene_goal import goal_of, with_goal
-from cranktopo.design.loading import load_scene
+from cranktopo.design.loading import stored_scene
 from cranktopo.design.schema import Scene
 from cranktopo.runs.directories import RunStore
 from cranktopo.runs.kind import SHAPE
@@ -64,7 +64,7 @@ def shape_step(
         return _none(release_text(data.undercuts), data.goal)
     if not data.held:
         return _none(data.stop_reason, data.goal)
-    row = _row(number, data, load_scene(str(run.path / SHAPE / data.files.design)))
+    row = _row(number, data, stored_scene(run.path / SHAPE / data.files.design))
     return _compared(row, best, goal, data)
 
 

@@ -13,7 +13,7 @@ from cranktopo.bodies.prisms import with_bolted
 from cranktopo.bodies.solid.files import coarse_facet_mm
 from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.design.halves import halves
-from cranktopo.design.loading import load_scene
+from cranktopo.design.loading import stored_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.engine.plan.planning import planned_scene
@@ -155,7 +155,7 @@ def _remodelled(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     else:
         refit = remodel_run(str(folder / RUN), folder / REMODEL, evaluated=False)
     file = f"{REMODEL}/{refit.files.design}"
-    web = Target(scene.name, simulated(load_scene(str(folder / file))))
+    web = Target(scene.name, simulated(stored_scene(folder / file)))
     return {**_judged(web, fineness), **_optimiser_columns(metrics), "target": file, VIEW: web_view(web)}
 
 
@@ -167,7 +167,7 @@ def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     settings = fineness.shape_settings(shape_settings(stated), stated)
     data = shape_in(run, stated, settings, COMMAND)
     file = f"{RUN}/{data.files.design}"
-    shaped = load_scene(str(folder / file))
+    shaped = stored_scene(folder / file)
     return {
         **_columns_of(data.result),
         **_limits(data.goal),

@@ -15,7 +15,7 @@ from cranktopo.base.notes import Pace, indented, note
 from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.constraint import TOLERANCE
 from cranktopo.design.goal.scene_goal import with_goal
-from cranktopo.design.loading import load_scene
+from cranktopo.design.loading import stored_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import WebLoads
 from cranktopo.runs.stored import unchanged
@@ -54,7 +54,7 @@ class Searched:
     @property
     def scene(self) -> Scene:
         """The throw with its web twice."""
-        return load_scene(str(self.folder / self.result.files.design))
+        return stored_scene(self.folder / self.result.files.design)
 
     def settled(self, safeties: Sequence[float], required: float) -> bool:
         """Tell whether its webs have the safety that is required in the shaft, and no useless one."""
