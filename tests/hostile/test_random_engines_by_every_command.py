@@ -1,7 +1,8 @@
 """Random engines with all features through every command, free and by every process, at 1 to 3 mm cells.
 
-`python -m tests.hostile.test_random_engines_by_every_command FIRST COUNT [x]` prints a table; an engine
-takes minutes. Of the dear commands, one engine goes through one, in turn; a third word leaves them out.
+`python -m tests.hostile.test_random_engines_by_every_command FIRST COUNT [cheap|dear]` prints a table; an
+engine takes minutes. Of the dear commands, one engine goes through one, in turn; the third word leaves them
+out, or all others.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import pytest
 
 from tests.hostile.featured_engines import featured_engine
 from tests.hostile.scenes import dumped
-from tests.hostile.test_every_design_by_every_command import CHEAP, DEAR, OF_A_RUN, Row, rows
+from tests.hostile.test_every_design_by_every_command import CHEAP, DEAR, LEFT, OF_A_RUN, Row, rows
 from tests.hostile.watched import ENVIRONMENT
 
 ENGINES = 60
@@ -29,8 +30,8 @@ _LACKING = {"film", "bolts", "rod", "balancer"}
 _OF_ONE_WEB = ("optimise", "bound", "shape", "iterate")
 
 
-def rows_of(seed: int, folder: Path, *, dear: bool) -> Iterator[Row]:
-    """Run the engine of a seed through the commands."""
+def rows_of(seed: int, folder: Path, only: str = "") -> Iterator[Row]:
+    """Run the engine of a seed through the commands, only the cheap or only the dear ones if so told."""
     data = featured_engine(seed)
     folder.mkdir(parents=True)
     (folder / "engine.toml").write_text(dumped(data), encoding="utf-8")
@@ -41,15 +42,17 @@ def rows_of(seed: int, folder: Path, *, dear: bool) -> Iterator[Row]:
     more = {name: list(web) for name in _OF_ONE_WEB}
     for name in ("optimise", "iterate"):
         more[name] += ["--resolution-mm", size]
-    names = [name for name in (*CHEAP, *OF_A_RUN) if name not in _LACKING]
-    names += [list(DEAR)[seed % len(DEAR)]] if dear else []
+    cheap = [name for name in (*CHEAP, *OF_A_RUN) if name not in _LACKING]
+    dear = [list(DEAR)[seed % len(DEAR)]]
+    dear = ["optimise", *dear] if only == "dear" and dear[0] in LEFT else dear  # a run for it
+    names = {"": cheap + dear, "cheap": cheap, "dear": dear}[only]
     yield from rows("engine.toml", names, folder, more)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(ENGINES))
 def test_a_random_engine_by_every_command(seed: int, tmp_path: Path) -> None:
-    assert not [str(row) for row in rows_of(seed, tmp_path / "engine", dear=True) if row.fault]
+    assert not [str(row) for row in rows_of(seed, tmp_path / "engine") if row.fault]
 
 
 if __name__ == "__main__":
@@ -59,7 +62,7 @@ if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as where:
         ENVIRONMENT["XDG_CACHE_HOME"] = str(Path(where) / "cache")  # `accuracy` keeps its studies there
         for number in range(first, first + count):
-            for row in rows_of(number, Path(where) / str(number), dear=len(sys.argv) < 4):
+            for row in rows_of(number, Path(where) / str(number), *sys.argv[3:4]):
                 print(str(row).replace("engine.toml", f"engine {number}"), flush=True)
                 found.append(row)
     print(f"{len(found)} tries, {sum(bool(row.fault) for row in found)} faults")
