@@ -10,7 +10,7 @@ PLOTS = (".png", ".svg", ".pdf")
 DRAWINGS = (*PLOTS, ".dxf")
 SOLIDS = (".step", ".stp", ".stl")
 SolidPart = Literal[
-    "throw", "half", "web", "second_web", "crankshaft", "rod", "raw", "raw_crankshaft", "plugs"
+    "throw", "half", "web", "second_web", "crankshaft", "rod", "balancer", "raw", "raw_crankshaft", "plugs"
 ]
 PARTS: tuple[SolidPart, ...] = get_args(SolidPart)
 Exported = SolidPart | Literal["reduced"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import accumulate
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -150,3 +151,15 @@ class BalancerPart(SceneTable):
     def length_mm(self) -> float:
         """Return the length of the shaft."""
         return sum(step.length_mm for step in self.step)
+
+    @property
+    def steps(self) -> tuple[tuple[ShaftStep, float, float], ...]:
+        """Return every step with the places where it begins and ends, mm."""
+        ends = [*accumulate((step.length_mm for step in self.step), initial=0.0)]
+        return tuple(zip(self.step, ends, ends[1:], strict=False))
+
+    def section_at(self, z_mm: float) -> tuple[float, float]:
+        """Return outer diameter and bore at a place, mm; at a step the thinner side."""
+        at = [step for step, start, end in self.steps if start - 1e-9 <= z_mm <= end + 1e-9]
+        thin = min(at, key=lambda step: step.diameter_mm**4 - step.bore_mm**4)
+        return thin.diameter_mm, thin.bore_mm

@@ -180,12 +180,21 @@ def save_figure(figure: Figure, target: Any, **options: Any) -> None:
     It is made in memory first: on a full disk the writers of matplotlib fail in ways of their own.
     """
     _names_as_they_are(figure)
+    _laid_out(figure)
     if not isinstance(target, Path):
         figure.savefig(target, **options)
         return
     buffer = io.BytesIO()
     figure.savefig(buffer, format=target.suffix.removeprefix("."), **options)
     target.write_bytes(buffer.getvalue())
+
+
+def _laid_out(figure: Figure) -> None:
+    """Place the axes once: to write a figure that has a layout of its own, matplotlib draws it twice."""
+    layout = figure.get_layout_engine()
+    if layout is not None:
+        layout.execute(figure)
+        figure.set_layout_engine(None)
 
 
 def save_pages(figures: Sequence[Figure], path: Path, metadata: dict[str, Any]) -> None:

@@ -84,12 +84,13 @@ def check_part(scene: Scene, part: SolidPart, path: Path) -> None:
 
 
 def with_all_parts(scene: Scene) -> Scene:
-    """The scene with a rod of its own length and a forging, so that every part can be written."""
+    """The scene with a rod of its own length, a balancer shaft and a forging: every part can be written."""
     rod, engine = load_scene("mikron-iiic-rod"), scene.engine or load_scene("mikron-iiic-rod").engine
     assert engine is not None
     long = engine.model_copy(update={"rod_length_mm": 166.0})
     forging = Forging(allowance_mm=1.0, flash_mm=2.0)
-    return scene.model_copy(update={"rod": rod.rod, "engine": long, "forging": forging})
+    shaft = load_scene("balancer-shaft").balancer
+    return scene.model_copy(update={"rod": rod.rod, "balancer": shaft, "engine": long, "forging": forging})
 
 
 @pytest.mark.parametrize("part", ONE_SOLID)

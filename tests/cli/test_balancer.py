@@ -144,3 +144,23 @@ def test_the_drawing_says_what_the_scene_says():
     volume = abs(((z1 - z) * (r * r + r * r1 + r1 * r1)).sum()) * math.pi / 3
     groove = math.pi * 2 * 0.45 * 1.0 * 24.0
     assert volume == pytest.approx(check_balancer(scene).mass_kg / 7.85e-6 - groove, abs=0.2 * groove)
+
+
+@pytest.mark.parametrize("name", ["shaft.step", "shaft.stl"])
+def test_the_shaft_as_a_body(capsys, tmp_path, name):
+    """The body of the built-in shaft has grooves, which the drawing shows; masses have no shape."""
+    file = tmp_path / name
+    code = main(["export", "balancer-shaft", str(file), "--part", "balancer"])
+    out = capsys.readouterr().out
+    assert code == 0
+    assert file.stat().st_size
+    assert "balancer, 422897.4 mm3; without its masses, of which only the unbalance is known" in " ".join(
+        out.split()
+    )
+
+
+def test_a_body_needs_a_shaft(capsys, tmp_path):
+    file = tmp_path / "shaft.step"
+    assert main(["export", "mikron-iiic", str(file), "--part", "balancer"]) == 3
+    assert "[balancer] is missing" in capsys.readouterr().err
+    assert not file.exists()

@@ -18,7 +18,12 @@ PARTS = {
         "tasks/rod/*.py",
     ),
     "bolts": ("design/bolt.py", "design/checks/bolts.py", "tasks/bolts/*.py"),
-    "balancer": ("design/balancer.py", "tasks/balancer/*.py"),
+    "balancer": (
+        "design/balancer.py",
+        "design/checks/balancer.py",
+        "bodies/solid/balancer.py",
+        "tasks/balancer/*.py",
+    ),
 }
 """Files of each part below the package; what they share, such as `numerics/stepped_beam.py` with the
 crank on its bearings, is not theirs."""

@@ -17,6 +17,7 @@ from cranktopo.base.formats import SOLIDS, SolidPart
 from cranktopo.base.notes import note
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.bodies.raw_crankshaft import raw_crank_end
+from cranktopo.bodies.solid.balancer import add_balancer
 from cranktopo.bodies.solid.bolted import (
     add_bolted,
     add_thread_tools,
@@ -54,8 +55,11 @@ if TYPE_CHECKING:
 
 
 _TRIANGLE = 2
-_FRAME = "y along the throw, origin at the mid-main-journal plane"
-_FRAME_OF_ROD = "y along the rod, origin at the axis of its big end"
+_FRAME = "z along the crank axis, y along the throw, origin at the mid-main-journal plane"
+_FRAMES: dict[SolidPart, str] = {
+    "rod": "z along the crank axis, y along the rod, origin at the axis of its big end",
+    "balancer": "z along the shaft, origin at its first end, holes across along x",
+}
 
 
 def _orient_outward(gmsh: Any, faces: list[int]) -> None:
@@ -251,11 +255,12 @@ def _part(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
             "throw": add_full_throw,
             "crankshaft": add_crankshaft,
             "rod": add_rod,
+            "balancer": add_balancer,
             "raw": add_raw_throw,
             "raw_crankshaft": add_raw_crankshaft,
             "plugs": add_plugs,
         }[part]
-        if part not in ("throw", "crankshaft", "rod"):
+        if part not in ("throw", "crankshaft", "rod", "balancer"):
             refuse_split_pins(scene)
         body = add(occ, scene)
     return body
@@ -316,13 +321,13 @@ def _remove_loose(occ: Any) -> int:
 
 
 def _label(scene: Scene, part: SolidPart, written: datetime) -> StepLabel:
-    names = {"half": "half throw", "raw": "raw part"}
+    names = {"half": "half throw", "raw": "raw part", "balancer": "balancer shaft"}
     version = versions()["cranktopo"] or "unknown version"
     product = f"{scene.name} {names.get(part, part.replace('_', ' '))}"
     bolted = () if part == "half" else bolted_bodies(scene, part)
     return StepLabel(
         product,
-        f"mm; z along the crank axis, {_FRAME_OF_ROD if part == 'rod' else _FRAME}",
+        f"mm; {_FRAMES.get(part, _FRAME)}",
         "cranktopo",
         version,
         written,

@@ -40,7 +40,6 @@ from cranktopo.tasks.balancer.stage import (
     is_thrust,
     part_material,
     ruling_section,
-    section_at,
 )
 from cranktopo.tasks.drawing.sheet import SheetPage, write_pages
 from cranktopo.tasks.drawing.views import Room
@@ -136,7 +135,7 @@ class _ShaftViews:
         """Radius of what the detail shows, mm of the shaft."""
         if self._groove is None:
             return self._radius / _DETAIL
-        outer = section_at(self._part, self._groove.z_mm)[0]
+        outer = self._part.section_at(self._groove.z_mm)[0]
         return _DETAIL_MM * max((outer - self._groove.diameter_mm) / 2, self._groove.radius_mm)
 
     def end(self, axes: Any, scale: float) -> None:
@@ -180,7 +179,7 @@ class _ShaftViews:
         self._places(axes, r, mm)
         self._lengths(axes, r, mm)
         if self._groove is not None and self._detail_mm * scale < _GAP_MM:
-            at = self._groove.z_mm, section_at(self._part, self._groove.z_mm)[0] / 2
+            at = self._groove.z_mm, self._part.section_at(self._groove.z_mm)[0] / 2
             circle(axes, 3 * mm, at[1], "-", 0.6, x=at[0])
             axes.text(at[0] + 3.2 * mm, at[1] + 2.2 * mm, "A", fontsize=9)
         finish(axes, "Section, upper half")
@@ -214,7 +213,7 @@ class _ShaftViews:
                 yield np.array([(z, 0.0), (z, -outer)])
         for notch in self._part.notch:
             if notch.kind == "groove":
-                outer = section_at(self._part, notch.z_mm)[0] / 2
+                outer = self._part.section_at(notch.z_mm)[0] / 2
                 for z in (notch.z_mm - notch.radius_mm, notch.z_mm + notch.radius_mm):
                     yield np.array([(z, 0.0), (z, -outer)])
 
@@ -247,7 +246,7 @@ class _ShaftViews:
             row = 0 if z - last[0] >= 7 * mm else 1
             last[row] = z
             level = -r - (3.0 + _MARK_MM * row) * mm
-            surface = section_at(self._part, z)[0] / 2
+            surface = self._part.section_at(z)[0] / 2
             axes.plot([z, z], [-surface, level], color=THIN, lw=0.4)
             axes.text(z, level - 0.4 * mm, name, fontsize=TEXT_SIZE - 0.5, ha="center", va="top")
 
@@ -274,7 +273,7 @@ class _ShaftViews:
             return
         from manifold3d import CrossSection, FillRule
 
-        outer = section_at(self._part, groove.z_mm)[0] / 2
+        outer = self._part.section_at(groove.z_mm)[0] / 2
         window = CrossSection.circle(self._detail_mm, 96).translate((groove.z_mm, outer))
         body = CrossSection([np.vstack([self._profile, self._bore[::-1]])], FillRule.EvenOdd)
         middle = np.array([groove.z_mm, outer])

@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.base.errors import invalid
 from cranktopo.base.units import MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s, density_kg_per_mm3
 from cranktopo.design.balancer import BalancerBearing, BalancerPart, ShaftNotch
+from cranktopo.design.checks.balancer import balancer_of
 from cranktopo.design.material import Material
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
@@ -100,35 +101,13 @@ def strength_of(scene: Scene, part: BalancerPart) -> BalancerStrength:
 
 def checked_part(scene: Scene) -> BalancerPart:
     """Return the shaft of a design; raises CranktopoError as `check_balancer` where it is none."""
-    part = scene.balancer
-    if part is None:
-        raise CranktopoError(
-            f"{scene.name}: [balancer] is missing.",
-            hint="The built-in design balancer-shaft has it: cranktopo designs copy balancer-shaft",
-        )
-    if not part.step:
-        raise scene.invalid("balancer.step", "needs at least one [[balancer.step]]")
+    part = balancer_of(scene)
     radial = [round(b.z_mm, _PLACES) for b in part.bearing if not is_thrust(b)]
     if len(set(radial)) < max(2, len(radial)):
         allowed = "needs at least two radial bearings, each at another place"
         raise invalid("balancer.bearing, places of radial ones", radial, allowed)
-    for one in part.placed:
-        if not 0 <= one.z_mm <= part.length_mm:
-            raise CranktopoError(
-                f"{scene.name}: balancer: z_mm = {one.z_mm:g} is beyond its ends, 0 and {part.length_mm:g}.",
-                hint="Places count from the end where the first [[balancer.step]] begins.",
-            )
-    for number, step in enumerate(part.step):
-        if step.bore_mm >= step.diameter_mm:
-            raise scene.invalid(f"balancer.step[{number}].bore_mm", "must be less than its diameter_mm")
     for number, notch in enumerate(part.notch):
-        outer, bore = section_at(part, notch.z_mm)
-        low, high = (bore, outer) if notch.kind == "groove" else (0.0, outer / 2)
-        if not low < notch.diameter_mm < high:
-            raise scene.invalid(
-                f"balancer.notch[{number}].diameter_mm", f"must be > {low:g} and < {high:g} mm there"
-            )
-        if notch_stress(notch, outer, bore)[0] <= 0:
+        if notch_stress(notch, *part.section_at(notch.z_mm))[0] <= 0:
             raise scene.invalid(f"balancer.notch[{number}].diameter_mm", "leaves nothing of the hollow shaft")
     if part.notch:
         check_method(_of_its_material(scene, part), _METHOD)
@@ -158,14 +137,6 @@ def _of_its_material(scene: Scene, part: BalancerPart) -> Scene:
 def is_thrust(bearing: BalancerBearing) -> bool:
     """Tell whether a bearing carries along the shaft alone."""
     return bearing.roller_bearing is not None and bearing.roller_bearing.kind == "thrust"
-
-
-def section_at(part: BalancerPart, z_mm: float) -> tuple[float, float]:
-    """Return outer diameter and bore at a place; at a step the thinner side."""
-    ends = np.cumsum([0.0, *(step.length_mm for step in part.step)])
-    at = [s for s, a, b in zip(part.step, ends, ends[1:], strict=False) if a - 1e-9 <= z_mm <= b + 1e-9]
-    thin = min(at, key=lambda step: step.diameter_mm**4 - step.bore_mm**4)
-    return thin.diameter_mm, thin.bore_mm
 
 
 def _spring_N_per_mm(bearing: BalancerBearing) -> float | None:
@@ -257,7 +228,7 @@ def _equivalent(part: BalancerPart, weights: complex, gear: complex, axial: floa
 
 
 def _notch(loaded: _LoadedShaft, notch: ShaftNotch) -> NotchCheck:
-    outer, bore = section_at(loaded.part, notch.z_mm)
+    outer, bore = loaded.part.section_at(notch.z_mm)
     per_moment, factor, gradient = notch_stress(notch, outer, bore)
     node = loaded.node(notch.z_mm)
     steady = float(abs(loaded.by_weights.moment_Nmm[node])) * per_moment

@@ -27,6 +27,7 @@ _ITS_SHEET = {
     "crankshaft": _WHOLE,
     "raw_crankshaft": f"{_WHOLE}, the raw one on page 2 of a PDF",
     "rod": "cranktopo rod DESIGN --drawing FILE draws it",
+    "balancer": "cranktopo balancer DESIGN --drawing FILE draws it",
 }
 _ALL_THROWS = ("crankshaft", "raw_crankshaft", "reduced")
 _NO_SHEET = "it has no workshop drawing of its own, only .step and .stl"
@@ -88,7 +89,7 @@ def command(
     from cranktopo.bodies.solid.files import export_solid
 
     volume = export_solid(scene, part, file, facet_mm)
-    beside = _bolted_words(scene, part, file.suffix.lower())
+    beside = _bolted_words(scene, part, file.suffix.lower()) or _without_masses(scene, part)
     tell(f"{file}: {part}, {volume:.1f} mm3{_of_raw(scene, part)}{beside}")
 
 
@@ -114,6 +115,14 @@ def _bolted_words(scene: Scene, part: SolidPart, suffix: str) -> str:
     if suffix == ".stl" or part == "half":
         return "; without what is bolted on"
     return f"; {len(names)} bolted counterweights as bodies of their own"
+
+
+def _without_masses(scene: Scene, part: SolidPart) -> str:
+    """Return what the body of a balancer shaft lacks; its masses have an unbalance and no shape."""
+    masses = scene.balancer is not None and scene.balancer.weight
+    return (
+        "; without its masses, of which only the unbalance is known" if part == "balancer" and masses else ""
+    )
 
 
 def _drawn(scene: Scene, file: Path, part: SolidPart) -> str:

@@ -85,10 +85,11 @@ def check(text: str, product: str) -> None:
     ],
 )
 def test_one_named_solid(part: SolidPart, mikron: Scene, tmp_path: Path) -> None:
-    scene = load_scene("mikron-iiic-rod") if part == "rod" else with_forging(mikron)
+    own = {"rod": "mikron-iiic-rod", "balancer": "balancer-shaft"}.get(part)
+    scene = load_scene(own) if own else with_forging(mikron)
     export_solid(scene, part, tmp_path / "one.step")
     text = (tmp_path / "one.step").read_text(encoding="ascii")
-    names = {"half": "half throw", "raw": "raw part"}
+    names = {"half": "half throw", "raw": "raw part", "balancer": "balancer shaft"}
     check(text, f"{scene.name} {names.get(part, part.replace('_', ' '))}")
     header = text[: text.index("DATA;")]
     assert header.index("FILE_DESCRIPTION") < header.index("FILE_NAME") < header.index("FILE_SCHEMA")
