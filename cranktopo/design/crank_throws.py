@@ -16,7 +16,7 @@ from cranktopo.design.halves import halves
 from cranktopo.design.messages import explain
 from cranktopo.design.schema import Scene
 from cranktopo.design.toml_text import parse_toml
-from cranktopo.runs.stored import unchanged
+from cranktopo.runs.stored import told_where_changed
 from cranktopo.throw.journal import Journal
 
 _OTHERS_KEYS = ("crankpin", "second_crankpin_length_mm", "drilling")
@@ -58,24 +58,24 @@ def _stamp(name: str) -> tuple[str, int]:
 def _different(scene: Scene, count: int, files: tuple[tuple[str, int], ...]) -> tuple[Scene, ...]:
     crank = scene.crank or Crank()
     names = crank.throws or (OWN_THROW,) * count
+    others = {name: _other(name) for name in dict.fromkeys(names) if name != OWN_THROW}
     different: list[Scene] = []
     every = []
     for index, name in enumerate(names):
-        throw = _throw(scene, crank, index, name)
+        throw = _throw(scene, crank, index, others.get(name), name)
         alike = (one for one in different if throw.model_copy(update={"name": one.name}) == one)
         every.append(next(alike, throw))
         different += [throw] if every[-1] is throw else []
     return tuple(every)
 
 
-def _throw(scene: Scene, crank: Crank, index: int, name: str) -> Scene:
-    """The scene of one throw; the crank's main journals replace those of another design's throw."""
+def _throw(scene: Scene, crank: Crank, index: int, other: Scene | None, name: str) -> Scene:
+    """The scene of one throw; the crank's main journals replace those of another design."""
     near, far = (_journal(scene, crank, index + side, side) for side in (0, 1))
     update: dict[str, Any] = {"main_journal": near, "second_main_journal_length_mm": None}
     update["second_main_journal"] = None if far == near else far
     webs: dict[str, Any] = {}
-    if name != OWN_THROW:
-        other = _other(name)
+    if other is not None:
         _check_radius(scene, other, index, name)
         update |= {key: getattr(other.throw, key) for key in _OTHERS_KEYS}
         webs = {"web": other.web, "second_web": other.second_web}
@@ -152,7 +152,7 @@ def end_journal(scene: Scene, side: Side) -> Journal | None:
 
 def _other(name: str) -> Scene:
     try:
-        text = read_text_file(unchanged(Path(name)), f"crank.throws: '{name}'")
+        text = read_text_file(told_where_changed(Path(name)), f"crank.throws: '{name}'")
         return Scene.model_validate(parse_toml(text, name))
     except ValidationError as error:
         raise explain(error, name) from None

@@ -153,6 +153,22 @@ def test_a_design_that_is_asked_for_itself_may_be_edited(
         stored_scene(folder / name)
 
 
+def test_a_throw_of_a_crank_may_be_edited_as_the_crank_itself(
+    copied: Callable[[str], Path], capsys: Capture
+) -> None:
+    """With a line; it was refused where the crank was only told."""
+    crank = copied("each-web") / "run" / "own-webs" / "crank.toml"
+    throw, text = crank.with_name("throw-2.toml"), crank.read_text(encoding="utf-8")
+    write_recorded(throw, text)
+    write_recorded(crank, f'{text}\n[crank]\nthrows = ["throw", "{throw.name}", "{throw.name}", "throw"]\n')
+    assert main(["loads", str(crank)]) == 0
+    assert "changed" not in capsys.readouterr().err
+    change(throw, "width_mm")
+    assert main(["loads", str(crank)]) == 0
+    told = re.sub(r"\n +", " ", capsys.readouterr().err)
+    assert told.count(f"{throw.name}': changed since its run wrote it, taken as it is now") == 1, told
+
+
 def picked(folder: Path) -> Path:
     """The design of a point that the sweep picks."""
     result = json.loads((folder / "run" / "sweep.json").read_text())
