@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import ast
 import inspect
+import sys
+from collections.abc import Iterator
 from functools import cache
 from itertools import pairwise
-from textwrap import dedent
 from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel
@@ -44,10 +45,32 @@ def _text_of(cls: type, name: str) -> str:
     return _texts(declaring).get(name, "")
 
 
-@cache
 def _texts(cls: type) -> dict[str, str]:
-    (statement,) = ast.parse(dedent(inspect.getsource(cls))).body
-    assert isinstance(statement, ast.ClassDef)
+    return _texts_in(cls.__module__)[cls.__qualname__]
+
+
+@cache
+def _texts_in(module: str) -> dict[str, dict[str, str]]:
+    """Return the texts of the fields of each class of a module, by its qualified name.
+
+    The source of a class alone (`inspect.getsource`) would parse the whole module for each.
+    """
+    tree = ast.parse(inspect.getsource(sys.modules[module]))
+    return {name: _texts_below(found) for name, found in _classes(tree, "")}
+
+
+def _classes(node: ast.AST, before: str) -> Iterator[tuple[str, ast.ClassDef]]:
+    for child in ast.iter_child_nodes(node):
+        inner = before
+        if isinstance(child, ast.ClassDef):
+            yield before + child.name, child
+            inner = f"{before}{child.name}."
+        elif isinstance(child, ast.FunctionDef):
+            inner = f"{before}{child.name}.<locals>."
+        yield from _classes(child, inner)
+
+
+def _texts_below(statement: ast.ClassDef) -> dict[str, str]:
     return {
         field.target.id: inspect.cleandoc(below.value.value)
         for field, below in pairwise(statement.body)
