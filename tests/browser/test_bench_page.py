@@ -287,6 +287,9 @@ def test_how_far_a_job_is_is_a_bar_with_the_time_left(quick: Any) -> None:
 
 GROUPS = {
     "Bearings": "bearings",
+    "Connecting rod": "rod",
+    "Bolted joints": "bolted_joint",
+    "Balancer shaft": "balancer",
     "Forging": "forging",
     "Drawing": "drawing",
     "Crank and ends": "crank",
@@ -305,10 +308,12 @@ def test_bearings_crank_forging_and_drawing_have_forms(quick: Any) -> None:
         if group.locator(f"[data-row^='{table}.']").count():
             continue
         assert table not in data
-        group.get_by_role("button", name=f"Add {table}", exact=True).click()
-        page.wait_for_selector(f"#history li.here:has-text('added {table}')")
-        assert page.locator(f"#tree [data-row^='{table}.']").count() > 0
+        name = table.replace("_", " ")
+        group.get_by_role("button", name=f"Add {name}", exact=True).click()
+        page.wait_for_selector(f"#history li.here:has-text('added {name}')")
+        assert page.locator(f"#tree [data-row^='{table}']").count() > 0
     assert page.locator("#tree [data-path='group:Second web'] button").count() > 0
+    assert page.locator("#write [data-kind=step-rod]").is_visible(), "a file of the part that was added"
     page.get_by_role("button", name="Remove forging", exact=True).click()
     page.wait_for_selector("#history li.here:has-text('removed forging')")
     assert page.get_by_role("button", name="Add forging", exact=True).count() == 1

@@ -83,7 +83,7 @@ def balancer_text(shaft: BalancerStrength) -> str:
     parts += [f"{shaft.design}: balancer shaft at {shaft.speed_rpm:g} rpm", labelled(rows)]
     parts += [terminal(tabulate(_WEIGHTS, shaft.weights))] if shaft.weights else []
     parts.append(terminal(tabulate(_BEARINGS, shaft.bearings)))
-    parts += [terminal(tabulate(_PROBES, shaft.probes)), _verdict(shaft)] if shaft.probes else []
+    parts += [terminal(tabulate(_PROBES, shaft.probes)), places_beyond(shaft)] if shaft.probes else []
     if shaft.notches:
         parts += [
             "Fatigue of notches by local stress analysis",
@@ -103,7 +103,7 @@ def _redesign(redesign: Redesign) -> str:
     return "\n\n".join([line, *tables])
 
 
-def _verdict(shaft: BalancerStrength) -> str:
+def places_beyond(shaft: BalancerStrength) -> str:
     """Return the places that bend more than permitted; empty where there is none."""
     beyond = [p.name for p in shaft.probes if p.permitted_mm and p.deflection_mm > p.permitted_mm]
     return f"More than permitted: {', '.join(beyond)}." if beyond else ""

@@ -95,9 +95,9 @@ class Answers:
         found: list[dict[str, str]] = await self._workers.live.ask("live.violated_rules_of", data)
         return found
 
-    async def proposed(self, name: str, data: Data, argument: Any) -> dict[str, Any]:
+    async def proposed(self, name: str, data: Data, *arguments: Any) -> dict[str, Any]:
         """Return changes that a function of `proposals` finds for what is wanted."""
-        found: dict[str, Any] = await self._workers.live.ask(f"proposals.{name}", data, argument)
+        found: dict[str, Any] = await self._workers.live.ask(f"proposals.{name}", data, *arguments)
         return found
 
     async def exact(self, data: Data) -> dict[str, float]:

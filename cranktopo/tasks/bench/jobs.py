@@ -27,9 +27,19 @@ from cranktopo.base.files import check_input, from_json, read_text_file, write_j
 from cranktopo.base.line_width import unfolded
 from cranktopo.base.notes import pace_of
 from cranktopo.base.result import Result
+from cranktopo.tasks.bench.job_kinds import (
+    FOUND,
+    OF_RUN,
+    OUT,
+    RESUMABLE,
+    SEARCHES,
+    SURFACE,
+    check_kind,
+    command_words,
+)
 
 JobState = Literal["running", "done", "stopped", "failed"]
-_JOB, _NOTES, _CODE, _OUT, _DESIGN = "job.json", "notes.txt", "code", "out", "design.toml"
+_JOB, _NOTES, _CODE, _DESIGN = "job.json", "notes.txt", "code", "design.toml"
 _STDOUT = "stdout.txt"
 _SAVED = "manifest.json"
 """In a run that resumes, whatever else a kill keeps back."""
@@ -40,24 +50,6 @@ _TAIL = 4000
 _MOST_MIB = 256
 """Of what a job printed."""
 
-_GOAL = ("minimise", "maximise", "limit", "web")
-KINDS: Mapping[str, tuple[str, ...]] = {
-    "optimise": ("volume-fraction", "resolution-mm", "max-iterations", *_GOAL),
-    "shape": _GOAL,
-    "bound": (*_GOAL, "resolution-mm"),
-    "fatigue": ("method",),
-    "sweep": ("vary", "stage", "workers"),
-    "evaluate": ("accuracy",),
-    "shaft": ("bearings", "method"),
-    "remodel": ("min-wall-mm", "min-radius-mm", "draft-deg"),
-    "extract": (),
-}
-"""Jobs, with the options that the page may give them."""
-OF_RUN = ("remodel", "extract")
-"""Those that take the run of another job in place of the design."""
-_OUTPUT = dict.fromkeys(("optimise", "shape", "sweep", "remodel"), _OUT) | {"extract": "surface.stl"}
-"""Results that they write, in their own folder; the others print them."""
-RESUMABLE = ("optimise", "shape", "sweep")
 PARTLY = (0, 5, 6)
 """Exit codes with a result."""
 _INTERRUPTED = (130, 128 + signal.SIGTERM)
@@ -93,7 +85,7 @@ class BenchJob:
     @property
     def out(self) -> Path:
         """Folder of its run."""
-        return self.place / _OUT
+        return self.place / OUT
 
     @property
     def code(self) -> int | None:
@@ -128,8 +120,9 @@ class BenchJob:
     def line(self, folder: Path) -> str:
         """Return the command line that does the same in a folder above its own."""
         design = (self.place / _DESIGN).relative_to(folder).as_posix()
-        own = f"{self.known.kind}-{self.known.id}"
-        names = {_DESIGN: design, _OUT: own, "surface.stl": f"{own}.stl"}
+        own = f"{self.known.kind.replace(' ', '-')}-{self.known.id}"
+        names = {_DESIGN: design, OUT: own, SURFACE: f"{own}.stl"}
+        names |= {f"{option}={FOUND}": f"{option}={own}.toml" for option in SEARCHES}
         names |= {
             word: (self.place / word).resolve().relative_to(folder.resolve()).as_posix()
             for word in self.known.words
@@ -263,20 +256,16 @@ class Jobs:
         Args:
             automatic: nobody asked for it, so that everything else goes first.
         """
-        if kind not in KINDS:
-            raise CranktopoError("job: there is no such command.")
-        option_words = _option_words(kind, options)
-        target = self._run_of(run) if kind in OF_RUN else _DESIGN
+        check_kind(kind, options)
+        words = command_words(kind, self._run_of(run) if kind in OF_RUN else _DESIGN, options)
         number = 1 + max((int(place.name) for place in self._folder.glob("[0-9][0-9][0-9]")), default=0)
         place = self._folder / f"{number:03d}"
         place.mkdir(parents=True)
         (place / _DESIGN).write_text(design, encoding="utf-8")
-        words = [kind, target, *option_words]
-        words += ["--out", _OUTPUT[kind]] if kind in _OUTPUT else ["--json"]
         known = _KnownJob(
             id=place.name,
             kind=kind,
-            words=tuple(words),
+            words=words,
             started=time.time(),
             step=step,
             automatic=automatic,
@@ -288,7 +277,7 @@ class Jobs:
         job = self.job(id_)
         if job.known.kind != "optimise" or job.state != "done":
             raise CranktopoError(f"run: job {id_} is no finished optimise job.")
-        return f"../{job.place.name}/{_OUT}"
+        return f"../{job.place.name}/{OUT}"
 
     def resume(self, id_: str) -> BenchJob:
         """Continue a job that was stopped."""
@@ -297,7 +286,7 @@ class Jobs:
             raise CranktopoError("job: there is nothing to continue.")
         (job.place / _CODE).unlink(missing_ok=True)
         if (job.out / _SAVED).is_file():
-            return self._run(job.place, job.known, [job.known.kind, "--resume", _OUT])
+            return self._run(job.place, job.known, [job.known.kind, "--resume", OUT])
         if job.out.is_dir():
             shutil.rmtree(job.out)
         return self._run(job.place, job.known, job.known.words)
@@ -327,15 +316,3 @@ _running: list[subprocess.Popen[bytes]] = []
 def reap() -> None:
     """Take note of processes that ended, so that none stays as a zombie."""
     _running[:] = [process for process in _running if process.poll() is None]
-
-
-def _option_words(kind: str, options: Mapping[str, Any]) -> list[str]:
-    words = []
-    for name, chosen in options.items():
-        if name not in KINDS[kind]:
-            raise CranktopoError(f"job: {kind} has no option of that name here.")
-        for value in chosen if isinstance(chosen, list) else [chosen]:
-            if not isinstance(value, str | int | float) or not str(value).strip():
-                raise CranktopoError(f"job: --{name} needs a value.")
-            words.append(f"--{name}={value}")
-    return words

@@ -1,13 +1,15 @@
-"""Changes that answer a wish: a balance factor, a pitch that stays; pure functions of the tables."""
+"""Changes that answer a wish: a balance factor, a pitch that stays, a rod; pure functions of the tables."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
+from cranktopo.base.errors import CranktopoError
 from cranktopo.design.edits import changed_data
 from cranktopo.design.loading import scene_from_dict, value_at
 from cranktopo.design.pitch import lengths_at_pitch
+from cranktopo.design.starting_rod import starting_rod
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.tasks.balance.proposal import ProposedCounterweight, propose_counterweight
 from cranktopo.tasks.bench.live import violated_rules_of
@@ -33,6 +35,31 @@ def counterweight_changes(data: dict[str, Any], percent: float) -> dict[str, Any
     }
     if found.refused and isinstance(scene.envelope, BoxEnvelope):
         changes |= _room(scene.envelope, found)
+    scene_from_dict(changed_data(data, changes), "design", whole=True)
+    return changes
+
+
+def rod_changes(data: dict[str, Any]) -> dict[str, Any]:
+    """Return a connecting rod of usual proportions for the engine and the crankpin of a design.
+
+    Raises:
+        CranktopoError: there is no engine, or such a rod does not fit.
+    """
+    scene = scene_from_dict(data, "design", whole=True)
+    engine, pin = scene.engine, scene.throw.crankpin
+    if engine is None:
+        raise CranktopoError("rod: takes its size from the engine, which is missing.", hint="Add the engine.")
+    values: dict[str, Any] = {
+        "engine.bore_mm": engine.bore_mm,
+        "engine.rod_length_mm": engine.rod_length_mm,
+        "throw.crankpin.outer_diameter_mm": pin.outer_diameter_mm,
+        "throw.crankpin.length_mm": pin.length_mm,
+        "throw.crankpin.fillet_mm": pin.fillet_mm,
+    }
+    if engine.arrangement is not None:
+        values["engine.arrangement.layout"] = engine.arrangement.layout
+        values["engine.arrangement.bank_angles_deg"] = engine.arrangement.bank_angles_deg or ()
+    changes = starting_rod(values)
     scene_from_dict(changed_data(data, changes), "design", whole=True)
     return changes
 

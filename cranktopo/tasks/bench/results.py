@@ -9,7 +9,9 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import read_text_file
 from cranktopo.base.line_width import unfolded
 from cranktopo.runs.stored import unchanged
+from cranktopo.tasks.bench.job_kinds import FOUND, SEARCHES
 from cranktopo.tasks.bench.jobs import BenchJob, own_command
+from cranktopo.tasks.bench.part_words import PARTS, part_words
 from cranktopo.tasks.bound.result import BoundResult, ProvenBound
 from cranktopo.tasks.evaluate.result import EvaluationList
 from cranktopo.tasks.fatigue.criteria import shortfall_words
@@ -54,6 +56,8 @@ def job_words(job: BenchJob) -> list[str]:
             return _shaft_words(ShaftAssessment.of_json(job.printed(), _place(job)))
         if job.known.kind == "evaluate":
             return _evaluation_words(_evaluation(job))
+        if job.known.kind in PARTS:
+            return part_words(job.known.kind, job.printed(), _place(job))
         if job.known.kind == "extract":
             return [f"surface written: {(job.place / 'surface.stl').resolve()}"]
     except (CranktopoError, ValueError, IndexError):
@@ -151,6 +155,8 @@ def variant_of(job: BenchJob) -> str | None:
         return _design(job.place / "design.toml")
     if job.known.kind == "remodel":
         return next(_design(file) for file in sorted(job.out.glob("*.toml")))
+    if job.known.kind in SEARCHES.values():
+        return _design(job.place / FOUND)
     if job.known.kind != "optimise":
         return None
     if not (job.out / "remodel").is_dir():

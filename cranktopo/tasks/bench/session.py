@@ -35,7 +35,7 @@ _WATCH_S = 1.0
 _UPLOADS = (".toml", ".csv", *BODIES)
 _GIVEN = (".toml", *ENDINGS)
 _ACTIONS = re.compile(
-    "hello|drag|edit|balance|undo|redo|pin|keep|drop|take|compare|job|stop|resume|write|script|save|start|open|close"
+    "hello|drag|edit|balance|rod|undo|redo|pin|keep|drop|take|compare|job|stop|resume|write|script|save|start|open|close"
 )
 
 
@@ -246,6 +246,11 @@ class Bench:
         percent = float(message["percent"])
         changes = await self.answers.proposed("counterweight_changes", self._required.data(), percent)
         self._required.change(changes, f"counterweight for a balance factor of {percent:g} %")
+        self._moved()
+
+    async def _rod(self, message: Mapping[str, Any], tell: Tell) -> None:
+        """Add a connecting rod that fits engine and crankpin."""
+        self._required.change(await self.answers.proposed("rod_changes", self._required.data()), "added rod")
         self._moved()
 
     def _undo(self, message: Mapping[str, Any], tell: Tell) -> None:

@@ -63,7 +63,7 @@ _FREE: tuple[Column[FreeDimension], ...] = (
 
 def rod_text(rod: RodStrength) -> str:
     """Return what `cranktopo rod` prints: what is worse than permitted first."""
-    failing, holding = _verdicts(rod)
+    failing, holding = verdicts(rod)
     masses = rod.masses
     speeds = " and ".join(f"{speed:g}" for speed in rod.speeds_rpm)
     kg = f"{masses.reciprocating_kg:.4f} kg oscillate, {masses.rotating_kg:.4f} kg rotate"
@@ -94,7 +94,7 @@ def rod_text(rod: RodStrength) -> str:
     return "\n\n".join(parts)
 
 
-def _verdicts(rod: RodStrength) -> tuple[list[str], list[str]]:
+def verdicts(rod: RodStrength) -> tuple[list[str], list[str]]:
     """Return the lines on what fails, and on what holds."""
     told = [
         (_is_safe(_least_safeties(rod)), least_safety(rod)),

@@ -252,6 +252,8 @@ def check_untouched(running: Running, message: str) -> None:
         ("optimise", {"out": "/tmp/x"}),
         ("optimise", {"limit": ["a", {"b": 1}]}),
         ("fatigue", {"design": "/etc/passwd"}),
+        ("lighter rod", {"lighter": "/tmp/x.toml"}),
+        ("rod", {"drawing": "/tmp/x.pdf"}),
         ("shape; rm -rf .", {}),
     ],
 )

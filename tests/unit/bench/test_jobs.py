@@ -7,6 +7,7 @@ import os
 import shutil
 import signal
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -15,8 +16,11 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.line_width import in_width
 from cranktopo.base.notes import pace_of
 from cranktopo.design.loading import design_text
+from cranktopo.tasks.balancer.result import BalancerStrength
+from cranktopo.tasks.bench.job_kinds import command_words
 from cranktopo.tasks.bench.jobs import BenchJob, Jobs, reap
 from cranktopo.tasks.bench.results import job_numbers, job_words, variant_of
+from cranktopo.tasks.bolts.result import BoltChecks
 from cranktopo.tasks.evaluate.result import EvaluationList
 from cranktopo.tasks.fatigue.result import FatigueResult
 from cranktopo.tasks.shaft_safety.result import ShaftAssessment
@@ -104,11 +108,11 @@ def test_a_note_that_goes_on_in_the_next_line_is_one(tmp_path: Path) -> None:
     assert pace_of(lines[-1]) == (0.25, "about 3 min")
 
 
-def finished(folder: Path, kind: str, printed: object, code: int = 0) -> BenchJob:
+def finished(folder: Path, kind: str, printed: object, code: int = 0, words: Sequence[str] = ()) -> BenchJob:
     """A job as it is found when it has ended well."""
     place = folder / f"{1 + len(list(folder.glob('0*'))):03d}"
     place.mkdir(parents=True)
-    known = {"id": place.name, "kind": kind, "words": [kind, "design.toml"], "started": 0.0}
+    known = {"id": place.name, "kind": kind, "words": words or [kind, "design.toml"], "started": 0.0}
     for name, text in {
         "job.json": json.dumps(known),
         "stdout.txt": json.dumps(printed),
@@ -163,6 +167,37 @@ def test_the_words_of_an_evaluation_and_of_a_shaft(tmp_path: Path) -> None:
         "largest main bearing force 31 kN, bearing 2",
     ]
     assert variant_of(job) is None
+
+
+def test_the_words_of_jobs_on_parts_begin_with_what_fails_or_was_found(tmp_path: Path) -> None:
+    joint = {"name": "rod", "smallest_safety": 0.9, "governing": "yield"}
+    job = finished(tmp_path, "bolts", filled(BoltChecks, {"joints": [joint]}))
+    assert job_words(job) == ["NOT SAFE: smallest safety by VDI 2230: 0.90, yield of rod."]
+    assert variant_of(job) is None
+    found = {"start_kg": 4.0, "result_kg": 3.0}
+    notch = {"name": "groove", "running_safety": 2.0, "starting_safety": 0.5}
+    shaft = {
+        "mass_kg": 3.0,
+        "largest_deflection_mm": 0.02,
+        "redesign": found,
+        "notches": [notch],
+        "joints": [],
+    }
+    job = finished(tmp_path, "lighter balancer", filled(BalancerStrength, shaft))
+    told = job_words(job)
+    assert told[0] == "shaft 4 to 3 kg (-25.0 %), no less safe"
+    assert "NOT SAFE: least safety 0.5: groove" in told
+    (job.place / "found.toml").write_text(TEXT, encoding="utf-8")
+    assert variant_of(job) == TEXT
+
+
+def test_a_lighter_rod_is_a_command_with_a_file_of_its_own(tmp_path: Path) -> None:
+    words = command_words("lighter rod", "design.toml", {"method": "lsa"})
+    assert words == ("rod", "design.toml", "--lighter=found.toml", "--method=lsa", "--json")
+    job = finished(tmp_path / "bench" / "mine" / "jobs", "lighter rod", "", words=words)
+    design = "bench/mine/jobs/001/design.toml"
+    line = f"cranktopo rod {design} --lighter=lighter-rod-001.toml --method=lsa --json"
+    assert job.line(tmp_path) == line, "as it is typed in the folder"
 
 
 def test_a_job_on_the_run_of_another_names_it_as_it_is_typed_in_the_folder(tmp_path: Path) -> None:

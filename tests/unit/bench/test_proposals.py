@@ -17,6 +17,7 @@ from cranktopo.tasks.bench.live import violated_rules_of
 from cranktopo.tasks.bench.proposals import (
     counterweight_changes,
     nearest_sound,
+    rod_changes,
     trace_changes,
     with_pitch_kept,
 )
@@ -43,6 +44,19 @@ def test_journals_give_what_webs_take_where_the_pitch_stays() -> None:
     changes = with_pitch_kept(DATA, {"web.thickness_mm": 28})
     assert changes == {"web.thickness_mm": 28, "throw.main_journal.length_mm": pytest.approx(33 - 2 * 2)}
     assert with_pitch_kept(DATA, {"web.width_mm": 88}) == {"web.width_mm": 88}
+
+
+def test_a_rod_fits_engine_and_crankpin() -> None:
+    """Its beginning was that of an example: a big end narrower than the pin of most engines."""
+    moved = changed_data(DATA, rod_changes(DATA))
+    scene = scene_from_dict(moved, "twin", whole=True)
+    assert scene.rod is not None
+    pin = scene.throw.crankpin
+    assert scene.rod.big_end_bore_mm > pin.outer_diameter_mm
+    assert 2 * scene.rod.big_end_width_mm < pin.length_mm, "two rods stand side by side on the pin of a V"
+    del moved["engine"], moved["rod"]
+    with pytest.raises(CranktopoError, match=r"rod: takes its size from the engine.*\s+Add the engine"):
+        rod_changes(moved)
 
 
 def test_a_dropped_trace_takes_the_place_of_the_peak(tmp_path: Path) -> None:

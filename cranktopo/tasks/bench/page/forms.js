@@ -6,6 +6,7 @@ import { complain, drag, edit, say, status } from "./talk.js";
 const GROUPS = [
   ["Engine", ["engine"]], ["Throw and journals", ["throw"]], ["Web", ["web"]], ["Material", ["material"]],
   ["Goal and limits", ["goal"]], ["Design space", ["envelope"]], ["Supports", ["supports"]], ["Shaft line", ["shaft"]],
+  ["Connecting rod", ["rod"]], ["Bolted joints", ["bolted_joint"]], ["Balancer shaft", ["balancer"]],
   ["Bearings", ["bearings"]], ["Crank and ends", ["crank"]], ["Second web", ["second_web"]], ["Forging", ["forging"]], ["Drawing", ["drawing"]],
   ["Fatigue", ["fatigue"]], ["Original", ["original"]], ["Search", ["shape", "optimise"]], ["Effects", ["effects"]],
 ];
@@ -95,7 +96,8 @@ function adders(tables, place, path) {
       found[table.path.split(".").pop()] ??= beginning([table]);
     return found;
   };
-  const button = (choice, label) => make("button", { type: "button", onclick: () => edit({ [place]: inner(beginning(tables, choice)) }, `added ${label}`) }, `Add ${label}`);
+  const take = (choice, label) => (path === "rod" ? say({ do: "rod" }) : edit({ [place]: inner(beginning(tables, choice)) }, `added ${label}`)); // a rod has the size of its engine
+  const button = (choice, label) => make("button", { type: "button", onclick: () => take(choice, label) }, `Add ${label}`);
   return choices.length ? choices.map((choice) => button(choice, `${title}: ${choiceOf(choice)}`)) : [button(null, title)];
 }
 
@@ -157,7 +159,7 @@ function inputOf(path, id, help, key, value) {
   const numeric = key.kind === "number" || key.kind === "whole number";
   const assumed = key.default !== null ? `${shown(key.default)} (assumed)` : key.required ? "" : "not given";
   const input = make("input", { id, "data-key": path, "aria-describedby": help, inputmode: numeric ? "decimal" : "text", autocomplete: "off", spellcheck: "false",
-    placeholder: assumed, list: path === "material.name" ? "materials" : undefined, value: written(value, key),
+    placeholder: assumed, list: /(^|\.)material\.name$/.test(path) ? "materials" : undefined, value: written(value, key),
     oninput: () => {
       const found = numeric ? numberOf(input.value) : null;
       if (found !== null) drag({ [path]: found });

@@ -16,14 +16,28 @@ const JOBS = {
   "safety of every web": { kind: "shaft", options: { method: "lsa" }, help: "Every fillet and outlet of every web in the shaft on all its bearings over the cycle: minutes." },
   remodel: { run: true, help: "A web that a die or a mill can make, fitted to the body of a run: about a minute. Comes back as a variant." },
   extract: { run: true, help: "The watertight surface of a run as STL: seconds." },
+  rod: { help: "Connecting rod of [rod]: stresses over the cycle, buckling, fatigue, pin and bolts: seconds." },
+  "lighter rod": { help: "A lighter rod at no less safety: seconds. Comes back as a variant." },
+  bolts: { help: "Bolted joints by VDI 2230 and by Shigley: seconds." },
+  balancer: { help: "Balancer shaft of [balancer]: bearing loads and life, deflection, fatigue of its notches: seconds." },
+  "lighter balancer": { help: "The lightest balancer shaft within the ranges of the design: seconds. Comes back as a variant." },
   sweep: { vary: true, help: "Many values of one dimension, each evaluated; a page of its own." },
 };
 
+// Files by what they are; those of a part only where the design has it.
 const FILES = {
-  toml: "design (TOML)", "step-throw": "STEP, throw", "step-web": "STEP, web", "step-crank": "STEP, crank", stl: "STL",
-  "drawing-pdf": "drawing, PDF", "drawing-svg": "drawing, SVG", m53: "UR M53 papers, PDF", vibration: "torsional vibration, page", "vibration-misfire": "the same, cylinder 1 misfires",
-  compare: "comparison with the original, page", table: "table against the original, Markdown", latex: "table, LaTeX", python: "the steps, Python script",
+  Design: { toml: "design (TOML)", python: "the steps, Python script" },
+  Solids: { "step-throw": "STEP, throw", "step-web": "STEP, web", "step-crank": "STEP, crank", stl: "STL", "step-rod": "STEP, rod" },
+  Drawings: { "drawing-pdf": "web, PDF", "drawing-svg": "web, SVG", "drawing-crank": "whole crank, PDF", "drawing-rod": "rod, PDF", "drawing-balancer": "balancer shaft, PDF" },
+  Papers: { compare: "comparison with the original, page", m53: "UR M53 papers, PDF", vibration: "torsional vibration, page", "vibration-misfire": "the same, cylinder 1 misfires",
+    modes: "natural vibrations, page", balance: "balance of the engine, page", film: "oil film, plot" },
+  Tables: { table: "against the original, Markdown", latex: "against the original, LaTeX", loads: "loads over the cycle, CSV" },
 };
+const OF_PART = { "step-rod": "rod", "drawing-rod": "rod", "drawing-balancer": "balancer", film: "bearings", vibration: "shaft", "vibration-misfire": "shaft", loads: "engine", balance: "engine", m53: "engine" };
+
+function showFiles() {
+  for (const button of $("write").querySelectorAll("[data-kind]")) button.hidden = button.dataset.kind in OF_PART && valueAt(OF_PART[button.dataset.kind]) === undefined;
+}
 
 // The goal of the design is the first choice where it has one: another goal leaves the design's limits out.
 const OWN_GOAL = "own";
@@ -62,12 +76,15 @@ export function showJobs() {
     if (job.state === "running") buttons.append(make("button", { type: "button", onclick: () => say({ do: "stop", id: job.id }) }, "Stop"));
     if (job.resumable) buttons.append(make("button", { type: "button", onclick: () => say({ do: "resume", id: job.id }) }, "Continue"));
     if (job.page) buttons.append(make("a", { href: `job/${job.id}`, target: "_blank", rel: "noreferrer" }, "Report"));
-    return make("li", { "data-job": job.state }, make("strong", {}, `${job.kind} ${job.id}${job.automatic ? ", by itself" : ""}: ${job.state}`), ` ${job.state === "running" ? `${job.seconds} s` : ""} `, buttons, ...progressOf(job), ...(job.found.length ? job.found : job.notes.slice(-2)).map((text) => make("p", { class: text.startsWith("NOT MET") ? "missed" : "" }, text)));
+    return make("li", { "data-job": job.state }, make("strong", {}, `${job.kind} ${job.id}${job.automatic ? ", by itself" : ""}: ${job.state}`), ` ${job.state === "running" ? `${job.seconds} s` : ""} `, buttons, ...progressOf(job), ...(job.found.length ? job.found : job.notes.slice(-2)).map((text) => make("p", { class: /^(NOT|TOO|More than permitted)/.test(text) ? "missed" : "" }, text)));
   }));
   const runs = state.jobs.filter((job) => job.kind === "optimise" && job.state === "done").map((job) => job.id), select = $("job").elements.run;
   if ([...select.options].map((one) => one.value).join() !== runs.join()) select.replaceChildren(...runs.map((id) => make("option", { value: id }, `optimise ${id}`)));
   showGoals();
-  if (state.project) showHistory();
+  if (state.project) {
+    showHistory();
+    showFiles();
+  }
 }
 
 export function outForms() {
@@ -93,7 +110,8 @@ export function outForms() {
     status(`${name} starts`);
   });
   const button = ([kind, text]) => make("button", { type: "button", "data-kind": kind, onclick: () => write(kind) }, text);
-  $("write").querySelector(".tools").append(...Object.entries(FILES).map(button));
+  const group = ([title, files]) => make("div", { class: "tools", role: "group", "aria-label": title }, make("span", {}, title), ...Object.entries(files).map(button));
+  $("write").append(...Object.entries(FILES).map(group));
   $("write").addEventListener("submit", (event) => event.preventDefault());
   $("copy").addEventListener("click", () => navigator.clipboard?.writeText($("commands").textContent));
 }

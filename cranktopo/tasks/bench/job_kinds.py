@@ -1,0 +1,60 @@
+"""Kinds of long work that a page may ask for, each with its command, options, and where its result lies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from cranktopo.base.errors import CranktopoError
+
+_GOAL = ("minimise", "maximise", "limit", "web")
+KINDS: Mapping[str, tuple[str, ...]] = {
+    "optimise": ("volume-fraction", "resolution-mm", "max-iterations", *_GOAL),
+    "shape": _GOAL,
+    "bound": (*_GOAL, "resolution-mm"),
+    "fatigue": ("method",),
+    "sweep": ("vary", "stage", "workers"),
+    "evaluate": ("accuracy",),
+    "shaft": ("bearings", "method"),
+    "remodel": ("min-wall-mm", "min-radius-mm", "draft-deg"),
+    "extract": (),
+    "bolts": (),
+    "rod": ("method",),
+    "lighter rod": ("method",),
+    "balancer": (),
+    "lighter balancer": (),
+}
+"""Jobs, with the options that the page may give them."""
+SEARCHES = {"--lighter": "lighter rod", "--redesign": "lighter balancer"}
+"""Options of a command of another name, which has the design that it found written."""
+OF_RUN = ("remodel", "extract")
+"""Those that take the run of another job in place of the design."""
+RESUMABLE = ("optimise", "shape", "sweep")
+OUT, SURFACE, FOUND = "out", "surface.stl", "found.toml"
+_OUTPUT = dict.fromkeys(("optimise", "shape", "sweep", "remodel"), OUT) | {"extract": SURFACE}
+"""Results that they write, in their own folder; the others print them."""
+
+
+def check_kind(kind: str, options: Mapping[str, Any]) -> None:
+    """Refuse a job that is none, and options that it has not."""
+    if kind not in KINDS:
+        raise CranktopoError("job: there is no such command.")
+    for name, chosen in options.items():
+        if name not in KINDS[kind]:
+            raise CranktopoError(f"job: {kind} has no option of that name here.")
+        for value in chosen if isinstance(chosen, list) else [chosen]:
+            if not isinstance(value, str | int | float) or not str(value).strip():
+                raise CranktopoError(f"job: --{name} needs a value.")
+
+
+def command_words(kind: str, target: str, options: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the words of the command that is a job, in its own folder.
+
+    Args:
+        target: the design, or the run of another job.
+    """
+    search = next((option for option, name in SEARCHES.items() if name == kind), None)
+    found = [kind.removeprefix("lighter "), target, *([f"{search}={FOUND}"] if search else [])]
+    for name, chosen in options.items():
+        found += [f"--{name}={value}" for value in (chosen if isinstance(chosen, list) else [chosen])]
+    return (*found, *(("--out", _OUTPUT[kind]) if kind in _OUTPUT else ("--json",)))
