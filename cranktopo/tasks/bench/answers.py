@@ -14,10 +14,10 @@ from cranktopo.tasks.bench.workers import AbandonedError, Newest, Worker
 
 Tell = Callable[[dict[str, Any]], None]
 Data = dict[str, Any]
-_PARTS = {"stiffness", "film", "shaft", "safety", "colours"}
+_PARTS = {"stiffness", "film", "shaft", "vibration", "safety", "colours"}
 """Of what settles after a release."""
 _OF_TORQUE = ("stiffness", "shaft")
-_OF_STIFFNESS = (*_OF_TORQUE, "film")
+_OF_STIFFNESS = (*_OF_TORQUE, "vibration", "film")
 """Parts that the torque of a vibrating shaft needs, and all beside the safety; films near what is permitted
 take seconds."""
 
@@ -195,8 +195,8 @@ class Answers:
                 await self._learn_safety(data, so_far)
             return
         throws, gauges = so_far.get("throw_stiffnesses_Nm_per_rad", ()), so_far.get("gauges", {})
-        known = {"safety": (throws,), "colours": (throws, gauges)}.get(part, ())
-        worker = self._workers.safety if known else self._workers.settled
+        known = {"vibration": (throws,), "safety": (throws,), "colours": (throws, gauges)}.get(part, ())
+        worker = self._workers.safety if part in ("safety", "colours") else self._workers.settled
         self._settling[worker] = text
         try:
             found = await worker.ask(f"settled.settled_{part}", data, *known)

@@ -7,29 +7,27 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.arrays import Complex
-from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
-from cranktopo.engine.balance.free_forces import turning_masses
-from cranktopo.engine.balance.whole_engine import main_bearings, rod_force
+from cranktopo.engine.balance.whole_engine import rod_force
+from cranktopo.tasks.bench.engine_loads import EngineLoads
 
 _POINTS = 144
 
 
-def largest_bearing_force_N(scene: Scene) -> float:
+def largest_bearing_force_N(loads: EngineLoads) -> float:
     """Return the largest force on a main bearing; raises CranktopoError without an engine that turns."""
-    found = main_bearings(scene, turning_masses(scene))
-    return found.largest(found.most_loaded)[0]
+    return loads.bearings.largest(loads.bearings.most_loaded)[0]
 
 
-def polars(scene: Scene) -> list[dict[str, Any]]:
+def polars(loads: EngineLoads) -> list[dict[str, Any]]:
     """Return the force on the most loaded main bearing, and that of one rod on its pin, over the cycle.
 
     Points are kN: of the bearing across the engine's plane of symmetry and along it, of the pin across its
     throw and along it.
     """
-    if scene.engine is None or not scene.engine.speed_rpm:
+    if not loads.turns:
         return []
-    found, (_, rod_N, _) = main_bearings(scene, turning_masses(scene)), rod_force(scene, engine_of(scene))
+    found, (_, rod_N, _) = loads.bearings, rod_force(loads.scene, engine_of(loads.scene))
     most = found.most_loaded
     return [
         {"name": f"main bearing {most + 1}", "points": _points(found.load_N[most])},

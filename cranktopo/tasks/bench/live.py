@@ -20,7 +20,6 @@ from cranktopo.design.clearance import clearances_mm
 from cranktopo.design.halves import halves
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import analyse
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.histories import load_history
 from cranktopo.engine.performance import mean_pressure_MPa, power_kW, pressure_warnings
@@ -31,6 +30,8 @@ from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.report.shading import SHARP_DEGREES, sharp_edges, web_sides_mm
 from cranktopo.report.viewer.scene3d import PARTNERS, Arrays, scaled
 from cranktopo.tasks.bench.bearing_forces import largest_bearing_force_N, polars
+from cranktopo.tasks.bench.engine_loads import EngineLoads
+from cranktopo.tasks.bench.engine_plots import live_plots
 from cranktopo.tasks.bench.front_view import front_view
 from cranktopo.tasks.fatigue.m53 import (
     LEAST_FACTOR,
@@ -71,7 +72,8 @@ def gauge_numbers(scene: Scene, stiffness_factors: Sequence[float] = ()) -> dict
     """Return gauges, what those rest on that are not exact, marks of the rule, notes and warnings."""
     resting = of_stiffness_names(scene)
     corrected = with_stiffness(scene, stiffness_factors) if resting and stiffness_factors else scene
-    gauges = exact_values(corrected)
+    loads = EngineLoads(corrected)
+    gauges = _values(loads)
     resting = [name for name in resting if name in gauges]
     words = dict.fromkeys(resting, _AS_SETTLED) if stiffness_factors else _CLOSED_FORM
     rings = {**_of_gas(scene), **{name: words[name] for name in resting}}
@@ -83,7 +85,8 @@ def gauge_numbers(scene: Scene, stiffness_factors: Sequence[float] = ()) -> dict
         "of_stiffness": resting,
         "stiffness": "" if not resting else "settled" if stiffness_factors else "closed form",
         "marks": {name: LEAST_FACTOR for name in gauges if name.startswith("m53_")},
-        "polars": _polars(scene),
+        "polars": _unless_refused(polars, loads),
+        "plots": _unless_refused(live_plots, loads),
         "notes": notes(scene),
         "warnings": warnings(corrected),
     }
@@ -207,7 +210,11 @@ def _turns_deg(scene: Scene) -> list[float]:
 
 def exact_values(scene: Scene) -> dict[str, float]:
     """Return every quantity of a design that is known in closed form, by the name of its gauge."""
-    balance = throw_balance(scene)
+    return _values(EngineLoads(scene))
+
+
+def _values(loads: EngineLoads) -> dict[str, float]:
+    balance = throw_balance(loads.scene)
     found = {
         "mass": balance.mass_kg,
         "inertia": balance.inertia_kg_mm2,
@@ -215,31 +222,31 @@ def exact_values(scene: Scene) -> dict[str, float]:
     }
     if balance.balance_factor_percent is not None:
         found["balance_factor"] = balance.balance_factor_percent
-    return found | dict(_parts(scene, (_room, _loads, _bearings, _rule, _vibration)))
+    return found | dict(_parts(loads, (_room, _loads, _bearings, _rule, _vibration)))
 
 
 def _parts(
-    scene: Scene, parts: Sequence[Callable[[Scene], Iterator[tuple[str, float]]]]
+    loads: EngineLoads, parts: Sequence[Callable[[EngineLoads], Iterator[tuple[str, float]]]]
 ) -> Iterator[tuple[str, float]]:
     for part in parts:
         try:
-            yield from dict(part(scene)).items()
+            yield from dict(part(loads)).items()
         except CranktopoError:
             continue  # what the design does not say yet has no gauge
 
 
-def _room(scene: Scene) -> Iterator[tuple[str, float]]:
-    for name, gap in clearances_mm(scene).items():
+def _room(loads: EngineLoads) -> Iterator[tuple[str, float]]:
+    for name, gap in clearances_mm(loads.scene).items():
         yield ("piston_gap" if "piston" in name else "crankcase_gap"), gap
 
 
-def _loads(scene: Scene) -> Iterator[tuple[str, float]]:
-    if scene.engine is None:
+def _loads(loads: EngineLoads) -> Iterator[tuple[str, float]]:
+    if loads.scene.engine is None:
         return
-    found = analyse(scene)
+    found = loads.analysis
     if found.cycle is None:
         return
-    radius, work = scene.throw.radius_mm, found.cycle.indicated_work_J
+    radius, work = loads.scene.throw.radius_mm, found.cycle.indicated_work_J
     yield "gas_force", found.cycle.extreme("gas_force_N")[0].value
     yield "pin_force", found.cycle.extreme("rod_force_N")[0].value
     yield "mean_torque", found.cycle.engine_torque()[0]
@@ -247,8 +254,9 @@ def _loads(scene: Scene) -> Iterator[tuple[str, float]]:
     yield "power", power_kW(found.cycle.mean_work_J, found.engine)
 
 
-def _rule(scene: Scene) -> Iterator[tuple[str, float]]:
+def _rule(loads: EngineLoads) -> Iterator[tuple[str, float]]:
     """Yield the acceptability factors of both fillets by the rule's polynomials, the worse web's."""
+    scene = loads.scene
     if scene.material.ultimate_MPa is None or not all(j.fillet_mm for j, _ in scene.throw.journals):
         return
     history = load_history(scene, "extremes", load_kinds(scene, "extremes")[0])
@@ -264,7 +272,8 @@ def _rule(scene: Scene) -> Iterator[tuple[str, float]]:
         yield f"m53_{fillet}", min(check[fillet].acceptability for check in checks)
 
 
-def _vibration(scene: Scene) -> Iterator[tuple[str, float]]:
+def _vibration(loads: EngineLoads) -> Iterator[tuple[str, float]]:
+    scene = loads.scene
     if scene.shaft is None or scene.engine is None:
         return
     elastic = [f for f in estimated_chain(scene).chain.natural_frequencies_Hz() if f > 1e-3]
@@ -272,14 +281,16 @@ def _vibration(scene: Scene) -> Iterator[tuple[str, float]]:
         yield "natural_frequency", elastic[0]
 
 
-def _bearings(scene: Scene) -> Iterator[tuple[str, float]]:
-    if scene.engine is not None and scene.engine.speed_rpm and scene.engine.gas is not None:
-        yield "bearing_force", largest_bearing_force_N(scene)
+def _bearings(loads: EngineLoads) -> Iterator[tuple[str, float]]:
+    if loads.turns and loads.scene.engine is not None and loads.scene.engine.gas is not None:
+        yield "bearing_force", largest_bearing_force_N(loads)
 
 
-def _polars(scene: Scene) -> list[dict[str, Any]]:
+def _unless_refused(
+    found: Callable[[EngineLoads], list[dict[str, Any]]], loads: EngineLoads
+) -> list[dict[str, Any]]:
     try:
-        return polars(scene)
+        return found(loads)
     except CranktopoError:
         return []  # loads that cannot be used are told as a warning
 

@@ -20,6 +20,7 @@ from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.numerics.surfaces.mesh import mesh_of
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, StressScale, packed
 from cranktopo.tasks.bench.colours import web_colours
+from cranktopo.tasks.bench.engine_plots import vibration_plots
 from cranktopo.tasks.bench.live import exact_values, of_stiffness_names
 from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa
 from cranktopo.tasks.fatigue.needs import check_inputs
@@ -66,6 +67,19 @@ def settled_shaft(data: dict[str, Any]) -> dict[str, Any]:
         "stiffness_factors": [throw / throw_stiffness_Nm_per_rad(target.scene) for throw in throws],
         "shaft_seconds": time.perf_counter() - began,
     }
+
+
+def settled_vibration(data: dict[str, Any], throws_Nm_per_rad: Sequence[float] = ()) -> dict[str, Any]:
+    """Return plots of the vibrating shaft; nothing where the design has no shaft line that can vibrate.
+
+    Args:
+        throws_Nm_per_rad: stiffness of each throw by elements; empty where the design gives it.
+    """
+    scene = scene_from_dict(data, "design", whole=True)
+    if scene.engine is None or scene.shaft is None or not scene.shaft.has_takeoff:
+        return {"gauges": {}}
+    stiff = of_stiffness(scene, throws_Nm_per_rad) if throws_Nm_per_rad else scene
+    return {"gauges": {}, "plots": vibration_plots(stiff)}
 
 
 def settled_film(data: dict[str, Any]) -> dict[str, Any]:

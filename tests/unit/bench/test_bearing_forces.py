@@ -10,6 +10,7 @@ from cranktopo.design.loading import design_text, scene_from_dict
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.engine.analysis import analyse
 from cranktopo.tasks.bench.bearing_forces import largest_bearing_force_N, polars
+from cranktopo.tasks.bench.engine_loads import EngineLoads
 from cranktopo.tasks.bench.forms import new_design
 from cranktopo.tasks.bench.live import live_numbers
 from cranktopo.tasks.bench.settled import settled_film
@@ -23,7 +24,7 @@ SINGLE = parse_toml(
 def test_a_pin_carries_its_rod() -> None:
     """The other way to it: extremes of the cycle by `loads`."""
     scene = scene_from_dict(SINGLE, "single", whole=True)
-    _, pin = polars(scene)
+    _, pin = polars(EngineLoads(scene))
     cycle = analyse(scene).cycle
     assert cycle is not None
     largest = max(np.hypot(*point) for point in pin["points"])
@@ -32,11 +33,11 @@ def test_a_pin_carries_its_rod() -> None:
 
 def test_two_bearings_share_what_a_single_carries() -> None:
     scene = scene_from_dict(SINGLE, "single", whole=True)
-    bearing, pin = polars(scene)
+    bearing, pin = polars(EngineLoads(scene))
     assert bearing["name"] == "main bearing 1"
     sizes = [max(np.hypot(*point) for point in one["points"]) for one in (bearing, pin)]
     assert 0.3 < sizes[0] / sizes[1] < 0.7, "about half, less or more what turns with the crank"
-    assert largest_bearing_force_N(scene) / 1e3 == pytest.approx(sizes[0], rel=1e-3)
+    assert largest_bearing_force_N(EngineLoads(scene)) / 1e3 == pytest.approx(sizes[0], rel=1e-3)
 
 
 def test_they_follow_the_speed_and_an_engine_without_one_has_none() -> None:

@@ -11,7 +11,7 @@ export const make = (tag, attributes = {}, ...children) => {
   node.append(...children);
   return node;
 };
-const SVG = new Set(["svg", "path", "circle", "line", "text", "g", "title"]);
+const SVG = new Set(["svg", "path", "circle", "line", "text", "g", "title", "rect"]);
 
 // A number as people write it: decimal point or comma.
 export function numberOf(text) {

@@ -4,6 +4,7 @@ import { beginForm, showBegin, showMaterials } from "./begin.js";
 import { filterForms, showBroken, showForms } from "./forms.js";
 import { showFront } from "./front.js";
 import { showGauges } from "./gauges.js";
+import { showPlots } from "./plots.js";
 import { showPolars } from "./polar.js";
 import { OF_STIFFNESS, ofDesign, ofStep, pick, state } from "./state.js";
 import { answered, complain, connect, line, say, status } from "./talk.js";
@@ -85,11 +86,13 @@ function hearLive(message) {
   state.notes = message.notes;
   state.safety = message.safety;
   state.polars = message.polars;
+  state.plots = message.plots;
   state.front = message.front;
   state.picture = message.picture;
   showPicture(message.seq);
   showFront();
   showPolars();
+  showPlots();
   showGauges();
 }
 
@@ -98,11 +101,13 @@ function hearOriginal(message) {
   state.original = { ...state.original, ...message.gauges };
   state.originalStiffness = message.stiffness;
   state.originalPolars = message.polars;
+  state.originalPlots = message.plots;
   state.ghostFront = message.front;
   state.ghostPicture = message.picture;
   showGhost();
   showFront();
   showPolars();
+  showPlots();
   showGauges();
 }
 
@@ -119,10 +124,12 @@ function hearSettled(message) {
   if (message.which === "original") {
     state.original = { ...state.original, ...pick(message.gauges), ...stiff };
     if (message.stiffness_factors) state.originalStiffness = "settled";
+    if (message.plots) state.originalShaftPlots = message.plots;
   } else if (!state.dragging) {
     state.settled = pick(message.gauges);
     state.live = { ...state.live, ...stiff };
     if (message.stiffness_factors) state.stiffness = "settled";
+    state.shaftPlots = message.plots ?? (state.project.data.shaft ? state.shaftPlots : []);
     state.settledWarnings = message.warnings || [];
     state.errors = message.error_percent || {};
     state.settledParts = message.parts;
@@ -137,6 +144,7 @@ function hearSettled(message) {
     if ($("colours").value) showPicture();
   }
   showGauges();
+  showPlots();
 }
 
 // Stiffness and safety settle side by side; what has not yet is said to follow.

@@ -30,7 +30,7 @@ export const OF_STIFFNESS = new Set(["m53_pin", "m53_journal", "natural_frequenc
 
 // What is known of one design alone: forgotten with every step, or with the design.
 export const ofStep = () => ({ fresh: false, settledPicture: null, colours: [], dragging: false, place: null, point: null, spot: false, missing: null, coarse: {}, tooFar: false, safety: { gauges: {}, error_percent: {} }, settledParts: [], settledWarnings: [] });
-export const ofDesign = () => ({ ...ofStep(), live: {}, rings: {}, marks: {}, stiffness: "", originalStiffness: "", warnings: [], notes: [], settled: {}, errors: {}, original: {}, polars: [], originalPolars: [], madeWarnings: "", picture: null, ghostPicture: null, broken: [], refit: true });
+export const ofDesign = () => ({ ...ofStep(), live: {}, rings: {}, marks: {}, stiffness: "", originalStiffness: "", warnings: [], notes: [], settled: {}, errors: {}, original: {}, polars: [], originalPolars: [], plots: [], originalPlots: [], shaftPlots: [], originalShaftPlots: [], madeWarnings: "", picture: null, ghostPicture: null, broken: [], refit: true });
 
 export const state = { reference: null, project: null, jobs: [], turns: [0], front: null, ghostFront: null, keepPitch: false, ...ofDesign() };
 

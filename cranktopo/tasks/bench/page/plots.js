@@ -1,0 +1,49 @@
+// Plots that follow: loads over the cycle, free forces by order, the vibrating shaft; the original's behind them.
+import { $, make, plain } from "./base.js";
+import { state } from "./state.js";
+
+const WIDE = 320, HIGH = 120, EDGE = 4, LETTER = 11;
+let told = "";
+
+export function showPlots() {
+  const shown = [...state.plots, ...state.shaftPlots], before = [...state.originalPlots, ...state.originalShaftPlots];
+  const stale = Boolean(state.shaftPlots.length) && (state.dragging || !state.settledParts.includes("vibration")), text = JSON.stringify([shown, before, stale]);
+  if (text === told) return;
+  told = text;
+  $("plots").parentElement.hidden = !shown.length;
+  $("plots").replaceChildren(...shown.map((one, i) => figure(one, before.find((other) => other.name === one.name), stale && i >= state.plots.length)));
+}
+
+function figure(one, before, stale) {
+  const { drawing, words } = one.bars ? bars(one, before) : lines(one, before), label = `${one.name}, ${one.unit}: ${words.map(([name]) => name).join("; ")}`;
+  const svg = make("svg", { viewBox: `0 0 ${WIDE} ${HIGH}`, role: "img", "aria-label": label }, ...drawing);
+  const parts = words.flatMap(([name, kind], i) => [i ? "; " : "", make("span", { class: kind }, name)]);
+  return make("figure", { class: stale ? "stale" : "", "data-plot": one.name }, make("figcaption", {}, `${one.name}, ${one.unit}${stale ? " (of the last settled web)" : ""}: `, ...parts), svg);
+}
+
+const range = (values) => [Math.min(...values), Math.max(...values)];
+const scale = ([low, high], from, to) => (value) => from + ((value - low) / (high - low || 1)) * (to - from);
+
+function lines({ across, curves }, before) {
+  const all = [...curves, ...(before?.curves ?? [])].flatMap((curve) => curve.points), ends = range(all.map(([x]) => x)), heights = range([0, ...all.map(([, y]) => y)]);
+  const x = scale(ends, EDGE, WIDE - EDGE), y = scale(heights, HIGH - LETTER - 2 * EDGE, EDGE);
+  const path = (curve, kind) => make("path", { class: kind, d: `M${curve.points.map(([a, b]) => `${x(a).toFixed(1)},${y(b).toFixed(1)}`).join("L")}` });
+  const foot = (value, anchor, text) => make("text", { x: x(value), y: HIGH - 2, "text-anchor": anchor }, text);
+  const drawing = [make("line", { x1: x(ends[0]), x2: x(ends[1]), y1: y(0), y2: y(0) }), ...(before?.curves ?? []).map((curve) => path(curve, "ghost")), ...curves.map((curve, i) => path(curve, `of-${i % 5}`)),
+    foot(ends[0], "start", plain(ends[0], 4)), foot((ends[0] + ends[1]) / 2, "middle", across), foot(ends[1], "end", plain(ends[1], 4))];
+  return { drawing, words: curves.map((curve, i) => [wordsOf(curve), `of-${i % 5}`]) };
+}
+
+// A line that says its own height by its name needs no range beside it.
+function wordsOf({ name, points }) {
+  const [low, high] = range(points.map(([, y]) => y));
+  return points.length < 3 ? name : `${name} ${plain(low, 4)} to ${plain(high, 4)}`;
+}
+
+function bars({ bars: found, unit }, before) {
+  const values = [...found, ...(before?.bars ?? [])].map((one) => one.value), x = scale([0, Math.max(...values)], 0, WIDE - 70), step = (HIGH - 2 * EDGE) / found.length;
+  const bar = (one, i, kind) => make("rect", { class: kind, x: 60, y: EDGE + i * step + 3, width: x(one.value), height: step - 8 });
+  const name = (one, i) => make("text", { x: 0, y: EDGE + (i + 0.6) * step }, `order ${one.name}`);
+  const drawing = [...found.map((one, i) => bar(one, i, "now")), ...(before?.bars ?? []).map((one, i) => bar(one, i, "ghost")), ...found.map(name)];
+  return { drawing, words: found.map((one) => [`order ${one.name} ${plain(one.value, 3)} ${unit}`, ""]) };
+}
