@@ -86,40 +86,41 @@ def _turning(scene: Scene) -> Iterator[dict[str, Any]]:
 def _handles(scene: Scene) -> Iterator[dict[str, Any]]:
     throw, web = scene.throw, scene.web
     main, pin, radius = throw.main_journal, throw.crankpin, throw.radius_mm
-    yield _handle("throw.radius_mm", radius, (0.0, radius), (0.0, 1.0))
-    yield _handle(
+    yield handle("throw.radius_mm", radius, (0.0, radius), (0.0, 1.0))
+    yield handle(
         "throw.crankpin.outer_diameter_mm",
         pin.outer_diameter_mm,
         (0.0, radius + pin.radius_mm),
         (0.0, 1.0),
         2,
     )
-    yield _handle(
+    yield handle(
         "throw.main_journal.outer_diameter_mm", main.outer_diameter_mm, (-main.radius_mm, 0.0), (-1.0, 0.0), 2
     )
     if (width := getattr(web, "width_mm", None)) is not None:
-        yield _handle("web.width_mm", width, (width / 2, radius / 2), (1.0, 0.0), 2)
+        yield handle("web.width_mm", width, (width / 2, radius / 2), (1.0, 0.0), 2)
     for name, place in (("main_radius_mm", 0.0), ("pin_radius_mm", radius)):
         if (round_mm := getattr(web, name, None)) is not None:
-            yield _handle(f"web.{name}", round_mm, (round_mm, place), (1.0, 0.0))
+            yield handle(f"web.{name}", round_mm, (round_mm, place), (1.0, 0.0))
     for number, pocket in enumerate(web.pocket):
         x, y = getattr(pocket, "x_mm", 0.0), pocket.y_mm
-        yield _handle(f"web.pocket[{number}].y_mm", y, (x, y), (0.0, 1.0))
+        yield handle(f"web.pocket[{number}].y_mm", y, (x, y), (0.0, 1.0))
         if (bore := getattr(pocket, "diameter_mm", None)) is not None:
-            yield _handle(f"web.pocket[{number}].diameter_mm", bore, (x + bore / 2, y), (1.0, 0.0), 2)
+            yield handle(f"web.pocket[{number}].diameter_mm", bore, (x + bore / 2, y), (1.0, 0.0), 2)
     for number, bevel in enumerate(web.bevel):
-        yield _handle(f"web.bevel[{number}].y_mm", bevel.y_mm, (0.0, bevel.y_mm), (0.0, 1.0))
+        yield handle(f"web.bevel[{number}].y_mm", bevel.y_mm, (0.0, bevel.y_mm), (0.0, 1.0))
     if (weight := web.counterweight) is not None:
         outer, turn = weight.outer_radius_mm, math.radians(weight.half_angle_deg)
-        yield _handle("web.counterweight.outer_radius_mm", outer, (0.0, -outer), (0.0, -1.0))
+        yield handle("web.counterweight.outer_radius_mm", outer, (0.0, -outer), (0.0, -1.0))
         corner = (outer * math.sin(turn), -outer * math.cos(turn))
         way = (math.cos(turn), math.sin(turn))
-        yield _handle(
+        yield handle(
             "web.counterweight.half_angle_deg", weight.half_angle_deg, corner, way, math.degrees(1 / outer)
         )
 
 
-def _handle(
+def handle(
     key: str, value: float, at: tuple[float, float], way: tuple[float, float], per_mm: float = 1.0
 ) -> dict[str, Any]:
+    """Return a place of a view at which a dimension is dragged along a way."""
     return {"key": key, "value": value, "at": [*at], "way": [*way], "per_mm": per_mm}

@@ -33,6 +33,7 @@ from cranktopo.tasks.bench.bearing_forces import largest_bearing_force_N, polars
 from cranktopo.tasks.bench.engine_loads import EngineLoads
 from cranktopo.tasks.bench.engine_plots import live_plots
 from cranktopo.tasks.bench.front_view import front_view
+from cranktopo.tasks.bench.side_view import side_view
 from cranktopo.tasks.fatigue.m53 import (
     LEAST_FACTOR,
     concentration_factors,
@@ -126,15 +127,19 @@ def _of_gas(scene: Scene) -> dict[str, str]:
 
 
 def live_picture(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the solid and the front view of a design, or what of it is broken."""
-    return _of_sound(
-        data,
-        lambda scene: {
-            "picture": _picture(scene),
-            "front": front_view(scene),
-            "turns_deg": _turns_deg(scene),
-        },
-    )
+    """Return the solid and both views of a design, or what of it is broken."""
+    return _of_sound(data, _shown)
+
+
+def _shown(scene: Scene) -> dict[str, Any]:
+    pair = halves(scene)
+    alike = pair[0] is pair[1]
+    solids = [(half, display_half(half)) for half in (pair[:1] if alike else pair)]
+    return {
+        "picture": _picture(solids),
+        "front": {**front_view(scene), "side": side_view(scene, solids[0][1])},
+        "turns_deg": _turns_deg(scene),
+    }
 
 
 def _of_sound(data: dict[str, Any], answer: Callable[[Scene], dict[str, Any]]) -> dict[str, Any]:
@@ -160,19 +165,18 @@ def violated_rules(error: CranktopoError) -> list[dict[str, str]]:
     return [{"key": (found[1] if (found := _BROKEN.search(line)) else ""), "message": line} for line in lines]
 
 
-def _picture(scene: Scene) -> str:
+def _picture(solids: Sequence[tuple[Scene, Manifold]]) -> str:
     """Return both half throws, or the one where they are alike, for the 3D view."""
-    pair, arrays = halves(scene), Arrays()
-    alike = pair[0] is pair[1]
+    arrays = Arrays()
     bodies = [
-        _arrays_of_half(arrays, half, partner)
-        for half, partner in zip(pair[:1] if alike else pair, PARTNERS[1 if alike else 2], strict=True)
+        _arrays_of_half(arrays, half, solid, partner)
+        for (half, solid), partner in zip(solids, PARTNERS[len(solids)], strict=True)
     ]
     return arrays.packed_with({"bodies": bodies, "first": 0, "stress": None, "steps": None}, quick=True)
 
 
-def _arrays_of_half(arrays: Arrays, half: Scene, partner: int) -> dict[str, Any]:
-    bodies = [_shown(body) for body in (display_half(half), bolted_counterweight(half)) if body.num_tri()]
+def _arrays_of_half(arrays: Arrays, half: Scene, solid: Manifold, partner: int) -> dict[str, Any]:
+    bodies = [_with_normals(body) for body in (solid, bolted_counterweight(half)) if body.num_tri()]
     starts = np.cumsum([0, *(len(table) for table, _, _ in bodies)])
     table = np.concatenate([table for table, _, _ in bodies])
     faces, corner_of = (
@@ -194,7 +198,7 @@ def _arrays_of_half(arrays: Arrays, half: Scene, partner: int) -> dict[str, Any]
     }
 
 
-def _shown(body: Manifold) -> tuple[Array, Int64, Int64]:
+def _with_normals(body: Manifold) -> tuple[Array, Int64, Int64]:
     """Return vertices with normals, faces, and of vertices at one place the first."""
     mesh = body.calculate_normals(0, SHARP_DEGREES).to_mesh64(0)
     table, faces = np.asarray(mesh.vert_properties), np.asarray(mesh.tri_verts, np.int64)

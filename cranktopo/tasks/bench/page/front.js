@@ -1,10 +1,25 @@
-// Front view: strokes in mm, y up; handles are dimensions.
+// Front view and the section beside it: strokes in mm, y up; handles are dimensions.
 import { $, make, unitOf, words } from "./base.js";
 import { state } from "./state.js";
 import { drag, edit } from "./talk.js";
 
+// The section stands to the right of front view and original; it stays there while a dimension is dragged.
+let sideAt = 0;
+function beside({ paths, side, ...rest }) {
+  const moved = side.paths.map((path) => ({ ...path, points: path.points.map(([x, y]) => [x + sideAt, y]) }));
+  const handles = side.handles.map((one) => ({ ...one, at: [one.at[0] + sideAt, one.at[1]] }));
+  return { ...rest, paths: [...paths, ...moved], handles: [...rest.handles, ...handles] };
+}
+
+function placeSide() {
+  const points = [state.front, state.ghostFront ?? state.front].flatMap((view) => view.paths.flatMap((path) => path.points)), ys = points.map(([, y]) => y);
+  sideAt = Math.max(...points.map(([x]) => x)) + 0.2 * (Math.max(...ys) - Math.min(...ys));
+}
+
 export function showFront() {
-  const svg = $("front"), view = state.front;
+  const svg = $("front"), moving = svg.dataset.held || state.dragging;
+  if (state.front && !(moving && state.frontDrawn)) placeSide();
+  const view = state.front && beside(state.front);
   if (!view || ((svg.dataset.held || state.dragging) && state.frontDrawn)) return view && moveFront(svg, view);
   state.frontDrawn = true;
   const points = view.paths.flatMap((path) => path.points).concat(view.circles.flatMap((c) => [[c.at[0] - c.radius, c.at[1] - c.radius], [c.at[0] + c.radius, c.at[1] + c.radius]]));
@@ -24,7 +39,7 @@ function moveFront(svg, view) {
   const line = (path, kind = path.kind) => make("path", { class: kind, d: `M${path.points.map(([x, y]) => `${x},${-y}`).join("L")}${path.closed ? "Z" : ""}` });
   const round = (c, kind = c.kind) => make("circle", { class: kind, cx: c.at[0], cy: -c.at[1], r: c.radius });
   const ghost = state.project?.at !== state.project?.original || state.dragging ? state.ghostFront : null;
-  const ghosts = ghost && $("ghost").checked ? ghost.paths.filter((p) => p.kind === "web").map((p) => line(p, "ghost")) : [];
+  const ghosts = ghost && $("ghost").checked ? beside(ghost).paths.filter((p) => p.kind === "web").map((p) => line(p, "ghost")) : [];
   svg.firstChild.replaceChildren(...view.room.map((p) => line(p)), ...view.paths.map((p) => line(p)), ...view.circles.map((c) => round(c)), ...ghosts);
   const byKey = Object.fromEntries(view.handles.map((handle) => [handle.key, handle])), written = [];
   const scale = Number(svg.dataset.scale), letter = 0.8 * scale * parseFloat(getComputedStyle(document.documentElement).fontSize);
