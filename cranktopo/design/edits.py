@@ -44,10 +44,16 @@ def changed_text(text: str, changes: Mapping[str, Any], source: str) -> str:
 
 def difference_words(before: Mapping[str, Any], after: Mapping[str, Any], most: int = 8) -> str:
     """Return what differs between the tables of two designs, key by key; empty where nothing does."""
+    pairs = differing_values(before, after)
+    lines = [f"{key}: {_value_text(old)} to {_value_text(new)}" for key, (old, new) in pairs.items()]
+    return "; ".join([*lines[:most], *([f"and {len(pairs) - most} more"] if len(pairs) > most else [])])
+
+
+def differing_values(before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
+    """Return the values of two designs by each key path at which they differ; None where one has none."""
     old, new = dict(_values(before)), dict(_values(after))
-    keys = [key for key in dict.fromkeys((*old, *new)) if old.get(key) != new.get(key)]
-    lines = [f"{key}: {_value_text(old.get(key))} to {_value_text(new.get(key))}" for key in keys[:most]]
-    return "; ".join([*lines, *([f"and {len(keys) - most} more"] if len(keys) > most else [])])
+    keys = dict.fromkeys((*old, *new))
+    return {key: (old.get(key), new.get(key)) for key in keys if old.get(key) != new.get(key)}
 
 
 def _values(tables: Any, path: str = "") -> Iterator[tuple[str, Any]]:

@@ -140,7 +140,7 @@ class Answers:
         try:
             parts = await asyncio.gather(
                 self._workers.live.ask("live.live_numbers", data, factors),
-                self._workers.picture.ask("live.live_picture", data),
+                self._workers.picture.ask("live_picture.live_picture", data),
             )
         except CranktopoError as error:
             return {"broken": [{"key": "", "message": str(error)}]}
@@ -149,6 +149,8 @@ class Answers:
             return {"broken": found["broken"]}
         if text and "gauges" in found:
             self._exact[text] = _known_gauges(found)
+            settled = self._settled.get(text, {}).get("gauges", {})
+            found["gauges"] |= {name: settled[name] for name in found.get("waiting", ()) if name in settled}
         return found
 
     async def _answer_coarse(self, question: tuple[Data, int | None, Tell]) -> None:

@@ -1,4 +1,4 @@
-"""The live answer to a drag: what is exact at once, and the picture; a pure function of the tables."""
+"""The live answer to a drag: what is exact at once; a pure function of the tables."""
 
 from __future__ import annotations
 
@@ -7,14 +7,9 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
-from manifold3d import Manifold
 
-from cranktopo.base.arrays import Array, Int64
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.frames import about_z_deg
 from cranktopo.base.units import NMM_PER_NM
-from cranktopo.bodies.prisms import bolted_counterweight
-from cranktopo.bodies.shown_solid import display_half
 from cranktopo.design.checks.engine import shaft_warnings
 from cranktopo.design.clearance import clearances_mm
 from cranktopo.design.halves import halves
@@ -23,17 +18,13 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.histories import load_history
 from cranktopo.engine.performance import mean_pressure_MPa, power_kW, pressure_warnings
-from cranktopo.engine.plan.planning import has_vibration, left_off, plan_for_stress
+from cranktopo.engine.plan.planning import left_off, plan_for_stress
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad, web_lever_mm
 from cranktopo.engine.vibration.disk_error import FEW_THROWS_ERROR, few_throws
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
-from cranktopo.report.shading import SHARP_DEGREES, sharp_edges, web_sides_mm
-from cranktopo.report.viewer.scene3d import PARTNERS, Arrays, scaled
 from cranktopo.tasks.bench.bearing_forces import largest_bearing_force_N, polars
 from cranktopo.tasks.bench.engine_loads import EngineLoads
 from cranktopo.tasks.bench.engine_plots import live_plots
-from cranktopo.tasks.bench.front_view import front_view
-from cranktopo.tasks.bench.side_view import side_view
 from cranktopo.tasks.fatigue.m53 import (
     LEAST_FACTOR,
     concentration_factors,
@@ -46,16 +37,14 @@ from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.rule_fillets import fillet_checks
 from cranktopo.tasks.shaft.stage import of_stiffness
 
-_SOFT = "live, closed-form stiffness: a throw is up to 36 % too soft"
-_CLOSED_FORM = {
-    "natural_frequency": "live, closed-form stiffness: up to 20 % too low",
-    "m53_pin": _SOFT,
-    "m53_journal": _SOFT,
-}
+_CLOSED_FORM = "live, closed-form stiffness: up to 20 % too low"
 """Throws by elements are 1.0 to 1.56 times as stiff as in closed form, on the engines that were measured."""
 _OF_FEW_THROWS = f"; disks of so few throws: {FEW_THROWS_ERROR}"
 _AS_SETTLED = "live, stiffness of a throw as it settled last"
+_WAITS = "waits: the torque of the vibrating shaft takes seconds"
+RULE = ("m53_pin", "m53_journal")
 _GAS_GAUGES = ("gas_force", "pin_force", "bearing_force", "mean_torque", "mean_pressure", "power")
+_Part = Callable[[EngineLoads], Iterator[tuple[str, float]]]
 _BROKEN = re.compile(r"(?:^|(?<=[\s:]))((?:[a-z_]\w*(?:\[\d+\])*\.)*[a-z_]\w*(?:\[\d+\])*) = ")
 
 
@@ -66,18 +55,21 @@ def live_numbers(data: dict[str, Any], stiffness_factors: Sequence[float] = ()) 
         data: tables of the design, file names absolute.
         stiffness_factors: of each throw, elements over closed form, at a web that has settled.
     """
-    return _of_sound(data, lambda scene: gauge_numbers(scene, stiffness_factors))
+    return of_sound(data, lambda scene: gauge_numbers(scene, stiffness_factors))
 
 
 def gauge_numbers(scene: Scene, stiffness_factors: Sequence[float] = ()) -> dict[str, Any]:
-    """Return gauges, what those rest on that are not exact, marks of the rule, notes and warnings."""
-    resting = of_stiffness_names(scene)
-    corrected = with_stiffness(scene, stiffness_factors) if resting and stiffness_factors else scene
+    """Return gauges, what those rest on that are not exact, marks of the rule, notes and warnings.
+
+    What needs the torque of a vibrating shaft waits until the web has settled: it takes seconds.
+    """
+    soft, waiting = rests_on_stiffness(scene), RULE if may_vibrate(scene) else ()
+    corrected = with_stiffness(scene, stiffness_factors) if soft and stiffness_factors else scene
     loads = EngineLoads(corrected)
-    gauges = _values(loads)
-    resting = [name for name in resting if name in gauges]
-    words = dict.fromkeys(resting, _AS_SETTLED) if stiffness_factors else _CLOSED_FORM
-    rings = {**_of_gas(scene), **{name: words[name] for name in resting}}
+    gauges = _values(loads, _QUICK if waiting else _PARTS)
+    resting = [name for name in ("natural_frequency",) if soft and name in gauges]
+    words = _AS_SETTLED if stiffness_factors else _CLOSED_FORM
+    rings = {**_of_gas(scene), **dict.fromkeys(resting, words), **dict.fromkeys(waiting, _WAITS)}
     if "natural_frequency" in gauges and few_throws(scene):
         rings["natural_frequency"] = f"{rings.get('natural_frequency', 'live')}{_OF_FEW_THROWS}"
     return {
@@ -85,26 +77,23 @@ def gauge_numbers(scene: Scene, stiffness_factors: Sequence[float] = ()) -> dict
         "rings": rings,
         "of_stiffness": resting,
         "stiffness": "" if not resting else "settled" if stiffness_factors else "closed form",
-        "marks": {name: LEAST_FACTOR for name in gauges if name.startswith("m53_")},
+        "waiting": list(waiting),
+        "marks": {name: LEAST_FACTOR for name in RULE if name in gauges or name in waiting},
         "polars": _unless_refused(polars, loads),
         "plots": _unless_refused(live_plots, loads),
         "notes": notes(scene),
-        "warnings": warnings(corrected),
+        "warnings": [*quick_warnings(scene), *(() if waiting else load_warnings(scene))],
     }
 
 
-def of_stiffness_names(scene: Scene) -> list[str]:
-    """Return the gauges that depend on the stiffness of a throw, where the design does not give it.
+def may_vibrate(scene: Scene) -> bool:
+    """Tell whether a design has a shaft line, whose vibration the plan then judges."""
+    return scene.shaft is not None and scene.engine is not None
 
-    The rule's are among them where it judges the torque of the vibrating shaft.
-    """
-    if scene.shaft is None or scene.engine is None or scene.shaft.gives_stiffness:
-        return []
-    try:
-        vibrating = has_vibration(scene)
-    except CranktopoError:
-        vibrating = False
-    return ["natural_frequency", *(["m53_pin", "m53_journal"] if vibrating else [])]
+
+def rests_on_stiffness(scene: Scene) -> bool:
+    """Tell whether the first natural frequency is that of throws whose stiffness the design does not give."""
+    return may_vibrate(scene) and scene.shaft is not None and not scene.shaft.gives_stiffness
 
 
 def with_stiffness(scene: Scene, factors: Sequence[float]) -> Scene:
@@ -126,23 +115,8 @@ def _of_gas(scene: Scene) -> dict[str, str]:
     return dict.fromkeys(_GAS_GAUGES, f"live, {words}")
 
 
-def live_picture(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the solid and both views of a design, or what of it is broken."""
-    return _of_sound(data, _shown)
-
-
-def _shown(scene: Scene) -> dict[str, Any]:
-    pair = halves(scene)
-    alike = pair[0] is pair[1]
-    solids = [(half, display_half(half)) for half in (pair[:1] if alike else pair)]
-    return {
-        "picture": _picture(solids),
-        "front": {**front_view(scene), "side": side_view(scene, solids[0][1])},
-        "turns_deg": _turns_deg(scene),
-    }
-
-
-def _of_sound(data: dict[str, Any], answer: Callable[[Scene], dict[str, Any]]) -> dict[str, Any]:
+def of_sound(data: dict[str, Any], answer: Callable[[Scene], dict[str, Any]]) -> dict[str, Any]:
+    """Return the answer for a design, or what of it is broken, by key."""
     try:
         return answer(scene_from_dict(data, "design", whole=True))
     except CranktopoError as error:
@@ -165,59 +139,22 @@ def violated_rules(error: CranktopoError) -> list[dict[str, str]]:
     return [{"key": (found[1] if (found := _BROKEN.search(line)) else ""), "message": line} for line in lines]
 
 
-def _picture(solids: Sequence[tuple[Scene, Manifold]]) -> str:
-    """Return both half throws, or the one where they are alike, for the 3D view."""
-    arrays = Arrays()
-    bodies = [
-        _arrays_of_half(arrays, half, solid, partner)
-        for (half, solid), partner in zip(solids, PARTNERS[len(solids)], strict=True)
-    ]
-    return arrays.packed_with({"bodies": bodies, "first": 0, "stress": None, "steps": None}, quick=True)
-
-
-def _arrays_of_half(arrays: Arrays, half: Scene, solid: Manifold, partner: int) -> dict[str, Any]:
-    bodies = [_with_normals(body) for body in (solid, bolted_counterweight(half)) if body.num_tri()]
-    starts = np.cumsum([0, *(len(table) for table, _, _ in bodies)])
-    table = np.concatenate([table for table, _, _ in bodies])
-    faces, corner_of = (
-        np.concatenate([body[k] + start for body, start in zip(bodies, starts, strict=False)]) for k in (1, 2)
-    )
-    low, high = table[:, :3].min(axis=0), table[:, :3].max(axis=0)
-    return {
-        "name": half.name,
-        "half_pitch_mm": half.pitch_mm / 2,
-        "partner": partner,
-        "low_mm": low.tolist(),
-        "size_mm": (high - low).tolist(),
-        "sides_mm": web_sides_mm(half.web_z_mm),
-        "positions": arrays.add(scaled((table[:, :3] - low) / (high - low), 65535, np.uint16)),
-        "normals": arrays.add(scaled(table[:, 3:6], 127, np.int8)),
-        "faces": arrays.add(faces.astype(np.uint32)),
-        "edges": arrays.add(sharp_edges(table[:, :3], corner_of[faces])),
-        "stress": [],
-    }
-
-
-def _with_normals(body: Manifold) -> tuple[Array, Int64, Int64]:
-    """Return vertices with normals, faces, and of vertices at one place the first."""
-    mesh = body.calculate_normals(0, SHARP_DEGREES).to_mesh64(0)
-    table, faces = np.asarray(mesh.vert_properties), np.asarray(mesh.tri_verts, np.int64)
-    corner_of = np.arange(len(table))
-    corner_of[np.asarray(mesh.merge_from_vert, np.intp)] = np.asarray(mesh.merge_to_vert, np.intp)
-    return table, faces, corner_of
-
-
-def _turns_deg(scene: Scene) -> list[float]:
-    """Return the angle of every throw about z, deg; one throw where there is no engine."""
-    return [about_z_deg(angle) for angle in scene.shaft_angles_deg] if scene.engine else [0.0]
-
-
 def exact_values(scene: Scene) -> dict[str, float]:
     """Return every quantity of a design that is known in closed form, by the name of its gauge."""
-    return _values(EngineLoads(scene))
+    return _values(EngineLoads(scene), _PARTS)
 
 
-def _values(loads: EngineLoads) -> dict[str, float]:
+def rule_values(scene: Scene) -> dict[str, float]:
+    """Return the acceptability of both fillets by the rule's polynomials; nothing where it cannot judge."""
+    return dict(_parts(EngineLoads(scene), (_rule,)))
+
+
+def first_frequency(scene: Scene) -> dict[str, float]:
+    """Return the first natural frequency of a shaft line by its gauge."""
+    return dict(_parts(EngineLoads(scene), (_vibration,)))
+
+
+def _values(loads: EngineLoads, parts: Sequence[_Part]) -> dict[str, float]:
     balance = throw_balance(loads.scene)
     found = {
         "mass": balance.mass_kg,
@@ -226,12 +163,10 @@ def _values(loads: EngineLoads) -> dict[str, float]:
     }
     if balance.balance_factor_percent is not None:
         found["balance_factor"] = balance.balance_factor_percent
-    return found | dict(_parts(loads, (_room, _loads, _bearings, _rule, _vibration)))
+    return found | dict(_parts(loads, parts))
 
 
-def _parts(
-    loads: EngineLoads, parts: Sequence[Callable[[EngineLoads], Iterator[tuple[str, float]]]]
-) -> Iterator[tuple[str, float]]:
+def _parts(loads: EngineLoads, parts: Sequence[_Part]) -> Iterator[tuple[str, float]]:
     for part in parts:
         try:
             yield from dict(part(loads)).items()
@@ -290,6 +225,10 @@ def _bearings(loads: EngineLoads) -> Iterator[tuple[str, float]]:
         yield "bearing_force", largest_bearing_force_N(loads)
 
 
+_QUICK: Sequence[_Part] = (_room, _loads, _bearings, _vibration)
+_PARTS = (*_QUICK, _rule)
+
+
 def _unless_refused(
     found: Callable[[EngineLoads], list[dict[str, Any]]], loads: EngineLoads
 ) -> list[dict[str, Any]]:
@@ -309,13 +248,18 @@ def notes(scene: Scene) -> list[str]:
     return found
 
 
-def warnings(scene: Scene) -> list[str]:
-    """Return what `loads`, `plan` and `vibration` warn of, and loads that are left out."""
-    found: list[str] = []
+def quick_warnings(scene: Scene) -> list[str]:
+    """Return what `loads` and `vibration` warn of at once."""
     try:
-        found += pressure_warnings(scene)
-        found += shaft_warnings(scene) if scene.shaft else ()
+        return [*pressure_warnings(scene), *(shaft_warnings(scene) if scene.shaft else ())]
+    except CranktopoError as error:
+        return [str(error)]
+
+
+def load_warnings(scene: Scene) -> list[str]:
+    """Return what `plan` leaves out although it is above the threshold; it solves a vibrating shaft."""
+    try:
         missing = left_off(scene, plan_for_stress(scene))
     except CranktopoError as error:
-        return [*found, str(error)]
-    return [*found, missing] if missing else found
+        return [str(error)]
+    return [missing] if missing else []

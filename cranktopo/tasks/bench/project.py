@@ -20,7 +20,7 @@ from pydantic_core import PydanticCustomError
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import is_inside, read_text_file, write_json, write_text
 from cranktopo.base.result import Result
-from cranktopo.design.edits import changed_text, difference_words
+from cranktopo.design.edits import changed_text, difference_words, differing_values
 from cranktopo.design.goal.limit import read_limits
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.scene_files import with_resolved_files
@@ -32,6 +32,8 @@ from cranktopo.tasks.bench.design_files import changed_files, check_files_inside
 _BEGINNINGS = ("cranktopo designs new ", "cranktopo import ")
 """Commands that make the design that a session began with."""
 _FOLDER, _STATE = "bench", "state.json"
+_MOST_VALUES = 8
+"""Of two variants, to be taken one by one."""
 _HELD = "Go on at the page of that bench, or end it first."
 
 
@@ -218,7 +220,7 @@ class Project:
         self._text = text
 
     def move(self, by: int) -> None:
-        """Undo (-1) or redo (+1)."""
+        """Undo (-1), redo (+1), or go further; nothing beyond the ends of the history."""
         at = self._state.at + by
         if 0 <= at < len(self._state.steps):
             self._write(at=at)
@@ -274,14 +276,15 @@ class Project:
         others = (file for file in self.files if file.name != name)
         self._write(made=(*others, MadeFile(name=name, command=command)))
 
-    def _compared(self) -> str:
+    def _compared(self) -> dict[str, Any]:
         """Return how the second of the variants that are compared differs from the first; empty for fewer."""
         pinned = [variant for variant in self.variants if variant.pinned][:2]
         if len(pinned) < 2:
-            return ""
+            return {"words": "", "values": {}}
         first, second = (self.data(self.variant_text(variant.id)) for variant in pinned)
         differs = difference_words(first, second) or "the same"
-        return f"{pinned[1].name} beside {pinned[0].name}: {differs}"
+        values = dict(list(differing_values(first, second).items())[:_MOST_VALUES])
+        return {"words": f"{pinned[1].name} beside {pinned[0].name}: {differs}", "values": values}
 
     def variant_text(self, id_: str) -> str:
         """Return the design of a variant."""

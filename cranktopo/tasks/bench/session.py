@@ -35,7 +35,7 @@ _WATCH_S = 1.0
 _UPLOADS = (".toml", ".csv", *BODIES)
 _GIVEN = (".toml", *ENDINGS)
 _ACTIONS = re.compile(
-    "hello|drag|edit|balance|rod|undo|redo|pin|keep|drop|take|compare|job|stop|resume|write|script|save|start|open|close"
+    "hello|drag|edit|balance|rod|undo|redo|go|pin|keep|drop|take|compare|job|stop|resume|write|script|save|start|open|close"
 )
 
 
@@ -259,6 +259,11 @@ class Bench:
 
     def _redo(self, message: Mapping[str, Any], tell: Tell) -> None:
         self._required.move(1)
+        self._moved()
+
+    def _go(self, message: Mapping[str, Any], tell: Tell) -> None:
+        """Go to any step of the history."""
+        self._required.move(int(message["to"]) - self._required.at)
         self._moved()
 
     def _pin(self, message: Mapping[str, Any], tell: Tell) -> None:

@@ -21,7 +21,13 @@ from cranktopo.numerics.surfaces.mesh import mesh_of
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, StressScale, packed
 from cranktopo.tasks.bench.colours import web_colours
 from cranktopo.tasks.bench.engine_plots import vibration_plots
-from cranktopo.tasks.bench.live import exact_values, of_stiffness_names
+from cranktopo.tasks.bench.live import (
+    first_frequency,
+    load_warnings,
+    may_vibrate,
+    rests_on_stiffness,
+    rule_values,
+)
 from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa
 from cranktopo.tasks.fatigue.needs import check_inputs
 from cranktopo.tasks.fatigue.remarks import yield_warning
@@ -51,18 +57,16 @@ def settled_stiffness(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def settled_shaft(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the gauges that rest on the stiffness of a throw, by elements, as `fatigue` and `vibration` do.
+    """Return the first natural frequency by the stiffness of a throw in elements, as `vibration` does.
 
     Nothing where the design has no shaft line, or gives that stiffness itself.
     """
     began, target = time.perf_counter(), _target(data)
-    names = of_stiffness_names(target.scene)
-    if not names:
+    if not rests_on_stiffness(target.scene):
         return {"gauges": {}}
     throws = evaluate_shaft(target, "rigid").stiffness.throws_Nm_per_rad
-    found = exact_values(of_stiffness(target.scene, throws))
     return {
-        "gauges": {name: found[name] for name in names if name in found},
+        "gauges": first_frequency(of_stiffness(target.scene, throws)),
         "throw_stiffnesses_Nm_per_rad": list(throws),
         "stiffness_factors": [throw / throw_stiffness_Nm_per_rad(target.scene) for throw in throws],
         "shaft_seconds": time.perf_counter() - began,
@@ -70,16 +74,19 @@ def settled_shaft(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def settled_vibration(data: dict[str, Any], throws_Nm_per_rad: Sequence[float] = ()) -> dict[str, Any]:
-    """Return plots of the vibrating shaft; nothing where the design has no shaft line that can vibrate.
+    """Return plots of the vibrating shaft, gauges of the rule under its torque, and what `plan` leaves out.
+
+    Nothing where the design has no shaft line.
 
     Args:
         throws_Nm_per_rad: stiffness of each throw by elements; empty where the design gives it.
     """
     scene = scene_from_dict(data, "design", whole=True)
-    if scene.engine is None or scene.shaft is None or not scene.shaft.has_takeoff:
+    if not may_vibrate(scene):
         return {"gauges": {}}
     stiff = of_stiffness(scene, throws_Nm_per_rad) if throws_Nm_per_rad else scene
-    return {"gauges": {}, "plots": vibration_plots(stiff)}
+    plots = vibration_plots(stiff) if stiff.shaft and stiff.shaft.has_takeoff else []
+    return {"gauges": rule_values(stiff), "load_warnings": load_warnings(stiff), "plots": plots}
 
 
 def settled_film(data: dict[str, Any]) -> dict[str, Any]:

@@ -136,7 +136,7 @@ def test_all_has_settled_before_a_design_is_at_rest() -> None:
     answers = Answers(lambda message: None)
     answers._now = "text"
     assert not answers.at_rest("text")
-    for part in ("stiffness", "film", "shaft", "safety", "colours"):
+    for part in ("stiffness", "film", "shaft", "vibration", "safety", "colours"):
         assert not answers.at_rest("text")
         answers._keep("text", part, {"gauges": {}})
     assert answers.at_rest("text")

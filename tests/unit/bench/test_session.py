@@ -80,8 +80,17 @@ def test_two_variants_that_are_compared_are_told_apart_key_by_key(tmp_path: Path
     edit = {"do": "edit", "changes": {THICKNESS: 21.0}, "what": "thickness: 21 mm"}
     pins = [{"do": "compare", "id": id_, "pinned": True} for id_ in ("v1", "v2")]
     told = asked(tmp_path, {"do": "keep"}, edit, {"do": "keep"}, *pins)
-    assert told[-1]["project"]["compared"] == f"variant 2 beside variant 1: {THICKNESS}: 19 to 21"
-    assert told[-2]["project"]["compared"] == ""
+    compared = told[-1]["project"]["compared"]
+    assert compared["words"] == f"variant 2 beside variant 1: {THICKNESS}: 19 to 21"
+    assert compared["values"] == {THICKNESS: (19.0, 21.0)}, "each may be taken alone"
+    assert told[-2]["project"]["compared"] == {"words": "", "values": {}}
+
+
+def test_any_step_of_the_history_is_gone_to(tmp_path: Path) -> None:
+    edits = [{"do": "edit", "changes": {THICKNESS: mm}, "what": f"{mm}"} for mm in (20.0, 21.0, 22.0)]
+    told = asked(tmp_path, *edits, {"do": "go", "to": 1}, {"do": "go", "to": 3}, {"do": "go", "to": 7})
+    at = [one["project"]["at"] for one in told if one["type"] == "state"]
+    assert at[-3:] == [1, 3, 3], "nothing beyond the last one"
 
 
 def test_the_script_of_a_session_repeats_its_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,7 +10,7 @@ import pytest
 from cranktopo.design.edits import changed_data
 from cranktopo.design.loading import design_text, scene_from_dict
 from cranktopo.design.toml_text import parse_toml
-from cranktopo.tasks.bench.live import live_picture
+from cranktopo.tasks.bench.live_picture import live_picture
 
 PLAIN = parse_toml(design_text("mikron-iiic-plain"), "plain")
 DRAGGED = 0.4

@@ -9,7 +9,7 @@ from manifold3d import Manifold
 from cranktopo.bodies.shown_solid import display_half
 from cranktopo.design.loading import load_scene
 from cranktopo.report.shading import sharp_edges
-from cranktopo.tasks.bench.live import live_picture
+from cranktopo.tasks.bench.live_picture import live_picture
 from tests.packed_scenes import unpacked
 
 

@@ -17,14 +17,23 @@ function useTile([name, values]) {
   return make("button", { type: "button", "data-use": name, title: "Fills in what is usual there", onclick: () => {
     const fields = $("questions").elements;
     fields.layout.value = values.layout;
+    showBank();
     for (const key of NUMBERS) fields[key].value = values[key];
     status(`Usual values of ${name}: replace what is known`);
     fields.bore_mm.focus();
   } }, name);
 }
 
+// Only a V has an angle between its banks that is asked for.
+function showBank() {
+  const { layout, bank_angle_deg: bank } = $("questions").elements;
+  bank.parentElement.hidden = layout.value !== "V";
+  if (layout.value !== "V") bank.value = "";
+}
+
 export function showBegin(message) {
   const open = (name) => make("li", {}, make("button", { type: "button", onclick: () => say({ do: "open", name }) }, name));
+  $("own-title").hidden = !message.files.length;
   $("own").replaceChildren(...message.files.map(open));
   $("built-in").replaceChildren(...message.designs.map(open));
 }
@@ -40,6 +49,8 @@ export function beginForm() {
     ...LAYOUTS.map((name) => make("label", {}, make("input", { type: "radio", name: "layout", value: name, checked: name === "single",
       onchange: () => (form.elements.cylinders.value = usual[name]) }), ` ${name}`)),
   );
+  form.addEventListener("change", showBank);
+  showBank();
   $("uses").append(...Object.entries(USES).map(useTile));
   form.addEventListener("submit", (event) => {
     event.preventDefault();

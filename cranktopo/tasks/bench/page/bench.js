@@ -120,7 +120,7 @@ function hearCoarse(message) {
 }
 
 function hearSettled(message) {
-  const stiff = message.stiffness_factors ? Object.fromEntries(Object.entries(message.gauges).filter(([name]) => OF_STIFFNESS.has(name))) : {};
+  const stiff = Object.fromEntries(Object.entries(message.gauges).filter(([name]) => OF_STIFFNESS.has(name)));
   if (message.which === "original") {
     state.original = { ...state.original, ...pick(message.gauges), ...stiff };
     if (message.stiffness_factors) state.originalStiffness = "settled";
@@ -130,6 +130,7 @@ function hearSettled(message) {
     state.live = { ...state.live, ...stiff };
     if (message.stiffness_factors) state.stiffness = "settled";
     state.shaftPlots = message.plots ?? (state.project.data.shaft ? state.shaftPlots : []);
+    if (message.parts.includes("vibration")) state.loadWarnings = message.load_warnings ?? [];
     state.settledWarnings = message.warnings || [];
     state.errors = message.error_percent || {};
     state.settledParts = message.parts;

@@ -198,6 +198,14 @@ export function filterForms() {
   if (sought) document.querySelectorAll("#tree details").forEach((d) => (d.open = Boolean(d.querySelector(".row[data-row]:not([hidden])"))));
 }
 
+// Opens the form of a dimension; its field is ready to be typed in, if asked for.
+export function reveal(key, typing = false) {
+  const row = document.querySelector(`#tree [data-row="${CSS.escape(key)}"]`);
+  for (let at = row?.parentElement; at && at.id !== "tree"; at = at.parentElement) if (at.tagName === "DETAILS") at.open = true;
+  row?.scrollIntoView({ block: "nearest" });
+  if (typing) row?.querySelector("input")?.select();
+}
+
 export function showBroken() {
   document.querySelectorAll("#tree .row.is-broken").forEach((row) => mark(row.dataset.row, ""));
   const homeless = state.broken.filter(({ key, message }) => !mark(key, message)), told = state.dragging ? homeless : state.broken;

@@ -1,6 +1,7 @@
 // Front view and the section beside it: strokes in mm, y up; handles are dimensions.
 import { $, make, unitOf, words } from "./base.js";
 import { state } from "./state.js";
+import { reveal } from "./forms.js";
 import { drag, edit } from "./talk.js";
 
 // The section stands to the right of front view and original; it stays there while a dimension is dragged.
@@ -86,6 +87,7 @@ function placeHandle(node, handle, scale, letter, written) {
   node.handle = handle;
 }
 
+let pressed = { key: "", at: 0 };
 function handleOf(handle) {
   const name = words(handle.key.replaceAll(".", " "));
   const dot = make("circle", { class: "handle", tabindex: "0", role: "slider", "aria-label": name, "data-handle-key": handle.key });
@@ -118,7 +120,12 @@ function handleOf(handle) {
     const along = ((event.clientX - held.x) * wx - (event.clientY - held.y) * wy) * scale;
     move(held.from + along * handle.per_mm);
   });
-  dot.addEventListener("pointerup", release);
+  dot.addEventListener("pointerup", (event) => {
+    const twice = pressed.key === handle.key && event.timeStamp - pressed.at < 400; // handles are made anew in between
+    pressed = { key: handle.key, at: event.timeStamp };
+    release();
+    if (twice) reveal(handle.key, true);
+  });
   dot.addEventListener("pointercancel", release);
   dot.addEventListener("keydown", (event) => {
     const step = { ArrowUp: 1, ArrowRight: 1, ArrowDown: -1, ArrowLeft: -1, PageUp: 10, PageDown: -10 }[event.key];

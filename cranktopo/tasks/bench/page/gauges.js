@@ -1,17 +1,17 @@
 // Gauges against original and limit.
 import { $, lower, make, plain, signed, words } from "./base.js";
-import { FAILS_BELOW, GAUGES, OF_TABLE, SAFETIES, SOLVED, boundOf, changeOf, comparable, errorOf, inPoints, limitsOf, state, valueAt, valueOf } from "./state.js";
+import { FAILS_BELOW, GAUGES, OF_TABLE, SAFETIES, SOLVED, boundOf, changeOf, comparable, errorOf, inPoints, limitsOf, priceOf, state, valueAt, valueOf } from "./state.js";
 import { edit } from "./talk.js";
 import { showPlace } from "./view.js";
 
 export function showGauges() {
   if (!state.project) return;
   const worse = [], broken = [], below = [], fails = [];
-  const warned = [...state.warnings, ...(state.fresh && !state.dragging ? state.settledWarnings : [])];
+  const warned = [...state.warnings, ...state.loadWarnings, ...(state.fresh && !state.dragging ? state.settledWarnings : [])];
   showWarnings(warned);
   const rows = GAUGES.map((gauge) => {
     const [name, label] = gauge, [value, ring] = valueOf(name), original = state.original[name];
-    if (value === undefined && original === undefined && !SOLVED.has(name)) return null;
+    if (value === undefined && original === undefined && !SOLVED.has(name) && !ring.startsWith("waits")) return null;
     if (value === undefined && original === undefined && (state.missing && SAFETIES(name) || isLeftOut(OF_TABLE[name]))) return null;
     const percent = value !== undefined && original && comparable(name) ? changeOf(name, value) : null, better = gauge[4];
     const way = percent === null || !better || Math.abs(percent) < (SAFETIES(name) ? errorOf(name) : 0.05) ? 0 : Math.sign(percent) * better * Math.sign(original);
@@ -70,6 +70,8 @@ function gaugeRow(gauge, value, text, ring, percent, way, limits, stale) {
   limits.forEach((limit, i) => line.append(make("span", { class: `limit ${limit.holds ? "holds" : ""}` }, told[i])));
   if (name === "fatigue_safety" && value < FAILS_BELOW) line.append(make("span", { class: "limit" }, `below ${FAILS_BELOW}: it fails`));
   if (mark !== undefined) line.append(make("span", { class: `limit ${value >= mark ? "holds" : ""}` }, `rule: at least ${mark}`));
+  const price = priceOf(name);
+  if (price) line.append(make("span", {}, price));
   if (bound !== undefined) line.append(make("span", {}, `no web beats ${plain(bound / size, digits)} ${unit} (proof)`));
   item.append(line);
   return item;

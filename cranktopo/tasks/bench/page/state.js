@@ -30,7 +30,7 @@ export const OF_STIFFNESS = new Set(["m53_pin", "m53_journal", "natural_frequenc
 
 // What is known of one design alone: forgotten with every step, or with the design.
 export const ofStep = () => ({ fresh: false, settledPicture: null, colours: [], dragging: false, place: null, point: null, spot: false, missing: null, coarse: {}, tooFar: false, safety: { gauges: {}, error_percent: {} }, settledParts: [], settledWarnings: [] });
-export const ofDesign = () => ({ ...ofStep(), live: {}, rings: {}, marks: {}, stiffness: "", originalStiffness: "", warnings: [], notes: [], settled: {}, errors: {}, original: {}, polars: [], originalPolars: [], plots: [], originalPlots: [], shaftPlots: [], originalShaftPlots: [], madeWarnings: "", picture: null, ghostPicture: null, broken: [], refit: true });
+export const ofDesign = () => ({ ...ofStep(), live: {}, rings: {}, marks: {}, stiffness: "", originalStiffness: "", warnings: [], loadWarnings: [], notes: [], settled: {}, errors: {}, original: {}, polars: [], originalPolars: [], plots: [], originalPlots: [], shaftPlots: [], originalShaftPlots: [], madeWarnings: "", picture: null, ghostPicture: null, broken: [], refit: true });
 
 export const state = { reference: null, project: null, jobs: [], turns: [0], front: null, ghostFront: null, keepPitch: false, ...ofDesign() };
 
@@ -47,6 +47,13 @@ export function boundOf(name) {
   return percent === undefined ? found[`bound_${name}`] : own && (own * percent) / 100;
 }
 
+// What a limit of this quantity costs, in the words of the shape job whose result is the design in hand.
+export function priceOf(name) {
+  const what = state.project.steps[state.project.at].what, taken = state.project.variants.find((one) => what === `took ${one.name}`);
+  const found = state.jobs.find((job) => taken && job.variant === taken.id)?.found ?? [];
+  return state.dragging ? undefined : found.find((line) => line.startsWith(`1 % of ${name} `));
+}
+
 export const pick = (gauges) => Object.fromEntries(Object.entries(gauges).filter(([name]) => SOLVED.has(name)));
 
 const parts = (key) => key.split(".").flatMap((word) => [word.split("[")[0], ...[...word.matchAll(/\[(\d+)\]/g)].map((m) => Number(m[1]))]);
@@ -57,7 +64,7 @@ export function valueOf(name) {
     if (state.broken.length && state.live[name] !== undefined) return [state.live[name], "stale: of the last web that broke no rule"];
     const settled = OF_STIFFNESS.has(name) && state.settledParts.includes("shaft") && !state.dragging && state.rings[name];
     const ring = state.rings[name] ?? "live, exact";
-    return [state.live[name], settled ? ring.replace(/^[^;]*/, "settled stiffness of a throw") : ring];
+    return [state.live[name], settled && state.live[name] !== undefined ? ring.replace(/^[^;]*/, "settled stiffness of a throw") : ring];
   }
   const moving = state.dragging || !state.fresh;
   const estimate = moving || state.settled[name] === undefined ? state.safety.gauges[name] : undefined;

@@ -1,11 +1,11 @@
 // History and kept variants.
-import { $, make, plain, signed } from "./base.js";
-import { FAILS_BELOW, GAUGES, boundOf, state } from "./state.js";
-import { say } from "./talk.js";
+import { $, make, plain, shown, signed } from "./base.js";
+import { FAILS_BELOW, GAUGES, boundOf, state, valueAt } from "./state.js";
+import { edit, say } from "./talk.js";
 
 export function showHistory() {
   const { steps, at, diff, commands } = state.project;
-  $("history").querySelector("ol").replaceChildren(...steps.map((step, i) => make("li", { class: i === at ? "here" : i > at ? "undone" : "", "aria-current": i === at ? "step" : undefined }, step.what)));
+  $("history").querySelector("ol").replaceChildren(...steps.map((step, i) => make("li", { class: i === at ? "here" : i > at ? "undone" : "", "aria-current": i === at ? "step" : undefined }, make("button", { type: "button", title: "Go to this step", disabled: i === at, onclick: () => say({ do: "go", to: i }) }, step.what))));
   const list = $("history").querySelector("ol"), here = list.querySelector("li.here");
   if (here) list.scrollTop = here.offsetTop - list.offsetTop - list.clientHeight / 2;
   $("diff").textContent = diff.length ? diff.join("\n") : "No change.";
@@ -20,6 +20,7 @@ export function showVariants() {
   if (!variants.length) {
     for (const id of ["scatter", "parallels"]) $(id).toggleAttribute("hidden", true);
     $("compared").textContent = "";
+    $("differing").replaceChildren();
     return table.replaceChildren(make("tbody", {}, make("tr", {}, make("th", {}, "Keep variant puts the design here."))));
   }
   const head = make("tr", {}, make("th", { scope: "col" }, "Variant"), ...gauges.map(([, label, unit]) => make("th", { scope: "col" }, `${label.replace("stiffness ", "").replace(", least", "")} ${unit}`)), make("th", {}, ""));
@@ -33,9 +34,16 @@ export function showVariants() {
     }),
     make("td", {}, make("button", { type: "button", onclick: () => say({ do: "take", id: variant.id }) }, "Take"), make("button", { type: "button", "aria-label": `drop ${variant.name}`, onclick: () => say({ do: "drop", id: variant.id }) }, "Drop"))));
   table.replaceChildren(make("thead", {}, head), make("tbody", {}, ...rows));
-  $("compared").textContent = state.project.compared;
+  $("compared").textContent = state.project.compared.words;
+  $("differing").replaceChildren(...Object.entries(state.project.compared.values).flatMap(takers));
   scatter(variants);
   parallels(variants);
+}
+
+// Buttons that take a value in which two variants differ into the design in hand.
+function takers([key, values]) {
+  const own = JSON.stringify(valueAt(key) ?? null), name = (value) => `${key} ${value === null ? "none" : shown(value)}`;
+  return values.filter((value) => JSON.stringify(value) !== own).map((value) => make("button", { type: "button", title: "Take this value alone", onclick: () => edit({ [key]: value }, name(value)) }, `Take ${name(value)}`));
 }
 
 // Webs from the front, all to one scale.
