@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -36,8 +36,20 @@ def live_plots(loads: EngineLoads) -> list[Plot]:
 def _balance(loads: EngineLoads) -> list[Plot]:
     free = [one for one in free_forces(loads.masses) if one.order <= _MOST_ORDER]
     return [
-        _bars("Free forces by order", "N", [(one.order, one.force.largest) for one in free]),
-        _bars("Free moments by order", "N m", [(one.order, one.moment.largest) for one in free]),
+        _bars("Free forces", "N", [(f"order {one.order}", one.force.largest) for one in free]),
+        _bars("Free moments", "N m", [(f"order {one.order}", one.moment.largest) for one in free]),
+    ]
+
+
+def line_plots(loads: EngineLoads) -> list[Plot]:
+    """Return the disks of the shaft line, kg m2, and springs between them, kN m/rad, from the free end."""
+    if loads.scene.shaft is None or loads.scene.engine is None:
+        return []
+    found = estimated_chain(loads.scene)
+    springs = [stiffness / 1e3 for stiffness in found.chain.stiffness_Nm_per_rad]
+    return [
+        _bars("Disks of the shaft line", "kg m2", zip(found.names, found.chain.inertia_kg_m2, strict=True)),
+        _bars("Stiffness between the disks", "kN m/rad", zip(found.sections, springs, strict=True)),
     ]
 
 
@@ -101,8 +113,8 @@ def _lines(name: str, unit: str, across: str, curves: list[dict[str, Any]]) -> P
     return {"name": name, "unit": unit, "across": across, "curves": curves}
 
 
-def _bars(name: str, unit: str, bars: Sequence[tuple[int, float]]) -> Plot:
-    return {"name": name, "unit": unit, "bars": [{"name": str(n), "value": round(v, 3)} for n, v in bars]}
+def _bars(name: str, unit: str, bars: Iterable[tuple[str, float]]) -> Plot:
+    return {"name": name, "unit": unit, "bars": [{"name": n, "value": float(f"{v:.6g}")} for n, v in bars]}
 
 
 def _curve(name: str, x: Array, y: Array) -> dict[str, Any]:

@@ -24,7 +24,7 @@ from cranktopo.engine.vibration.disk_error import FEW_THROWS_ERROR, few_throws
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.tasks.bench.bearing_forces import largest_bearing_force_N, polars
 from cranktopo.tasks.bench.engine_loads import EngineLoads
-from cranktopo.tasks.bench.engine_plots import live_plots
+from cranktopo.tasks.bench.engine_plots import line_plots, live_plots
 from cranktopo.tasks.fatigue.m53 import (
     LEAST_FACTOR,
     concentration_factors,
@@ -80,7 +80,7 @@ def gauge_numbers(scene: Scene, stiffness_factors: Sequence[float] = ()) -> dict
         "waiting": list(waiting),
         "marks": {name: LEAST_FACTOR for name in RULE if name in gauges or name in waiting},
         "polars": _unless_refused(polars, loads),
-        "plots": _unless_refused(live_plots, loads),
+        "plots": [*_unless_refused(live_plots, loads), *_unless_refused(line_plots, loads)],
         "notes": notes(scene),
         "warnings": [*quick_warnings(scene), *(() if waiting else load_warnings(scene))],
     }

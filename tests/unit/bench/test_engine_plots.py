@@ -13,7 +13,7 @@ from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.tasks.bench.engine_loads import EngineLoads
-from cranktopo.tasks.bench.engine_plots import live_plots, vibration_plots
+from cranktopo.tasks.bench.engine_plots import line_plots, live_plots, vibration_plots
 from cranktopo.tasks.bench.forms import new_design
 from cranktopo.tasks.bench.live import live_numbers
 from cranktopo.tasks.bench.settled import settled_vibration
@@ -39,10 +39,10 @@ def test_a_four_in_line_shakes_by_its_second_order_alone() -> None:
     assert engine is not None
     ratio, w2 = radius / engine.rod_length_mm, (3000 * math.pi / 30) ** 2
     by_hand = 4 * engine.reciprocating_kg * radius / 1e3 * w2 * (ratio + ratio**3 / 4)
-    force = {one["name"]: one["value"] for one in plots_of(FOUR)["Free forces by order"]["bars"]}
-    assert force["1"] == pytest.approx(0, abs=1e-3)
-    assert force["2"] == pytest.approx(by_hand, rel=2e-3)
-    moment = plots_of(FOUR)["Free moments by order"]["bars"]
+    force = {one["name"]: one["value"] for one in plots_of(FOUR)["Free forces"]["bars"]}
+    assert force["order 1"] == pytest.approx(0, abs=1e-3)
+    assert force["order 2"] == pytest.approx(by_hand, rel=2e-3)
+    moment = plots_of(FOUR)["Free moments"]["bars"]
     assert max(one["value"] for one in moment) < 1e-3 * by_hand, "its crank is a mirror image of itself"
 
 
@@ -72,6 +72,15 @@ def test_orders_go_through_the_origin_and_meet_the_frequency_of_the_gauge() -> N
         for rpm, hertz in points:
             assert hertz == pytest.approx(order * rpm / 60, rel=1e-3)
     assert torque["curves"][1]["name"] == "permitted"
+
+
+def test_the_shaft_line_is_told_disk_by_disk() -> None:
+    """Of a four: its throws and the flywheel, whose inertia the design gives, with springs between them."""
+    scene = scene_from_dict(changed_data(FOUR, SHAFT), "four", whole=True)
+    disks, springs = (plot["bars"] for plot in line_plots(EngineLoads(scene)))
+    assert [one["name"] for one in disks] == ["throw 1", "throw 2", "throw 3", "throw 4", "flywheel"]
+    assert disks[-1]["value"] == 0.2
+    assert [one["value"] for one in springs[:3]] == pytest.approx([400.0] * 3)
 
 
 def test_the_vibration_settles_with_a_shaft_line_alone() -> None:

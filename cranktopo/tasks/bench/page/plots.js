@@ -15,8 +15,8 @@ export function showPlots() {
 }
 
 function figure(one, before, stale) {
-  const { drawing, words } = one.bars ? bars(one, before) : lines(one, before), label = `${one.name}, ${one.unit}: ${words.map(([name]) => name).join("; ")}`;
-  const svg = make("svg", { viewBox: `0 0 ${WIDE} ${HIGH}`, role: "img", "aria-label": label }, ...drawing);
+  const { drawing, words, high = HIGH } = one.bars ? bars(one, before) : lines(one, before), label = `${one.name}, ${one.unit}: ${words.map(([name]) => name).join("; ")}`;
+  const svg = make("svg", { viewBox: `0 0 ${WIDE} ${high}`, role: "img", "aria-label": label }, ...drawing);
   const parts = words.flatMap(([name, kind], i) => [i ? "; " : "", make("span", { class: kind }, name)]);
   return make("figure", { class: stale ? "stale" : "", "data-plot": one.name }, make("figcaption", {}, `${one.name}, ${one.unit}${stale ? " (of the last settled web)" : ""}: `, ...parts), svg);
 }
@@ -41,9 +41,10 @@ function wordsOf({ name, points }) {
 }
 
 function bars({ bars: found, unit }, before) {
-  const values = [...found, ...(before?.bars ?? [])].map((one) => one.value), x = scale([0, Math.max(...values)], 0, WIDE - 70), step = (HIGH - 2 * EDGE) / found.length;
-  const bar = (one, i, kind) => make("rect", { class: kind, x: 60, y: EDGE + i * step + 3, width: x(one.value), height: step - 8 });
-  const name = (one, i) => make("text", { x: 0, y: EDGE + (i + 0.6) * step }, `order ${one.name}`);
-  const drawing = [...found.map((one, i) => bar(one, i, "now")), ...(before?.bars ?? []).map((one, i) => bar(one, i, "ghost")), ...found.map(name)];
-  return { drawing, words: found.map((one) => [`order ${one.name} ${plain(one.value, 3)} ${unit}`, ""]) };
+  const values = [...found, ...(before?.bars ?? [])].map((one) => one.value), left = 10 + 0.55 * LETTER * Math.max(...found.map((one) => one.name.length));
+  const high = Math.max(HIGH, 16 * found.length), x = scale([0, Math.max(...values)], 0, WIDE - EDGE - left), step = (high - 2 * EDGE) / found.length;
+  const bar = (one, i, kind) => make("rect", { class: kind, x: left, y: EDGE + i * step + 3, width: x(one.value), height: step - 6 });
+  const name = (one, i) => make("text", { x: 0, y: EDGE + (i + 0.5) * step + 4 }, one.name);
+  const drawing = [...found.map((one, i) => bar(one, i, "now")), ...(before?.bars ?? []).slice(0, found.length).map((one, i) => bar(one, i, "ghost")), ...found.map(name)];
+  return { drawing, high, words: found.map((one) => [`${one.name} ${plain(one.value, 3)} ${unit}`, ""]) };
 }
