@@ -101,6 +101,40 @@ def test_a_handle_of_the_front_view_is_dragged_with_the_pointer(quick: Any) -> N
 
 
 @pytest.mark.slow
+def test_the_section_is_dragged_its_dimension_typed_and_the_plots_follow(quick: Any) -> None:
+    """A handle that is pressed twice opens its form; a press goes back to the first step."""
+    seen = quick("car-diesel")
+    page = seen.page
+    shown(page)
+    names = [one.get_attribute("data-plot") for one in page.locator("#plots figure").all()]
+    assert names == ["Cylinder pressure", "Torque", "Free forces", "Free moments"]
+    field = page.locator("[id='f-web.thickness_mm']")
+    thickness, scale = float(field.input_value()), float(page.locator("#front").get_attribute("data-scale"))
+    dot = page.locator("[data-handle='web.thickness_mm'] circle")
+    box = dot.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 8, y, steps=2)
+    stays_shown(page)
+    assert float(field.input_value()) == pytest.approx(thickness + 8 * scale, abs=0.02)
+    page.mouse.up()
+    page.wait_for_selector("#history li.here:has-text('web thickness')")
+    page.locator("#history li button").first.click()
+    page.wait_for_selector("#history li.here:has-text('opened')")
+    assert float(field.input_value()) == thickness
+    page.evaluate("() => document.querySelectorAll('#tree details').forEach((one) => (one.open = false))")
+    page.evaluate(
+        """() => {
+            const dot = document.querySelector("[data-handle='web.thickness_mm'] circle");
+            for (let press = 0; press < 2; press++) dot.dispatchEvent(new PointerEvent("pointerup"));
+        }"""
+    )
+    assert field.evaluate("(input) => input === document.activeElement"), "ready to be typed in"
+    assert seen.complaints == []
+
+
+@pytest.mark.slow
 def test_two_pages_of_one_bench_see_each_other(quick: Any) -> None:
     page = quick(PLAIN).page
     shown(page)
@@ -386,6 +420,7 @@ def test_a_use_fills_in_a_sound_beginning(quick: Any) -> None:
         scene = scene_from_dict(parse_toml(new_design(answers).text, "begun"), "begun", whole=True)
         assert scene.engine is not None
         assert scene.engine.bore_mm == answers["bore_mm"]
+    assert not page.locator("[name=bank_angle_deg]").is_visible(), "of a V alone"
     page.get_by_role("button", name="Begin").click()
     shown(page)
     assert page.locator("#name").inner_text() == "my-engine"
