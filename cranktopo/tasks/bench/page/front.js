@@ -6,9 +6,10 @@ import { drag, edit } from "./talk.js";
 
 // The section stands to the right of front view and original; it stays there while a dimension is dragged.
 let sideAt = 0;
+const NAMED_FROM = 520; // Width, px, from which names of the section have room; in less they are shown one by one.
 function beside({ paths, side, ...rest }) {
   const moved = side.paths.map((path) => ({ ...path, points: path.points.map(([x, y]) => [x + sideAt, y]) }));
-  const handles = side.handles.map((one) => ({ ...one, at: [one.at[0] + sideAt, one.at[1]] }));
+  const handles = side.handles.map((one) => ({ ...one, at: [one.at[0] + sideAt, one.at[1]], aside: true }));
   return { ...rest, paths: [...paths, ...moved], handles: [...rest.handles, ...handles] };
 }
 
@@ -46,7 +47,9 @@ function moveFront(svg, view) {
   const scale = Number(svg.dataset.scale), letter = 0.8 * scale * parseFloat(getComputedStyle(document.documentElement).fontSize);
   for (const node of svg.querySelectorAll("[data-handle]")) {
     const handle = byKey[node.dataset.handle];
-    if (handle) placeHandle(node, handle, scale, letter, written);
+    const quiet = handle && handle.aside && svg.clientWidth < NAMED_FROM;
+    node.classList.toggle("quiet", Boolean(quiet));
+    if (handle) placeHandle(node, handle, scale, letter, quiet ? [] : written);
   }
 }
 
@@ -54,7 +57,7 @@ function moveFront(svg, view) {
 function nameOf(key) {
   const [table, name] = key.split(".").slice(-2);
   if (name === "outer_diameter_mm") return `${words(table)} \u2300`;
-  const place = table.replace(/\[(\d+)\]/, (_, number) => ` ${Number(number) + 1}`);
+  const place = words(table.replace(/\[(\d+)\]/, (_, number) => ` ${Number(number) + 1}`));
   return table === "web" ? words(name) : `${place} ${words(name)}`;
 }
 
