@@ -54,6 +54,7 @@ WRITTEN: Mapping[str, Written] = {
     "drawing-crank": Written("-crank.pdf", ("drawing", "{design}", "{file}", "--force")),
     "step-rod": Written("-rod.step", _solid("rod")),
     "drawing-rod": Written("-rod.pdf", ("rod", "{design}", "--drawing={file}")),
+    "step-balancer": Written("-balancer.step", _solid("balancer")),
     "drawing-balancer": Written("-balancer.pdf", ("balancer", "{design}", "--drawing={file}")),
     "m53": Written("-m53.pdf", ("fatigue", "{design}", "--method=m53", "--report={file}")),
     "vibration": Written("-vibration.html", ("vibration", "{design}", "--report={file}")),

@@ -27,13 +27,13 @@ const JOBS = {
 // Files by what they are; those of a part only where the design has it.
 const FILES = {
   Design: { toml: "design (TOML)", python: "the steps, Python script" },
-  Solids: { "step-throw": "STEP, throw", "step-web": "STEP, web", "step-crank": "STEP, crank", stl: "STL", "step-rod": "STEP, rod" },
+  Solids: { "step-throw": "STEP, throw", "step-web": "STEP, web", "step-crank": "STEP, crank", stl: "STL", "step-rod": "STEP, rod", "step-balancer": "STEP, balancer shaft" },
   Drawings: { "drawing-pdf": "web, PDF", "drawing-svg": "web, SVG", "drawing-crank": "whole crank, PDF", "drawing-rod": "rod, PDF", "drawing-balancer": "balancer shaft, PDF" },
   Papers: { compare: "comparison with the original, page", m53: "UR M53 papers, PDF", vibration: "torsional vibration, page", "vibration-misfire": "the same, cylinder 1 misfires",
     modes: "natural vibrations, page", balance: "balance of the engine, page", film: "oil film, plot" },
   Tables: { table: "against the original, Markdown", latex: "against the original, LaTeX", loads: "loads over the cycle, CSV" },
 };
-const OF_PART = { "step-rod": "rod", "drawing-rod": "rod", "drawing-balancer": "balancer", film: "bearings", vibration: "shaft", "vibration-misfire": "shaft", loads: "engine", balance: "engine", m53: "engine" };
+const OF_PART = { "step-rod": "rod", "step-balancer": "balancer", "drawing-rod": "rod", "drawing-balancer": "balancer", film: "bearings", vibration: "shaft", "vibration-misfire": "shaft", loads: "engine", balance: "engine", m53: "engine" };
 
 function showFiles() {
   for (const button of $("write").querySelectorAll("[data-kind]")) button.hidden = button.dataset.kind in OF_PART && valueAt(OF_PART[button.dataset.kind]) === undefined;
