@@ -36,6 +36,7 @@ from cranktopo.tasks.shaft_safety.plots import (
     CrankSide,
     safety_pictures,
     side_picture,
+    stress_picture,
     web_pictures,
 )
 from cranktopo.tasks.shaft_safety.result import (
@@ -43,6 +44,7 @@ from cranktopo.tasks.shaft_safety.result import (
     ShaftAssessment,
     ShaftSafety,
     SpeedSafety,
+    StressOverCycle,
     WebSafety,
     WorstPlace,
     assessment,
@@ -220,6 +222,17 @@ def test_safety_needs_loads_strength_and_fillets(tmp_path: Path, capsys: pytest.
         assert "fillet_mm = 0" in said or "material." in said
 
 
+STRESS = StressOverCycle(
+    angle_deg=(0.0, 12.0, 372.0),
+    signed_von_mises_MPa=(0.0, 110.0, -90.0),
+    along_MPa=(0.0, 105.2, -95.0),
+    around_MPa=(0.0, 30.0, -31.0),
+    shear_MPa=(0.0, 9.6, 4.0),
+    along=(0.0, 0.0, 1.0),
+    around=(1.0, 0.0, 0.0),
+)
+
+
 def judged(**more: float) -> ShaftSafety:
     """Two webs at two speeds, alike; further parts of the webs with their safety."""
     place = CriticalPoint(
@@ -257,7 +270,15 @@ def judged(**more: float) -> ShaftSafety:
     return ShaftSafety(
         method="lsa",
         safety=least,
-        worst=WorstPlace(web=2, throw=1, speed_rpm=900.0, highest_deg=12.0, lowest_deg=372.0, critical=place),
+        worst=WorstPlace(
+            web=2,
+            throw=1,
+            speed_rpm=900.0,
+            highest_deg=12.0,
+            lowest_deg=372.0,
+            critical=place,
+            over_cycle=STRESS,
+        ),
         webs=webs,
         speeds=tuple(
             SpeedSafety(speed_rpm=rpm, safety=safety, web=2, part="pin_fillet")
@@ -280,6 +301,20 @@ def test_safety_in_words() -> None:
         ["2", "pin", "fillet"]
     ]
     assert max(map(len, in_width(text).splitlines())) <= 80
+    stress = (
+        "Stress there at 12 and 372 deg, MPa: signed von Mises 110 and -90; along the fillet 105 and -95,"
+    )
+    assert f"{stress} around it 30 and -31, shear 10 and 4." in " ".join(text.split())
+
+
+def test_the_page_draws_the_stress_of_the_worst_point_over_the_cycle() -> None:
+    """Four curves at every angle, and a line at the highest and at the lowest."""
+    drawn = stress_picture(judged().worst)
+    curves = {line.get_label(): list(line.get_ydata()) for line in drawn.figure.axes[0].lines[:4]}
+    assert list(curves) == ["signed von Mises", "along the fillet", "around it", "shear"]
+    assert curves["shear"] == [0.0, 9.6, 4.0]
+    assert [line.get_xdata()[0] for line in drawn.figure.axes[0].lines[4:]] == [12.0, 372.0]
+    assert "signed von Mises 110 MPa at 12 deg to -90 MPa at 372 deg" in drawn.alt
 
 
 def test_a_safety_on_a_mesh_that_misses_the_checks_is_not_shown_as_sure(bored: dict[str, Any]) -> None:

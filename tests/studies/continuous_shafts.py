@@ -3,16 +3,15 @@
 Ratio of the bending range in the middle of the webs and the largest main-bearing force, on rigid bearings, on
 springs, and in oil films; then the ratio of every web. Engines are the built-in ones with several throws, and
 the Mikron's plain throw in a three in line, a boxer four, a V8 with two rods a pin, and with two throws
-between bearings. With `--safety` also the least safety (local stress analysis, every angle of the cycle).
+between bearings. With `--safety` also the least safety of the shaft, and of every web beside that with the
+effect `continuous_shaft` off: a throw alone (local stress analysis, every angle of the cycle).
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
-
-import numpy as np
 
 from cranktopo.base.units import N_PER_KN
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
@@ -85,18 +84,21 @@ def _throw(key: str, scene: Scene) -> LoadedThrow:
 
 
 @cache
-def safeties_in(name: str) -> dict[Support, float]:
-    """Return the least safety in each kind of bearing, and last that of throws alone."""
+def safeties_in(name: str) -> tuple[dict[Support, list[float]], float]:
+    """Return the least safety of every web in each kind of bearing, and that of throws alone."""
     scene = in_oil(ENGINES[name]())
     target, count = Target(name, scene), len(scene.shaft_angles_deg)
     stress = solve_shaft_stress(target, FILLET_FRACTION)
-    found: dict[Support, float] = {}
+    found: dict[Support, list[float]] = {}
     for support in (None, *SPRINGS_N_PER_MM, "film"):
         loads = shaft_loads([stress] * count, scene, scene, support)[1]
         least = least_safeties(stress.model, list(loads[:, None]), "lsa")
-        found[support] = min(float(np.min(of_part)) for own in least for of_part in own.values())
-    found[np.inf] = fatigue_field(target, "lsa", "cycle", FILLET_FRACTION).critical.safety
-    return found
+        found[support] = [
+            min(float(safety[0]) for (side, _), safety in own.items() if side == web)
+            for own in least
+            for web in (0, 1)
+        ]
+    return found, fatigue_field(target, "lsa", "cycle", FILLET_FRACTION).critical.safety
 
 
 def _row(name: str, support: Support, found: ContinuousShaft, safety: Sequence[str]) -> str:
@@ -119,8 +121,18 @@ def _print_table(head: Sequence[str], rows: Sequence[str]) -> None:
     print(f"| {' | '.join(head)} |", "|" + "---|" * len(head), *rows, "", sep="\n", flush=True)
 
 
+def _print_by_web(lead: Sequence[str], values: dict[tuple[str, ...], list[float]]) -> None:
+    """Print the values of every web, a row for each engine with what leads it."""
+    count = max(map(len, values.values()))
+    rows = [
+        f"| {' | '.join([*first, *(f'{value:.2f}' for value in own), *[''] * (count - len(own))])} |"
+        for first, own in values.items()
+    ]
+    _print_table([*lead, *(f"web {number}" for number in range(1, count + 1))], rows)
+
+
 def main(*engines: str, safety: bool = False) -> None:
-    """Print both tables as Markdown."""
+    """Print the tables as Markdown."""
     names = engines or tuple(ENGINES)
     found = {name: found_in(in_oil(ENGINES[name]())) for name in names}
     head = ["engine", "bearings N/mm", "worst web", "of its throw alone", "all webs"]
@@ -128,19 +140,31 @@ def main(*engines: str, safety: bool = False) -> None:
     rows = []
     for name, shafts in found.items():
         for support, shaft in shafts.items():
-            both = [f"{safeties_in(name)[one]:.3f}" for one in (support, np.inf)] if safety else []
+            both = []
+            if safety:
+                in_shaft, alone = safeties_in(name)
+                both = [f"{min(in_shaft[support]):.3f}", f"{alone:.3f}"]
             rows.append(_row(name, support, shaft, both))
     _print_table([*head, *(["least safety", "of throws alone"] if safety else [])], rows)
-    count = max(len(shafts[None].webs) for shafts in found.values())
-    each = [
-        f"| {name} | {held(support)} | "
-        + " | ".join([f"{web.share:.2f}" for web in shaft.webs] + [""] * (count - len(shaft.webs)))
-        + " |"
+    told: tuple[Support, ...] = (None, "film")
+    moments = {
+        (name, held(one)): [web.share for web in shafts[one].webs]
         for name, shafts in found.items()
-        for support, shaft in shafts.items()
-        if support in (None, "film")
-    ]
-    _print_table(["engine", "bearings", *(f"web {number}" for number in range(1, count + 1))], each)
+        for one in told
+    }
+    _print_by_web(["engine", "bearings"], moments)
+    if safety:
+        lead = ["engine", "bearings", "off: throw alone", "on: worst web"]
+        _print_by_web(lead, {row: values for name in names for row, values in _safeties(name, told)})
+
+
+def _safeties(name: str, told: Sequence[Support]) -> Iterator[tuple[tuple[str, ...], list[float]]]:
+    """Yield the safety of a throw alone and of the worst web in bearings, with that of every web."""
+    in_shaft, alone = safeties_in(name)
+    for one in told:
+        webs = in_shaft[one]
+        worst = f"{min(webs):.3f} (no. {webs.index(min(webs)) + 1})"
+        yield (name, held(one), f"{alone:.3f}", worst), webs
 
 
 if __name__ == "__main__":

@@ -144,7 +144,7 @@ def dynamic_safety_text(still: ShaftSafety, moving: ShaftSafety) -> list[str]:
         f"Least safety of each web of the shaft that vibrates by method {moving.method!r}, beside the "
         "quasi-static one:",
         terminal(safety_by_web(still, moving)),
-        safety_sentence(still, moving),
+        f"{safety_sentence(still, moving)}\n{moving.worst.stress_words}",
     ]
     if len(moving.speeds) > 1:
         paragraphs += ["Over the speeds:", terminal(safety_by_speed(still, moving))]

@@ -52,9 +52,11 @@ from cranktopo.tasks.shaft_safety.result import (
     SafetySeconds,
     ShaftSafety,
     SpeedSafety,
+    StressOverCycle,
     WebSafety,
     WorstPlace,
 )
+from cranktopo.tasks.shaft_safety.worst_stress import stress_over_cycle
 
 
 def judged_shaft(
@@ -147,6 +149,7 @@ class JudgedShaft:
         throw, side, _ = list(least)[int(where)]
         labels = tuple(f"{angle:g}" for angle in angle_deg)
         field = field_of_states(self.throws[throw].model, self.method, loads[throw][when], labels)
+        stress = stress_over_cycle(field, loads[throw][when], angle_deg)
         if self.moving is None:  # the mesh is that of the shaft without mass, which tells it
             note_quality(field)
         note_yielding(field, self.target.scene.material.yield_MPa)
@@ -155,7 +158,7 @@ class JudgedShaft:
         return ShaftSafety(
             method=self.method,
             safety=float(table.min()),
-            worst=_worst(field, throw, side, speeds[when]),
+            worst=_worst(field, throw, side, speeds[when], stress),
             webs=_webs(least, speeds),
             speeds=_by_speed(least, speeds),
             load_states=angle_deg.size * len(speeds),
@@ -221,7 +224,9 @@ class JudgedShaft:
         return found
 
 
-def _worst(field: FatigueField, throw: int, side: int, speed_rpm: float) -> WorstPlace:
+def _worst(
+    field: FatigueField, throw: int, side: int, speed_rpm: float, stress: StressOverCycle
+) -> WorstPlace:
     highest, lowest = map(float, field.critical.states)
     return WorstPlace(
         web=2 * throw + side + 1,
@@ -230,6 +235,7 @@ def _worst(field: FatigueField, throw: int, side: int, speed_rpm: float) -> Wors
         highest_deg=highest,
         lowest_deg=lowest,
         critical=field.critical,
+        over_cycle=stress,
     )
 
 

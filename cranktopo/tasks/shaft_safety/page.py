@@ -28,6 +28,7 @@ from cranktopo.tasks.shaft_safety.plots import (
     bearing_pictures,
     safety_pictures,
     side_picture,
+    stress_picture,
     web_pictures,
 )
 from cranktopo.tasks.shaft_safety.result import ShaftAssessment, ShaftSafety
@@ -69,9 +70,9 @@ def shaft_page(shaft: ShaftAssessment, loads: BearingPolar, crank: Scene, writte
                 "Safety of every web",
                 "The least over all points of a part, all crank angles and all speeds. The shaft stands on "
                 "all its main bearings; each cylinder acts at its own phase. "
-                f"{shaft.silent} {shaft.pressure} {shaft.added_words}".rstrip(),
+                f"{found.worst.stress_words} {shaft.silent} {shaft.pressure} {shaft.added_words}".rstrip(),
                 (("By web, from the free end", web_table(found)), *over_speed),
-                (*safety_pictures(found), *_on_crank(found, crank)),
+                (*safety_pictures(found), *_on_crank(found, crank), stress_picture(found.worst)),
             ),
             Section(
                 "moments",
@@ -115,7 +116,7 @@ def _vibration(shaft: ShaftAssessment, still: ShaftSafety) -> tuple[Section, ...
         Section(
             "vibration",
             "The shaft that vibrates",
-            f"{model_words(found)} {safety_sentence(still, moving)}",
+            f"{model_words(found)} {safety_sentence(still, moving)} {moving.worst.stress_words}",
             (
                 ("Safety of each web", safety_by_web(still, moving)),
                 *over_speed,
@@ -124,7 +125,11 @@ def _vibration(shaft: ShaftAssessment, still: ShaftSafety) -> tuple[Section, ...
                 ("Motions of the main journals there", journal_motions(found.worst)),
                 *met,
             ),
-            (*dynamic_safety_pictures(still, moving), *dynamics_pictures(found)),
+            (
+                *dynamic_safety_pictures(still, moving),
+                stress_picture(moving.worst, "dynamic-stress-over-cycle"),
+                *dynamics_pictures(found),
+            ),
         ),
     )
 

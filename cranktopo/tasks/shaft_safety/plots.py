@@ -14,12 +14,13 @@ from cranktopo.base.units import N_PER_KN
 from cranktopo.design.schema import Scene
 from cranktopo.report.plot import GREY, Picture, curve_style, picture, plain, polar_frame
 from cranktopo.tasks.shaft.web_sections import WebSections
-from cranktopo.tasks.shaft_safety.result import ShaftSafety
+from cranktopo.tasks.shaft_safety.result import ShaftSafety, WorstPlace
 
 _BARS = 0.76
 """Width of all bars of a web together."""
 _PARTS = {"pin_fillet": "C0", "journal_fillet": "C1", "outlets": "C2", "elsewhere": "C7"}
 """Parts of a web with the colour of their bars."""
+_EQUIVALENT: dict[str, Any] = {"color": "k", "lw": 1.6}
 _LIMIT: dict[str, Any] = {"color": GREY, "ls": "--", "lw": 1.0, "label": "safety of 1"}
 
 
@@ -88,6 +89,19 @@ def safety_pictures(shaft: ShaftSafety) -> tuple[Picture, ...]:
             picture("safety-map", f"Map of the least safety over webs and speeds: {said}", _map, shaft),
         ]
     return tuple(pictures)
+
+
+def stress_picture(worst: WorstPlace, name: str = "stress-over-cycle") -> Picture:
+    """Return the stress of the worst point over the crank angle."""
+    signed = worst.over_cycle.signed_von_mises_MPa
+    return picture(
+        name,
+        f"Stress over the crank angle at the worst point, web {worst.web} at {worst.speed_rpm:,.0f} rpm: "
+        f"signed von Mises {max(signed):.0f} MPa at {worst.highest_deg:g} deg to {min(signed):.0f} MPa at "
+        f"{worst.lowest_deg:g} deg",
+        _stress,
+        worst,
+    )
 
 
 def side_picture(shaft: ShaftSafety, journal_z_mm: Sequence[float], shape: CrankSide) -> Picture:
@@ -228,6 +242,16 @@ def _curves(axes: Any, angle_deg: Array, curves: Array, name: str) -> None:
     for number, curve in enumerate(curves):
         axes.plot(angle_deg, curve, lw=0.9, label=f"web {number + 1}", **curve_style(number))
     axes.set(xlabel="crank angle (deg)", ylabel=name, xlim=(angle_deg[0], angle_deg[-1]))
+    plain(axes)
+
+
+def _stress(axes: Any, worst: WorstPlace) -> None:
+    angle_deg = worst.over_cycle.angle_deg
+    for number, (name, curve) in enumerate(worst.curves):
+        axes.plot(angle_deg, curve, label=name, **(_EQUIVALENT if not number else curve_style(number - 1)))
+    for angle in (worst.highest_deg, worst.lowest_deg):
+        axes.axvline(angle, color=GREY, ls=":", lw=1.0)
+    axes.set(xlabel="crank angle (deg)", ylabel="stress (MPa)", xlim=(angle_deg[0], angle_deg[-1]))
     plain(axes)
 
 

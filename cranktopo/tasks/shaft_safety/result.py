@@ -48,6 +48,25 @@ class SpeedSafety(Result):
     """Its part, named as for the webs."""
 
 
+class StressOverCycle(Result):
+    """Stress on the surface at a point over the cycle, to 0.001 MPa, in axes that lie in the surface."""
+
+    angle_deg: tuple[float, ...]
+    """Crank angles, after firing of the cylinder that fires first."""
+    signed_von_mises_MPa: tuple[float, ...]
+    """Von Mises stress with the sign of the first invariant, by which the point is judged."""
+    along_MPa: tuple[float, ...]
+    """Normal stress along the arc of the fillet; off the fillets square to the direction around."""
+    around_MPa: tuple[float, ...]
+    """Normal stress around the axis of the journal or pin; off the fillets square to the crank axis."""
+    shear_MPa: tuple[float, ...]
+    """Shear stress between these two."""
+    along: tuple[float, float, float]
+    """Unit vector of the first direction in the axes of the throw."""
+    around: tuple[float, float, float]
+    """Unit vector of the second one."""
+
+
 class WorstPlace(Result):
     """The point of least safety of the whole shaft at all speeds."""
 
@@ -63,6 +82,27 @@ class WorstPlace(Result):
     """Crank angle of its lowest stress."""
     critical: CriticalPoint
     """The point in the axes of its throw, its stress and its safety."""
+    over_cycle: StressOverCycle
+    """Its stress at every crank angle of that cycle."""
+
+    @property
+    def curves(self) -> tuple[tuple[str, tuple[float, ...]], ...]:
+        """Return its stresses over the cycle with their names, the one that judges it first."""
+        stress = self.over_cycle
+        return (
+            ("signed von Mises", stress.signed_von_mises_MPa),
+            ("along the fillet" if self.critical.fillet else "along the crank", stress.along_MPa),
+            ("around it", stress.around_MPa),
+            ("shear", stress.shear_MPa),
+        )
+
+    @property
+    def stress_words(self) -> str:
+        """Return in a sentence its stress where that is highest and lowest, and what it is made of."""
+        at = [self.over_cycle.angle_deg.index(angle) for angle in (self.highest_deg, self.lowest_deg)]
+        first, *rest = (f"{name} {' and '.join(f'{c[i]:.0f}' for i in at)}" for name, c in self.curves)
+        angles = f"{self.highest_deg:g} and {self.lowest_deg:g} deg"
+        return f"Stress there at {angles}, MPa: {first}; {', '.join(rest)}."
 
 
 class SafetySeconds(Result):

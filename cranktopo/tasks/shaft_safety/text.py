@@ -56,6 +56,7 @@ def safety_text(shaft: ShaftSafety) -> list[str]:
                 worst_sentence(shaft),
                 *unsure_words(shaft),
                 *([f"The safety {short}."] if short else []),
+                shaft.worst.stress_words,
             ]
         ),
     ]

@@ -30,6 +30,7 @@ from cranktopo.tasks.shaft.cycle import CycleForces, cycle_forces, shaft_cycle, 
 from cranktopo.tasks.shaft.loaded_throw import ACTING, LOADS, loaded_throw
 from cranktopo.tasks.shaft.stage import shaft_effects
 from cranktopo.tasks.shaft.web_loads import web_histories
+from cranktopo.tasks.shaft_safety.worst_stress import stress_over_cycle
 from tests.physics.fea.evaluation_cases import mikron_with
 from tests.physics.shaft.test_continuous_shaft import meshed_body
 
@@ -198,6 +199,26 @@ def test_safety_falls_as_all_forces_grow(stress: ShaftStress) -> None:
     material = scene.material.model_copy(update={"E_GPa": 2 * scene.material.E_GPa})
     stiff = solve_shaft_stress(Target("stiff", scene.model_copy(update={"material": material})), COARSE)
     assert np.abs(by_web(stiff, at_speeds(stiff, scene)) / once - 1).max() < 1e-9
+
+
+@pytest.mark.slow
+def test_the_worst_point_has_its_stress_over_the_cycle(stress: ShaftStress) -> None:
+    """Extremes as judged; on a surface without traction two normal stresses and a shear make von Mises."""
+    scene = stress.model.scene
+    of_throws = loads(stress, scene.shaft_angles_deg, cycle_forces(scene), None)
+    angle_deg = np.arange(float(len(of_throws[0])))
+    labels = tuple(f"{angle:g}" for angle in angle_deg)
+    for factors in of_throws:
+        found = field_of_states(stress.model, "lsa", factors, labels)
+        over = stress_over_cycle(found, factors, angle_deg)
+        point, signed = found.critical, np.array(over.signed_von_mises_MPa)
+        high, low = point.mean_MPa + point.amplitude_MPa, point.mean_MPa - point.amplitude_MPa
+        assert [signed.max(), signed.min()] == pytest.approx([high, low], abs=1e-3)
+        assert (labels[signed.argmax()], labels[signed.argmin()]) == point.states
+        one, other, shear = map(np.array, (over.along_MPa, over.around_MPa, over.shear_MPa))
+        plane = np.sqrt(one**2 + other**2 - one * other + 3 * shear**2)
+        assert np.abs(plane - np.abs(signed)).max() < 0.1 * np.abs(signed).max(), "a mesh of two radii"
+        assert np.ptp(one) > np.ptp(other), "bending opens and closes the arc of the fillet"
 
 
 @pytest.mark.slow
