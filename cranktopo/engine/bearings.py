@@ -56,6 +56,18 @@ def required_bearing_spring_N_per_mm(scene: Scene) -> float:
     return spring
 
 
+def radial_play_mm(scene: Scene) -> float:
+    """Return the radial clearance of a main bearing; raises CranktopoError where the scene has none."""
+    if scene.bearings is not None:
+        return scene.bearings.clearance_mm / 2
+    if scene.supports.bearing_clearance_mm is not None:
+        return scene.supports.bearing_clearance_mm
+    raise CranktopoError(
+        f"{scene.name}: bearings.clearance_mm is missing: --bearings clearance needs it.",
+        hint="Add [bearings] with clearance_mm = 0.05, for example, or choose --bearings rigid.",
+    )
+
+
 def max_gas_force_N(scene: Scene) -> float:
     """Return the largest gas force on the piston, N; raises CranktopoError where nothing tells it."""
     engine, curve = scene.engine, pressure_curve(scene)

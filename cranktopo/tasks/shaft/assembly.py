@@ -17,8 +17,8 @@ from cranktopo.numerics.tetrahedra.elasticity import Elasticity
 from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, Lateral, Superelement, condense
 
 Bearings = Literal["free", "rigid", "spring"]
-ShaftBearings = Literal["free", "rigid", "spring", "film"]
-"""Those of a shaft over the cycle: in oil films its stiffness end to end is that in rigid ones."""
+ShaftBearings = Literal["free", "rigid", "spring", "clearance", "film"]
+"""Those of a shaft over the cycle: with play or oil films its stiffness end to end is that in rigid ones."""
 
 MIRROR = np.diag([1.0, 1.0, -1.0, -1.0, -1.0, 1.0])
 """Motion of the far section in the mirror z -> pitch - z of a motion of the near one."""
@@ -30,6 +30,11 @@ SPLITS: dict[Span, Array] = {
 """Motions of both sections that the motions of a block are, (motions of the block, 12)."""
 _LENGTH_MM = 50.0
 """Scales rotations to displacements where a rank is decided."""
+
+
+def linear_bearings(bearings: ShaftBearings) -> Bearings:
+    """Return bearings of that kind without play and oil, in which a torque bends no shaft."""
+    return "rigid" if bearings == "clearance" or bearings == "film" else bearings
 
 
 class ShaftStiffness(Result):

@@ -1,7 +1,7 @@
-"""The shaft in bearings of any kind over the cycle, also in the oil films that carry it.
+"""The shaft in bearings of any kind over the cycle, also with play, and in the oil films that carry it.
 
-In films the forces of the bearings follow from where the journals lie: those of rigid bearings, and what the
-stiffness of the shaft adds when it is bent into its bearings.
+With play or films the forces of the bearings follow from where the journals lie: those of rigid bearings, and
+what the stiffness of the shaft adds when it is bent into its bearings.
 """
 
 from __future__ import annotations
@@ -18,9 +18,10 @@ from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
-from cranktopo.engine.bearings import bearing_tilt_spring_Nmm_per_rad
+from cranktopo.engine.bearings import bearing_tilt_spring_Nmm_per_rad, radial_play_mm
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.numerics.bearing_film.coupled import coupled_orbits
+from cranktopo.numerics.ring_contact import journals_in_rings
 from cranktopo.tasks.film.stage import main_bearing, plain_bearings
 from cranktopo.tasks.shaft.cycle import (
     CycleForces,
@@ -31,8 +32,9 @@ from cranktopo.tasks.shaft.cycle import (
 )
 from cranktopo.tasks.shaft.loaded_throw import LoadedThrow
 
-Support = float | Literal["film"] | None
-"""Radial stiffness of every main bearing, N/mm; None: rigid; "film": the oil of the scene's `[bearings]`."""
+Support = float | Literal["clearance", "film"] | None
+"""Radial stiffness of every main bearing, N/mm; None: rigid; "clearance": rigid with the play of the scene;
+"film": the oil of its `[bearings]`."""
 
 
 def carried_cycle(
@@ -44,10 +46,11 @@ def carried_cycle(
         CranktopoError: films without `[bearings]`, or journals that do not become steady.
     """
     angles, borne_by, tilt = scene.shaft_angles_deg, carried(scene), bearing_tilt_spring_Nmm_per_rad(scene)
-    if support != "film":
+    if support is None or isinstance(support, float):
         return shaft_cycle(throws, angles, forces, support, borne_by, tilt_Nmm_per_rad=tilt)
     rigid = shaft_cycle(throws, angles, forces, None, borne_by, tilt_Nmm_per_rad=tilt)
-    offset_mm = film_offsets_mm(throws, scene, rigid)
+    lying = film_offsets_mm if support == "film" else play_offsets_mm
+    offset_mm = lying(throws, scene, rigid)
     return shaft_cycle(throws, angles, forces, None, borne_by, offset_mm, tilt)
 
 
@@ -93,6 +96,18 @@ def film_offsets_mm(throws: Sequence[LoadedThrow], scene: Scene, rigid: ShaftCyc
     path = coupled_orbits(bearings, speed, load_N, rigid.angle_deg)
     turn = np.exp(1j * np.radians([about_z_deg(angle) for angle in rigid.angle_deg]))[:, None]
     return _x_and_y((clearance * path * turn).T)
+
+
+def play_offsets_mm(throws: Sequence[LoadedThrow], scene: Scene, rigid: ShaftCycle) -> Array:
+    """Return what `film_offsets_mm` does of rigid bearings with play, without friction and oil.
+
+    Raises:
+        CranktopoError: no clearance, or a state without an answer.
+    """
+    numbers, tilt = carried(scene), bearing_tilt_spring_Nmm_per_rad(scene)
+    bent = bent_into_bearings_N_per_mm(throws, scene.shaft_angles_deg, numbers, tilt)
+    held = -rigid.bearing_N[list(numbers)].reshape(2 * len(numbers), -1)
+    return journals_in_rings(bent, held, np.full(len(numbers), radial_play_mm(scene)))
 
 
 def _x_and_y(place: Complex) -> Array:

@@ -10,7 +10,7 @@ from cranktopo.design.assumed import Assumption
 from cranktopo.tasks.fea.evaluation import SCHEMA_VERSION
 from cranktopo.tasks.film.permitted import LeastFilm, beyond_permitted
 from cranktopo.tasks.film.result import ConservingFilm
-from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings, ShaftStiffness
+from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings, ShaftStiffness, linear_bearings
 from cranktopo.tasks.shaft.web_sections import WebSections
 
 
@@ -190,8 +190,8 @@ class ShaftEvaluation(Result):
 
     @property
     def stiffness_bearings(self) -> Bearings:
-        """Bearings in which the torsional stiffness is told: rigid ones for oil films."""
-        return "rigid" if self.bearings == "film" else self.bearings
+        """Bearings in which the torsional stiffness is told: rigid ones for play and oil films."""
+        return linear_bearings(self.bearings)
 
     @property
     def added_words(self) -> str:

@@ -29,7 +29,7 @@ from cranktopo.tasks.fea.error_bound import change_bound_percent
 from cranktopo.tasks.fea.evaluation import mesh_target, meshed_throw_kg, throw_inertia_kg_mm2
 from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
 from cranktopo.tasks.film.permitted import films_hold
-from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings, ShaftStiffness
+from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings, ShaftStiffness, linear_bearings
 from cranktopo.tasks.shaft.condensed_throw import (
     CondensedThrow,
     condensed_throws,
@@ -75,7 +75,7 @@ def evaluate_shaft(
     resolved = resolve_target(target, whole=True, crank=True)
     scene = resolved.scene
     spring = required_bearing_spring_N_per_mm(scene) if bearings == "spring" else 0.0
-    held: Bearings = "rigid" if bearings == "film" else bearings  # a torque bends no shaft into its films
+    held = linear_bearings(bearings)
     size = element_size_mm or default_element_size_mm(scene)
     check_element_size(scene, size)
     loaded = speeds_rpm is not None and stands_on_bearings(scene, bearings)
@@ -261,8 +261,8 @@ def _at_speeds(
 
 def support_of(scene: Scene, bearings: ShaftBearings) -> Support:
     """Return what holds the journals of a shaft over the cycle."""
-    if bearings == "film":
-        return "film"
+    if bearings == "clearance" or bearings == "film":
+        return bearings
     return required_bearing_spring_N_per_mm(scene) if bearings == "spring" else None
 
 

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("target", default=DEFAULT_DESIGN, shell_complete=designs)
 @body_options
-@bearings_option("film")
+@bearings_option("clearance", "film")
 @click.option("--element-size-mm", type=CELL_MM, help="General element size.")
 @click.option(
     "--speeds",
@@ -97,8 +97,8 @@ def command(
     """The whole shaft of TARGET: torsional stiffness, frequencies, and what webs and main bearings carry.
 
     Its throws are assembled by firing order. With pressures, and bearings that are not free, the shaft
-    stands on all its main bearings over the working cycle, with --bearings film in the oil of [bearings].
-    With --method its mesh follows the fillets, and
+    stands on all its main bearings over the working cycle: with --bearings clearance with the play of
+    [bearings], with --bearings film in its oil. With --method its mesh follows the fillets, and
     the safety of each part of each web is that of the worst point, crank angle and speed.
     With --dynamic all of it is told a second time, of the shaft that vibrates with its mass.
 
@@ -157,7 +157,7 @@ def _check_loaded(loaded: bool, options: list[str]) -> None:
     if options and not loaded:
         raise CranktopoError(
             f"{options[0]}: the forces on all bearings need [engine.gas], and bearings that are not free.",
-            hint="Leave it out, or choose --bearings rigid, spring or film.",
+            hint="Leave it out, or choose --bearings rigid, spring, clearance or film.",
             code=ExitCode.USAGE,
         )
 

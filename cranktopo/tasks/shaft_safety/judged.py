@@ -113,7 +113,7 @@ def check_judged(target: Target, bearings: ShaftBearings, method: str) -> None:
     if not stands_on_bearings(target.scene, bearings):
         raise CranktopoError(
             "--method: the safety over the cycle needs [engine.gas], and bearings that are not free.",
-            hint="Leave it out, or choose --bearings rigid, spring or film.",
+            hint="Leave it out, or choose --bearings rigid, spring, clearance or film.",
             code=ExitCode.USAGE,
         )
     for throw in dict.fromkeys(throw_targets(target)):

@@ -11,6 +11,7 @@ from cranktopo.base.files import as_path
 from cranktopo.base.notes import note
 from cranktopo.design.misfire import with_misfire
 from cranktopo.design.strength import note_strength
+from cranktopo.engine.bearings import radial_play_mm
 from cranktopo.engine.performance import note_pressure
 from cranktopo.engine.plan.planning import note_left_off
 from cranktopo.report.report_file import check_report_path, write_report
@@ -69,6 +70,8 @@ def assess_shaft(
         check_file(as_path(csv), "--csv")
     if bearings == "film":
         check_film(resolved.scene)
+    if bearings == "clearance":
+        radial_play_mm(resolved.scene)
     if dynamic:
         check_dynamics(resolved.scene, bearings)
     if method is None:
@@ -126,7 +129,7 @@ def write_curves(
     if not evaluation.on_bearings:
         raise CranktopoError(
             "--csv: what webs carry over the cycle needs [engine.gas], and bearings that are not free.",
-            hint="Leave it out, or choose --bearings rigid, spring or film.",
+            hint="Leave it out, or choose --bearings rigid, spring, clearance or film.",
             code=ExitCode.USAGE,
         )
     path = as_path(csv)

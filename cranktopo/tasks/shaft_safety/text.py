@@ -143,7 +143,7 @@ def _on_bearings(shaft: ShaftEvaluation) -> list[str]:
         return []
     worst = max(speeds, key=lambda at: at.worst_web.range_Nm)
     stiff = "rigid" if worst.spring_N_per_mm is None else f"of {worst.spring_N_per_mm:,.0f} N/mm"
-    held = "in their oil films" if shaft.bearings == "film" else stiff
+    held = {"film": "in their oil films", "clearance": "rigid, with play"}.get(shaft.bearings, stiff)
     paragraphs = [
         f"On all its main bearings, {held}, at {worst.speed_rpm:,.0f} rpm. Bending moment in the middle "
         "of each web, largest less smallest over the cycle, beside a throw alone"
