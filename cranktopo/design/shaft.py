@@ -60,6 +60,13 @@ class RollerBearing(SceneTable):
     they are those of the whole roller."""
     dynamic_rating_kN: float | None = Field(default=None, ge=1e-3, le=1e5, examples=[26.0])
     """Basic dynamic load rating (ISO 281), for the life in `cranktopo balance`; axial of a thrust bearing."""
+    roller_diameter_mm: Length | None = Field(default=None, examples=[3.0])
+    """Diameter of a roller: with it, the next key and the length `cranktopo shaft` tells the life of a main
+    bearing by ISO/TS 16281, with the tilt of its journal."""
+    pitch_diameter_mm: Length | None = Field(default=None, examples=[63.0])
+    """Diameter of the circle through the middles of the rollers."""
+    clearance_mm: LengthOrZero = 0.0
+    """Internal clearance of the bearing at work, of the diameters, for that life."""
     source: str = ""
     """Origin of the values."""
 

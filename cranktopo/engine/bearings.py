@@ -13,9 +13,12 @@ from cranktopo.base.units import N_PER_KN, NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import RollerBearing
 from cranktopo.engine.gas import gas_force_N, pressure_curve
+from cranktopo.numerics.roller_laminae import RollerSet, reference_life_turns
 
 _LIFE_EXPONENT = 10 / 3
 """Of line contact, ISO 281."""
+_NO_LOAD = 1e-6
+"""Part of the largest load of a cycle that wears no roller."""
 
 
 def bearing_spring_N_per_mm(scene: Scene) -> float | None:
@@ -131,3 +134,39 @@ def life_over_cycle_h(bearing: RollerBearing | None, load_N: Array, speed_rpm: f
     if bearing is None or bearing.dynamic_rating_kN is None or not speed_rpm:
         return None
     return rating_life_h(bearing.dynamic_rating_kN, equivalent_load_N(load_N), speed_rpm)
+
+
+def reference_life_h(
+    bearing: RollerBearing | None, load_N: Array, tilt: Array, speed_rpm: float
+) -> float | None:
+    """Return the life by ISO/TS 16281 under forces and tilts of a cycle, hours; None without rating or sizes.
+
+    Damage of the states adds up (Palmgren, Miner).
+
+    Args:
+        load_N: x and y of the force of the journal at even steps of the angle, (2, states).
+        tilt: how far the journal leads off along x and y per length, (2, states).
+
+    Raises:
+        CranktopoError: a load of which the rollers' is not found.
+    """
+    rollers = _rollers(bearing)
+    if bearing is None or bearing.dynamic_rating_kN is None or rollers is None or not speed_rpm:
+        return None
+    size = np.hypot(*load_N)
+    carries = size > _NO_LOAD * size.max(initial=0.0)
+    if not carries.any():
+        return None
+    rating_N = bearing.dynamic_rating_kN * N_PER_KN
+    turns = reference_life_turns(rollers, rating_N, load_N[:, carries].T, tilt[:, carries].T)
+    return float(size.size / (1 / turns).sum() / (60.0 * speed_rpm))
+
+
+def _rollers(bearing: RollerBearing | None) -> RollerSet | None:
+    """Return the rollers of a bearing whose sizes are all given."""
+    if bearing is None:
+        return None
+    diameter, length, pitch = bearing.roller_diameter_mm, bearing.roller_length_mm, bearing.pitch_diameter_mm
+    if diameter is None or length is None or pitch is None:
+        return None
+    return RollerSet(bearing.rollers, diameter, length, pitch, bearing.clearance_mm)

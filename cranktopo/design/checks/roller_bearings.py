@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from itertools import pairwise
 
@@ -30,6 +31,13 @@ def check_roller_bearings(scene: Scene) -> None:
         count = len(bearing.displacement_mm)
         if len(bearing.reaction_N) != count:
             raise scene.invalid(f"{key}.reaction_N", f"must have one value per displacement ({count})")
+        if bearing.pitch_diameter_mm is not None and bearing.roller_diameter_mm is not None:
+            around = math.pi * bearing.pitch_diameter_mm / bearing.rollers
+            if bearing.roller_diameter_mm > around:
+                told = (
+                    f"must leave room for {bearing.rollers} rollers beside each other: at most {around:.4g}"
+                )
+                raise scene.invalid(f"{key}.roller_diameter_mm", told)
         for name in ("displacement_mm", "reaction_N"):
             if any(b <= a for a, b in pairwise(getattr(bearing, name))):
                 raise scene.invalid(f"{key}.{name}", "must increase")

@@ -12,7 +12,7 @@ from cranktopo.base.units import UM_PER_MM
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
-from cranktopo.engine.bearings import life_over_cycle_h
+from cranktopo.engine.bearings import life_over_cycle_h, reference_life_h
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.tasks.fea.condense import RX, RY, UX, UY
 from cranktopo.tasks.film.result import BearingFilm
@@ -147,6 +147,7 @@ def _main_bearings(
     halves_N = np.hypot(added[:, 0], added[:, 1]).max(axis=1)
     motion = cycle.motion.reshape(sections, 6, -1)
     tilt = np.hypot(motion[:, RX], motion[:, RY]).max(axis=1) * _MRAD_PER_RAD
+    leads = np.stack([motion[:, RY], -motion[:, RX]], axis=1)
     offset = np.hypot(motion[:, UX], motion[:, UY]).max(axis=1) * UM_PER_MM
     return tuple(
         ShaftBearing(
@@ -157,6 +158,7 @@ def _main_bearings(
             tilt_mrad=float(tilt[number]),
             offset_um=float(offset[number]),
             life_h=life_over_cycle_h(roller, size[number], speed),
+            reference_life_h=reference_life_h(roller, -cycle.bearing_N[number], leads[number], speed),
         )
         for number in carried(scene)
     )

@@ -51,6 +51,8 @@ class ShaftBearing(Result):
         tilt_mrad: largest angle between journal and bearing axis.
         offset_um: largest distance of the journal from the bearing axis; 0 in rigid bearings.
         life_h: basic rating life of `supports.roller_bearing` under these forces at this speed (ISO 281).
+        reference_life_h: its basic reference rating life with the tilt of the journal (ISO/TS 16281), where
+            the sizes of its rollers are given.
         film_um, pressure_MPa: least thickness and largest pressure of the oil film, where the design has
             `[bearings]`; a thickness that is `film_below_um` is below what is resolved.
         conserving: the mass-conserving film of one near what is permitted, also with the journal tilted.
@@ -63,6 +65,7 @@ class ShaftBearing(Result):
     tilt_mrad: float
     offset_um: float
     life_h: float | None = UNLESS_NONE
+    reference_life_h: float | None = UNLESS_NONE
     film_um: float | None = UNLESS_NONE
     film_below_um: float | None = UNLESS_NONE
     pressure_MPa: float | None = UNLESS_NONE

@@ -21,6 +21,7 @@ _BEARING_DIGITS = {
     "tilt_mrad": 2,
     "offset_um": 1,
     "life_h": 0,
+    "reference_life_h": 0,
     "film_um": 2,
     "pressure_MPa": 1,
 }
@@ -195,6 +196,7 @@ def bearing_table(at: ContinuousShaft) -> ResultTable:
             "tilt_mrad": bearing.tilt_mrad,
             "offset_um": bearing.offset_um,
             **({} if bearing.life_h is None else {"life_h": bearing.life_h}),
+            **({} if (life := bearing.reference_life_h) is None else {"reference_life_h": life}),
             **({} if film is None else {"film_um": film.film_um, "pressure_MPa": film.pressure_MPa}),
         }
         for bearing in at.main_bearings
