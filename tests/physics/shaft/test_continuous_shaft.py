@@ -17,6 +17,7 @@ from cranktopo.engine.balance.free_forces import turning_masses
 from cranktopo.engine.balance.throw import product_of_inertia_kg_mm2, throw_balance
 from cranktopo.engine.balance.whole_engine import engine_balance, main_bearings
 from cranktopo.engine.continuous_beam import PinLoads, Spans, bend_spans, span_bending
+from cranktopo.numerics.roller_laminae import RollerSet, reference_life_turns
 from cranktopo.tasks.balance.result import balance_result
 from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.film.stage import oil_films
@@ -254,6 +255,16 @@ def test_rollers_live_under_the_forces_of_the_whole_shaft() -> None:
         force_kN = np.hypot(*cycle.bearing_N[number, :2]) / 1000
         turns = 1e6 * 31.9 ** (10 / 3) / np.mean(force_kN ** (10 / 3))
         assert bearing.life_h == pytest.approx(turns / (60 * 2100.0), rel=1e-9)
+    sizes = {"name": "HK6020", "roller_diameter_mm": 3.0, "pitch_diameter_mm": 63.0}
+    sized = with_values(one, {"supports.roller_bearing": sizes})
+    told = continuous_shaft([(throw, sized)] * 4, sized, None).main_bearings[1]
+    motion = cycle.motion.reshape(5, 6, -1)[1]
+    held = RollerSet(40, 3.0, 15.3, 63.0), 31900.0, -cycle.bearing_N[1].T
+    turns = reference_life_turns(*held, np.stack([motion[RY], -motion[RX]], axis=1))
+    assert told.reference_life_h == pytest.approx(1 / np.mean(1 / turns) / (60 * 2100.0), rel=1e-6)
+    straight = reference_life_turns(*held, np.zeros((720, 2)))
+    assert told.reference_life_h < 0.1 / np.mean(1 / straight) / (60 * 2100.0), "tilt of 1.7 mrad"
+    assert four.main_bearings[1].reference_life_h is None
     alone = balance_result(engine_balance(one)).main_bearings[1]
     assert four.main_bearings[1].life_h == pytest.approx(0.355 * alone.life_h, rel=0.01)
     one = with_values(one, {"engine.cylinders": 1, "engine.firing_order": [1]})

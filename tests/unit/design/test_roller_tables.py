@@ -46,3 +46,11 @@ def test_a_table_that_is_none_is_refused_with_its_key(place: str, table: Data, w
 def test_a_table_that_rises_is_taken(place: str) -> None:
     table = {"displacement_mm": [0.001, 0.004, 0.01], "reaction_N": [33.0, 172.0, 501.0]}
     scene_from_dict(design(place, table))
+
+
+def test_rollers_that_do_not_fit_beside_each_other_are_refused() -> None:
+    """38 rollers on a circle of 47.5 mm are at most 3.927 mm thick."""
+    sizes = {"pitch_diameter_mm": 47.5, "roller_diameter_mm": 3.95}
+    with pytest.raises(CranktopoError, match=r"38 rollers beside each other: at most 3\.927"):
+        scene_from_dict(design("supports.roller_bearing", sizes))
+    scene_from_dict(design("supports.roller_bearing", sizes | {"roller_diameter_mm": 2.5}))

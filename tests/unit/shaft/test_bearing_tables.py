@@ -20,6 +20,8 @@ def test_the_life_of_rollers_has_a_column_of_its_own() -> None:
     table = bearing_table(shaft(life_h=283.4))
     assert table.columns["life_h"] == 0
     assert table.rows[0]["life_h"] == 283.4
+    assert "reference_life_h" not in table.columns
+    assert bearing_table(shaft(life_h=283.4, reference_life_h=12.5)).rows[0]["reference_life_h"] == 12.5
 
 
 def test_parts_on_the_ends_have_offset_and_tilt() -> None:
