@@ -9,6 +9,7 @@ from typing import Any
 from cranktopo.design.arrangement import Opposed
 from cranktopo.design.bolt import BoltedJoint
 from cranktopo.design.checks.bolts import bolts_of
+from cranktopo.design.checks.roller_bearings import roller_bearings
 from cranktopo.design.halves import difference
 from cranktopo.design.material import Material, material_library
 from cranktopo.design.plain_bearings import PlainBearings
@@ -103,12 +104,27 @@ def _idle(scene: Scene) -> Iterator[_Idle]:
     for number, notch in enumerate(scene.balancer.notch if scene.balancer else ()):
         if notch.kind == "hole":
             yield f"balancer.notch[{number}]", "radius_mm", "a hole has its diameter alone"
+    yield from _of_rollers(scene)
     yield from _of_process(scene)
     if not difference(scene):
         yield "original", "second_file", "both halves of the throw are alike"
     if scene.goal is not None:
         for key in ("volume_fraction", "combine"):
             yield "optimise", key, "[goal] says what is optimised"
+
+
+def _of_rollers(scene: Scene) -> Iterator[_Idle]:
+    """Yield sizes of rollers of which no life by laminae follows."""
+    for table, bearing in roller_bearings(scene):
+        needed = (*bearing.sizes, bearing.dynamic_rating_kN)
+        if table != "supports.roller_bearing":
+            why = "the life by ISO/TS 16281 is that of main bearings"
+        elif None in needed:
+            why = "a life by ISO/TS 16281 needs all sizes of the rollers and dynamic_rating_kN"
+        else:
+            continue
+        for key in ("roller_diameter_mm", "pitch_diameter_mm", "clearance_mm"):
+            yield table, key, why
 
 
 def _of_webs(scene: Scene) -> Iterator[_Idle]:

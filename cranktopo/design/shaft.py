@@ -70,6 +70,11 @@ class RollerBearing(SceneTable):
     source: str = ""
     """Origin of the values."""
 
+    @property
+    def sizes(self) -> tuple[float | None, float | None, float | None]:
+        """Diameter and length of a roller, and diameter of their circle, as far as they are given."""
+        return self.roller_diameter_mm, self.roller_length_mm, self.pitch_diameter_mm
+
     @model_validator(mode="before")
     @classmethod
     def _from_library(cls, data: Any) -> Any:

@@ -166,7 +166,7 @@ def _rollers(bearing: RollerBearing | None) -> RollerSet | None:
     """Return the rollers of a bearing whose sizes are all given."""
     if bearing is None:
         return None
-    diameter, length, pitch = bearing.roller_diameter_mm, bearing.roller_length_mm, bearing.pitch_diameter_mm
+    diameter, length, pitch = bearing.sizes
     if diameter is None or length is None or pitch is None:
         return None
     return RollerSet(bearing.rollers, diameter, length, pitch, bearing.clearance_mm)

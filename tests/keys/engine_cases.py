@@ -39,6 +39,14 @@ ENGINE_CASES: dict[tuple[str, str], Table] = {
             "kind": Refused("thrust", "a thrust bearing has no radial stiffness"),
             "displacement_mm": DISPLACEMENTS,
             "reaction_N": REACTIONS,
+            **dict.fromkeys(
+                ("roller_diameter_mm", "pitch_diameter_mm"),
+                Shown(
+                    "physics/shaft/test_continuous_shaft.py::"
+                    "test_rollers_live_under_the_forces_of_the_whole_shaft"
+                ),
+            ),
+            "clearance_mm": Shown("physics/engine/test_roller_laminae.py::test_damage_of_a_cycle_adds_up"),
         },
         dear=True,
     ),

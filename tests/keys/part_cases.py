@@ -24,6 +24,13 @@ from tests.keys.bases import (
 from tests.keys.kinds import Other, Table, Told
 from tests.keys.scenes import builtin, changed, throw
 
+SIZES_OF_ROLLERS = {
+    "roller_diameter_mm": Told(2.0),
+    "pitch_diameter_mm": Told(55.0),
+    "clearance_mm": Told(0.01),
+}
+"""Of a life that only main bearings have."""
+
 PART_CASES: dict[tuple[str, str], Table] = {
     ("crank", ""): Table(
         lambda: builtin("mikron-iiic-crank"),
@@ -149,6 +156,7 @@ PART_CASES: dict[tuple[str, str], Table] = {
             ),
             "displacement_mm": Other([0.001, 0.004, 0.02], OWN_ROLLERS),
             "reaction_N": Other([33.0, 172.0, 600.0], OWN_ROLLERS),
+            **SIZES_OF_ROLLERS,
         },
     ),
     ("balancer.notch", ""): Table(
@@ -191,6 +199,7 @@ PART_CASES: dict[tuple[str, str], Table] = {
             "kind": Other("thrust", {"balancer.redesign.deflection_mm": 0.045}),
             "displacement_mm": Other([0.001, 0.004, 0.02], ADDED_ROLLERS),
             "reaction_N": Other([33.0, 172.0, 600.0], ADDED_ROLLERS),
+            **SIZES_OF_ROLLERS,
         },
         dear=True,
     ),

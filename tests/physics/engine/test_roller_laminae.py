@@ -78,11 +78,13 @@ def test_tilt_and_clearance_shorten_the_life() -> None:
 
 
 def test_damage_of_a_cycle_adds_up() -> None:
-    """Half of the turns without a load: twice the life; sizes that are missing tell none."""
+    """Half of the turns without a load: twice the life; sizes that are missing tell none; less with play."""
     sizes = {"roller_diameter_mm": 3.0, "pitch_diameter_mm": 63.0}
     bearing = RollerBearing(name="HK6020", **sizes)
     load, tilt = np.array([[5000.0, 0.0], [0.0, 0.0]]), np.zeros((2, 2))
     expected = 2 * life(NEEDLES) / (60 * 2100.0)
     assert reference_life_h(bearing, load, tilt, 2100.0) == pytest.approx(expected, rel=1e-9)
+    loose = RollerBearing(name="HK6020", clearance_mm=0.03, **sizes)
+    assert reference_life_h(loose, load, tilt, 2100.0) < 0.9 * expected
     assert reference_life_h(RollerBearing(name="HK6020"), load, tilt, 2100.0) is None
     assert reference_life_h(bearing, 0 * load, tilt, 2100.0) is None

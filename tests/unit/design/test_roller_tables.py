@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.design.idle_keys import idle_keys
 from cranktopo.design.loading import scene_from_dict
 from tests.keys.scenes import Data, builtin, changed
 
@@ -46,6 +47,21 @@ def test_a_table_that_is_none_is_refused_with_its_key(place: str, table: Data, w
 def test_a_table_that_rises_is_taken(place: str) -> None:
     table = {"displacement_mm": [0.001, 0.004, 0.01], "reaction_N": [33.0, 172.0, 501.0]}
     scene_from_dict(design(place, table))
+
+
+@pytest.mark.parametrize(
+    ("place", "words"),
+    [
+        ("supports.roller_bearing", "needs all sizes of the rollers and dynamic_rating_kN"),
+        ("balancer.bearing[0].roller_bearing", "is that of main bearings"),
+    ],
+)
+def test_sizes_of_which_no_life_follows_are_told(place: str, words: str) -> None:
+    """A diameter without the circle of the rollers, and a bearing whose life is another."""
+    data = design(place, {"roller_diameter_mm": 2.5})
+    (line,) = idle_keys(scene_from_dict(data), data)
+    assert line.startswith(f"{place}.roller_diameter_mm: ")
+    assert line.endswith(words)
 
 
 def test_rollers_that_do_not_fit_beside_each_other_are_refused() -> None:
