@@ -1,8 +1,8 @@
-"""Journals of an elastic shaft with play in rigid bearings, without friction: where each lies under a load.
+"""Sections of an elastic shaft with play in rigid bearings, without friction: where each lies under a load.
 
-A journal lies free in its play, or touches the bearing, which pushes it towards the middle: a complementarity
+A section lies free in its play, or touches the bearing, which pushes it towards the middle: a complementarity
 problem for each load. It is the minimum of the elastic energy over discs, a convex problem: alternating
-directions (ADMM, Boyd et al. 2011, 3.1) find which journals touch, Newton's method solves what is left.
+directions (ADMM, Boyd et al. 2011, 3.1) find which sections touch, Newton's method solves what is left.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ _STEPS, _ROUNDS, _NEWTON = 100, 100, 12
 _WITHIN = 1e-9
 """Of the play, and of the largest load: the residual that counts as none."""
 _TOUCHING = 1e-6
-"""Part of the play from the bearing up to which a journal that pushes it touches it."""
+"""Part of the play from the bearing up to which a section that pushes it touches it."""
 _SUPPORT = 1e-12
-"""Part of the largest stiffness that keeps Newton's matrix regular where too few journals touch."""
+"""Part of the largest stiffness that keeps Newton's matrix regular where too few sections touch."""
 
 
-def journals_in_rings(stiffness: Array, load: Array, play: Array) -> Array:
-    """Return how far each journal lies off the middle of its bearing, x and y of each, (2 n, states).
+def sections_in_rings(stiffness: Array, load: Array, play: Array) -> Array:
+    """Return how far each section lies off the middle of its bearing, x and y of each, (2 n, states).
 
     Args:
         stiffness: by which the shaft resists such offsets, (2 n, 2 n), symmetric.
-        load: on bearings that hold every journal in the middle, toward where the journal pushes,
+        load: on bearings that hold every section in the middle, toward where the section pushes,
             (2 n, states).
-        play: radial, of each journal, (n,).
+        play: radial, of each section, (n,).
 
     Raises:
         CranktopoError: a state without an answer.
@@ -54,11 +54,11 @@ def journals_in_rings(stiffness: Array, load: Array, play: Array) -> Array:
 
 
 class _Alternating:
-    """Alternating steps of all states: the shaft as it bends, and its journals as they fit into the rings.
+    """Alternating steps of all states: the shaft as it bends, and its sections as they fit into the rings.
 
     Attributes:
         within: offsets that fit, (2 n, states).
-        force: of the journals on the bearings there, (2 n, states).
+        force: of the sections on the bearings there, (2 n, states).
     """
 
     def __init__(self, stiffness: Array, play: Array, load: Array) -> None:
@@ -82,7 +82,7 @@ class _Alternating:
 
 
 def _pairs(values: Array) -> Array:
-    """Return x and y of every journal in states, (states, n, 2) of (2 n, states)."""
+    """Return x and y of every section in states, (states, n, 2) of (2 n, states)."""
     return values.T.reshape(values.shape[1], -1, 2)
 
 
@@ -98,11 +98,11 @@ def _into_rings(offset: Array, play: Array) -> Array:
 
 @dataclass(frozen=True)
 class _Touching:
-    """Equations of states in which it is known which journals touch: offsets, and force per offset of each.
+    """Equations of states in which it is known which sections touch: offsets, and force per offset of each.
 
     Attributes:
         load: (states, n, 2).
-        which: journals that touch, (states, n).
+        which: sections that touch, (states, n).
     """
 
     stiffness: Array
@@ -111,7 +111,7 @@ class _Touching:
     which: Mask
 
     def residual(self, offset: Array, number: Array) -> tuple[Array, Array]:
-        """Return forces out of balance, (states, n, 2), and what keeps touching journals off, (states, n)."""
+        """Return forces out of balance, (states, n, 2), and what keeps touching sections off, (states, n)."""
         bent = (offset.reshape(len(offset), -1) @ self.stiffness).reshape(offset.shape)
         outside = ((offset**2).sum(axis=2) - self.play**2) / 2
         return number[..., None] * offset + bent - self.load, np.where(self.which, outside, number)
@@ -145,7 +145,7 @@ def _newton(stiffness: Array, load: Array, play: Array, start: Array, force: Arr
     """Return offsets of states by Newton's method, and which of them are answers.
 
     Args:
-        start, force: offsets that fit, and forces on the bearings, that tell which journals touch.
+        start, force: offsets that fit, and forces on the bearings, that tell which sections touch.
     """
     offset = _pairs(start)
     pressed = (_pairs(force) * offset).sum(axis=2) / play**2

@@ -48,7 +48,7 @@ class RollerSet:
 
     @property
     def profile_mm(self) -> Array:
-        """How far the surface of a roller lies below a cylinder, at the laminae, (laminae,)."""
+        """Depth of the surface of a roller below a cylinder, at the laminae, (laminae,)."""
         crowned = min(self.length_mm, 2.5 * self.diameter_mm)
         drop = 0.00035 if self.length_mm <= 2.5 * self.diameter_mm else 0.0005
         inside = 2 * np.abs(self.along_mm) - (self.length_mm - crowned)
@@ -71,8 +71,8 @@ def lamina_loads(rollers: RollerSet, load_N: Array, tilt: Array) -> Array:
     """Return the load of every lamina of every roller in states, N, (states, rollers, laminae).
 
     Args:
-        load_N: force of the journal on the bearing, (states, 2); none of them zero.
-        tilt: how far the journal leads off that bearing's axis per length, (states, 2).
+        load_N: force of the shaft on the bearing, (states, 2); none of them zero.
+        tilt: how far the shaft leads off that bearing's axis per length, (states, 2).
 
     Raises:
         CranktopoError: a state without an answer.

@@ -155,9 +155,11 @@ def test_a_shaft_in_its_oil_films(capsys: pytest.CaptureFixture[str]) -> None:
         assert one["film_um"] == pytest.approx(radial_um - one["offset_um"], abs=0.3)
 
 
-def test_films_need_bearings_and_a_load(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_films_and_play_need_bearings_and_a_load(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert main(["shaft", "mikron-iiic", "--bearings", "film"]) == 3
     assert "[bearings] is missing" in capsys.readouterr().err
+    assert main(["shaft", "mikron-iiic", "--bearings", "clearance"]) == 3
+    assert "bearings.clearance_mm is missing: --bearings clearance needs it" in capsys.readouterr().err
     data = load_scene("car-diesel").model_dump(mode="json", exclude_none=True, exclude={"engine": {"gas"}})
     (tmp_path / "cold.toml").write_text(dumped(data), encoding="utf-8")
     assert main(["shaft", str(tmp_path / "cold.toml"), "--bearings", "film"]) == 2

@@ -21,7 +21,7 @@ from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.bearings import bearing_tilt_spring_Nmm_per_rad, radial_play_mm
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.numerics.bearing_film.coupled import coupled_orbits
-from cranktopo.numerics.ring_contact import journals_in_rings
+from cranktopo.numerics.ring_contact import sections_in_rings
 from cranktopo.tasks.film.stage import main_bearing, plain_bearings
 from cranktopo.tasks.shaft.cycle import (
     CycleForces,
@@ -107,7 +107,7 @@ def play_offsets_mm(throws: Sequence[LoadedThrow], scene: Scene, rigid: ShaftCyc
     numbers, tilt = carried(scene), bearing_tilt_spring_Nmm_per_rad(scene)
     bent = bent_into_bearings_N_per_mm(throws, scene.shaft_angles_deg, numbers, tilt)
     held = -rigid.bearing_N[list(numbers)].reshape(2 * len(numbers), -1)
-    return journals_in_rings(bent, held, np.full(len(numbers), radial_play_mm(scene)))
+    return sections_in_rings(bent, held, np.full(len(numbers), radial_play_mm(scene)))
 
 
 def _x_and_y(place: Complex) -> Array:

@@ -263,7 +263,7 @@ def test_rollers_live_under_the_forces_of_the_whole_shaft() -> None:
     turns = reference_life_turns(*held, np.stack([motion[RY], -motion[RX]], axis=1))
     assert told.reference_life_h == pytest.approx(1 / np.mean(1 / turns) / (60 * 2100.0), rel=1e-6)
     straight = reference_life_turns(*held, np.zeros((720, 2)))
-    assert told.reference_life_h < 0.1 / np.mean(1 / straight) / (60 * 2100.0), "tilt of 1.7 mrad"
+    assert told.reference_life_h < 0.25 / np.mean(1 / straight) / (60 * 2100.0), "tilt up to 1.6 mrad"
     assert four.main_bearings[1].reference_life_h is None
     alone = balance_result(engine_balance(one)).main_bearings[1]
     assert four.main_bearings[1].life_h == pytest.approx(0.355 * alone.life_h, rel=0.01)

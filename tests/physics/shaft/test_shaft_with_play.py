@@ -10,7 +10,7 @@ from cranktopo.design.loading import load_scene
 from cranktopo.design.named import with_values
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import radial_play_mm
-from cranktopo.numerics.ring_contact import journals_in_rings
+from cranktopo.numerics.ring_contact import sections_in_rings
 from cranktopo.tasks.shaft.cycle import (
     CycleForces,
     ShaftCycle,
@@ -45,7 +45,7 @@ def test_a_beam_on_three_bearings_lifts_off_and_touches_the_other_side(direction
     forces = CycleForces(np.arange(40.0), radial, tangential, none, none, 0.0)
     rigid = shaft_cycle([straight] * 2, (0.0, 0.0), forces, None)
     bent = bent_into_bearings_N_per_mm([straight] * 2, (0.0, 0.0), range(3))
-    offset = journals_in_rings(bent, -rigid.bearing_N.reshape(6, -1), np.full(3, PLAY_MM))
+    offset = sections_in_rings(bent, -rigid.bearing_N.reshape(6, -1), np.full(3, PLAY_MM))
     found = shaft_cycle([straight] * 2, (0.0, 0.0), forces, None, offset_mm=offset)
     pushed = np.array([np.sin(turn), -np.cos(turn)])  # tangential +x, radial -y
     along, off = (np.einsum("sit,i->st", one, pushed) for one in (found.bearing_N, offset.reshape(3, 2, -1)))

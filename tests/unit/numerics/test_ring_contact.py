@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.numerics import ring_contact
-from cranktopo.numerics.ring_contact import journals_in_rings
+from cranktopo.numerics.ring_contact import sections_in_rings
 
 JOURNALS, STATES = 5, 40
 PLAY = np.array([0.02, 0.03, 0.025, 0.04, 0.02])
@@ -30,7 +30,7 @@ def shaft(seed: int) -> tuple[np.ndarray, np.ndarray]:
 def test_the_energy_is_that_of_another_minimiser(seed: int) -> None:
     """SLSQP of every load by itself. Forces push to the middle, and none where a journal does not touch."""
     stiffness, load = shaft(seed)
-    found = journals_in_rings(stiffness, load, PLAY)
+    found = sections_in_rings(stiffness, load, PLAY)
     force = (load - stiffness @ found).T.reshape(STATES, JOURNALS, 2)
     offset = found.T.reshape(STATES, JOURNALS, 2)
     size, scale = np.linalg.norm(offset, axis=2), np.abs(load).max()
@@ -62,7 +62,7 @@ def test_turned_loads_turn_the_answer() -> None:
     load = np.random.default_rng(4).normal(0.0, 5e3, (6, 20))
     turn = np.kron(np.eye(3), [[0.6, -0.8], [0.8, 0.6]])
     play = np.full(3, 0.03)
-    one, other = (journals_in_rings(stiffness, own, play) for own in (load, turn @ load))
+    one, other = (sections_in_rings(stiffness, own, play) for own in (load, turn @ load))
     assert np.abs(turn @ one - other).max() < 1e-9
 
 
@@ -70,4 +70,4 @@ def test_what_has_no_answer_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(ring_contact, "_ROUNDS", 0)
     stiffness, load = shaft(1)
     with pytest.raises(CranktopoError, match="40 of 40 states of the shaft have no answer"):
-        journals_in_rings(stiffness, load, PLAY)
+        sections_in_rings(stiffness, load, PLAY)
