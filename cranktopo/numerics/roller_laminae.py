@@ -1,6 +1,6 @@
 """Life of a radial roller bearing by laminae: rollers of finite length under a radial force and a tilt.
 
-Source: ISO/TS 16281:2008, 5.2 (load distribution) and 5.3 (reference life), for needles and cylindrical
+Source: ISO/TS 16281:2008, load distribution and basic reference rating life, for needles and cylindrical
 rollers of steel on an inner ring that turns. Profile and stress at the edges are those of the standard.
 """
 
