@@ -5,6 +5,7 @@ A throw ends at the middle of its main journals, and so does what its own drilli
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -76,9 +77,21 @@ class Taken:
     product: complex
 
 
-@lru_cache(maxsize=8)
 def crank_crossings(scene: Scene) -> tuple[Crossing, ...]:
     """Return the drillings of all throws of a crank that go on in a neighbour, or in an end of the crank."""
+    halved = halved_crossings(scene)
+    return tuple(one for one in _all_crossings(scene) if one not in halved)
+
+
+@lru_cache(maxsize=8)
+def halved_crossings(scene: Scene) -> tuple[Crossing, ...]:
+    """Return those that share a mouth with their mirror image in the neighbour: each ends at the middle."""
+    pairs = combinations(_all_crossings(scene), 2)
+    return tuple(crossing for pair in pairs if _are_images(*pair) for crossing in pair)
+
+
+@lru_cache(maxsize=8)
+def _all_crossings(scene: Scene) -> tuple[Crossing, ...]:
     return tuple(_crossings(scene)) if any(one.throw.drilling for one in throw_scenes(scene)) else ()
 
 
@@ -161,6 +174,26 @@ def _meet(one: Crossing, other: Crossing) -> bool:
     return one.plane_mm == other.plane_mm and one.outward != other.outward
 
 
+def _are_images(one: Crossing, other: Crossing) -> bool:
+    """Tell whether two drillings are mirror images of each other in the middle of the journal they cross."""
+    alike = (
+        one.bore.radius_mm == other.bore.radius_mm
+        and math.cos(math.radians(one.angle_deg - other.angle_deg)) > 1 - _SAME
+    )
+    return _meet(one, other) and alike and bool(np.allclose(_mouth(one), _mouth(other), rtol=0, atol=_SAME))
+
+
+def _mouth(one: Crossing) -> Array:
+    """Place, direction and rounding of a drilling's end at the middle it crosses; heights outward from it."""
+    ends = (end for end in one.bore.outlets if end.journal == "main_journal")
+    found = []
+    for end in ends:
+        (x, y, z), (dx, dy, dz) = end.point_mm, end.outward
+        height = one.outward * (z + one.z_mm - one.plane_mm)
+        found.append([x, y, height, dx, dy, one.outward * dz, end.rounding_mm])
+    return np.array(min(found, key=lambda end: abs(end[2])))
+
+
 def _common(one: Crossing, other: Crossing) -> Taken:
     """Return what two drillings that meet have in common, less than nothing: it is counted twice."""
     from manifold3d import Manifold
@@ -179,6 +212,8 @@ def _common(one: Crossing, other: Crossing) -> Taken:
 
 
 _CHORDS = 1440
+_SAME = 1e-9
+"""Difference of directions, and of places in mm, that counts as none."""
 
 
 def _counted_twice(corners_mm: Array) -> Taken:

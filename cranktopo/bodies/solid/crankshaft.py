@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from cranktopo.base.frames import about_z_deg
-from cranktopo.bodies.crank_drillings import taken_beyond
+from cranktopo.bodies.crank_drillings import halved_crossings, taken_beyond
 from cranktopo.bodies.crank_ends import SIDES, EndPiece, crank_end, main_journal_places_mm
 from cranktopo.bodies.solid.checked import ClosedForm, check_body, check_no_hollow
-from cranktopo.bodies.solid.drilled import drilled_at
+from cranktopo.bodies.solid.drilled import ALL_HEIGHTS, Heights, drilled_at, to_middle
 from cranktopo.bodies.solid.shapes import cut, fused, turned
 from cranktopo.bodies.solid.step import import_solid
 from cranktopo.bodies.solid.throw import add_full_throw, throw_form
@@ -40,21 +40,25 @@ def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
 
 
 def _drilled(occ: Any, scene: Scene, body: DimTags) -> DimTags:
-    """Return a crank with the drillings that cross the middle of a main journal, throw by throw.
+    """Return a crank with the drillings that cross the middle of a main journal.
 
     Cut into the whole crank: the middle would halve an outlet, and the kernel leaves crumbs where a rounding
-    of its own ends there and meets a tool of the same surface from the other side.
+    of its own ends there and meets a tool of the same surface from the other side. Neighbours that are turned
+    alike are drilled in one call, as halves of a throw are.
     """
     places = zip(throw_scenes(scene), scene.shaft_angles_deg, main_journal_places_mm(scene), strict=False)
+    bores: list[tuple[float, DrillBore]] = []
+    heights: dict[DrillBore, Heights] = {}
     for throw, angle, z in places:
-        bores = _crossing_bores(throw)
-        if any(bores):
-            occ.translate(body, 0, 0, -z)
-            first, second = half_turns_deg(throw)
-            turns, middle_mm = (angle + first, angle + second), halves(throw)[0].pitch_mm / 2
-            body = drilled_at(occ, body, bores, turns, middle_mm=middle_mm)
-            occ.translate(body, 0, 0, z)
-    return body
+        own = [[bore.moved(z) for bore in half] for half in _crossing_bores(throw)]
+        heights |= to_middle([*own[0], *own[1]], z + halves(throw)[0].pitch_mm / 2)
+        turns = [angle + turn for turn in half_turns_deg(throw)]
+        bores += [(turn, bore) for turn, half in zip(turns, own, strict=True) for bore in half]
+    for one in halved_crossings(scene):
+        bore = one.bore.moved(one.z_mm)
+        low, high = heights.get(bore, ALL_HEIGHTS)
+        heights[bore] = (one.plane_mm, high) if one.outward < 0 else (low, one.plane_mm)
+    return drilled_at(occ, body, bores, between_mm=heights)
 
 
 def _crossing_bores(throw: Scene) -> tuple[list[DrillBore], list[DrillBore]]:

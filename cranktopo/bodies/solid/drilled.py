@@ -8,6 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import groupby
+from operator import itemgetter
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -18,6 +21,10 @@ from cranktopo.numerics.gmsh_session import DimTags
 from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.primitives import RoundedOutlet, Solid
 
+Heights = tuple[float, float]
+"""Least and largest height along the crank, mm."""
+ALL_HEIGHTS: Heights = (-math.inf, math.inf)
+NO_HEIGHTS: Mapping[DrillBore, Heights] = MappingProxyType({})
 _RING = 1 - math.pi / 4
 """Section of the ring that a rounding takes off a square edge, over its radius squared."""
 _FAR = 4.0
@@ -31,61 +38,79 @@ def drilled(
     body: DimTags,
     bores: Sequence[DrillBore],
     *,
-    middle_mm: float = math.inf,
+    between_mm: Mapping[DrillBore, Heights] = NO_HEIGHTS,
     by_tools: bool = False,
 ) -> DimTags:
     """Return a body without what bores and the roundings of their outlets take.
 
     Args:
-        middle_mm: height of the middle of the crankpin in a body that goes on beyond it.
+        between_mm: heights between which a bore is cut, where its mirror image goes on beyond one of them.
         by_tools: round by tools alone, for a body that cannot be cut or meshed otherwise.
     """
+
+    def tools(some: Sequence[tuple[DrillBore, Solid]]) -> DimTags:
+        return [
+            pair
+            for bore, solid in some
+            for pair in _tool(occ, bore, solid, between_mm.get(bore, ALL_HEIGHTS))
+        ]
+
     solids = [(bore, solid) for bore in bores for solid in bore.solids()]
     outlets = {solid: bore for bore, solid in solids if isinstance(solid, RoundedOutlet)}
-    holes = [(bore, solid) for bore, solid in solids if not isinstance(solid, RoundedOutlet)]
-    body = cut(occ, body, [pair for hole in holes for pair in _tool(occ, *hole, middle_mm)])
+    body = cut(occ, body, tools([one for one in solids if not isinstance(one[1], RoundedOutlet)]))
     edges = _whole_edges(occ, body, list(outlets)) if outlets and not by_tools else {}
     rounded = _rounded(occ, body, edges)
     left = outlets if rounded is None else outlets.keys() - edges.keys()
-    tools = [pair for one in outlets if one in left for pair in _tool(occ, outlets[one], one, middle_mm)]
-    return cut(occ, rounded or body, tools)
+    return cut(
+        occ, rounded or body, tools([(bore, solid) for solid, bore in outlets.items() if solid in left])
+    )
 
 
-def _tool(occ: Any, bore: DrillBore, solid: Solid, middle_mm: float) -> DimTags:
-    """Return the tool of a bore's solid, up to the middle of the crankpin where its mirror image begins.
+def _tool(occ: Any, bore: DrillBore, solid: Solid, between_mm: Heights) -> DimTags:
+    """Return the tool of a bore's solid between two heights.
 
-    Both then meet in one curve, as the halves of a throw do. Whole tools cross each other there, and the
-    kernel loses one of two roundings.
+    It ends in the middle of a journal where its mirror image begins: both then meet in one curve, as the
+    halves of a throw do. Whole tools cross each other there, and the kernel loses one of two roundings.
     """
     tool = add_solid(occ, solid)
-    first = sum(outlet.point_mm[2] for outlet in bore.outlets) < 2 * middle_mm
     low, high = bore.box_mm(bore.reach_mm)
-    if bore.alone or (high[2] <= middle_mm if first else low[2] >= middle_mm):
-        return tool
     far = _FAR * float(np.abs([low, high]).max())
-    beyond = occ.addBox(-far, -far, middle_mm - (0 if first else far), 2 * far, 2 * far, far)
-    return cut(occ, tool, [(3, beyond)])
+    for height, beyond, reached in zip(
+        between_mm, (-2 * far, 0.0), (low[2] < between_mm[0], high[2] > between_mm[1]), strict=True
+    ):
+        if reached:
+            box = occ.addBox(-2 * far, -2 * far, height + beyond, 4 * far, 4 * far, 2 * far)
+            tool = cut(occ, tool, [(3, box)])
+    return tool
 
 
 def drilled_at(
     occ: Any,
     body: DimTags,
-    bores: tuple[Sequence[DrillBore], Sequence[DrillBore]],
-    turns_deg: tuple[float, float],
+    bores: Sequence[tuple[float, DrillBore]],
     *,
-    middle_mm: float,
+    between_mm: Mapping[DrillBore, Heights] = NO_HEIGHTS,
     by_tools: bool = False,
 ) -> DimTags:
-    """Return a body without the bores of two halves of a throw, each half turned by its angle.
+    """Return a body without bores, each turned by an angle, deg; other arguments as of `drilled`.
 
-    In one call where both are turned alike, see `_rounded`. Other arguments as of `drilled`.
+    Those that follow each other and are turned alike are cut in one call, see `_rounded`.
     """
-    alike = turns_deg[0] == turns_deg[1]
-    for own, turn in zip([[*bores[0], *bores[1]]] if alike else bores, turns_deg, strict=not alike):
-        if own:
-            body = turned(occ, body, -turn)
-            body = turned(occ, drilled(occ, body, own, middle_mm=middle_mm, by_tools=by_tools), turn)
+    for turn, own in groupby(bores, key=itemgetter(0)):
+        body = turned(occ, body, -turn)
+        body = drilled(occ, body, [bore for _, bore in own], between_mm=between_mm, by_tools=by_tools)
+        body = turned(occ, body, turn)
     return body
+
+
+def to_middle(bores: Sequence[DrillBore], middle_mm: float) -> dict[DrillBore, Heights]:
+    """Return the heights of bores that cross the middle of the crankpin, where their mirror image begins."""
+    found = {}
+    for bore in bores:
+        first = sum(outlet.point_mm[2] for outlet in bore.outlets) < 2 * middle_mm
+        if not bore.alone:
+            found[bore] = (-math.inf, middle_mm) if first else (middle_mm, math.inf)
+    return found
 
 
 def _whole_edges(occ: Any, body: DimTags, outlets: Sequence[RoundedOutlet]) -> dict[RoundedOutlet, list[int]]:

@@ -106,10 +106,10 @@ _BREP_SUFFIXES = (".brep", ".brp")
 KERNEL_SUFFIXES = (*STEP_SUFFIXES, *_BREP_SUFFIXES)
 """Files that the CAD kernel reads; a BREP file tells no unit."""
 _HEADS = {"STEP": b"ISO-10303-21", "BREP": b"CASCADE Topology"}
-_CHORD_MM = 0.01
+CHORD_MM = 0.01
 """Largest distance of a triangle from the body; 1e-4 of the volume of a web."""
 _TRIANGULATION = {
-    "StlLinearDeflection": _CHORD_MM,
+    "StlLinearDeflection": CHORD_MM,
     "StlLinearDeflectionRelative": 0,
     "StlAngularDeflection": 0.1,
 }

@@ -13,7 +13,7 @@ from typing import Any
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid.checked import ClosedForm, check_body, misfit
 from cranktopo.bodies.solid.culprit import culprit
-from cranktopo.bodies.solid.drilled import drilled, drilled_at
+from cranktopo.bodies.solid.drilled import drilled, drilled_at, to_middle
 from cranktopo.bodies.solid.shapes import add_bodies, add_solid, cut, turned, turned_half
 from cranktopo.bodies.volume import half_throw_volume_mm3, outlet_roundings_mm3, throw_volume_mm3
 from cranktopo.design.checks.scene import check_solid
@@ -132,7 +132,9 @@ def add_full_throw(occ: Any, scene: Scene, *, by_tools: bool = False) -> DimTags
     turns = half_turns_deg(scene)
     body, _ = occ.fuse(*(turned(occ, one, turn) for one, turn in zip((half, other), turns, strict=True)))
     late = _late_bores(first, scene), [b.in_second_half(scene.pitch_mm) for b in _late_bores(second, scene)]
-    body = drilled_at(occ, list(body), late, turns, middle_mm=first.pitch_mm / 2, by_tools=by_tools)
+    placed = [(turn, bore) for turn, own in zip(turns, late, strict=True) for bore in own]
+    heights = to_middle([bore for _, bore in placed], first.pitch_mm / 2)
+    body = drilled_at(occ, list(body), placed, between_mm=heights, by_tools=by_tools)
     body = _without_crumbs(occ, body, throw_form(scene))
     check_body(occ, body, throw_form(scene), "full throw")
     return list(body)

@@ -13,6 +13,8 @@ _TRIMMED = 6
 """Rounds in which points far from a circle are left out of its fit."""
 _ON_ELLIPSE = 1e-6
 """Distance of points from an ellipse over its size below which they lie on it."""
+_NEAR_ELLIPSE = 0.01
+"""The same of corners from the ellipse through the outermost of them, of which they may be."""
 _BAND = 4.0
 """Distance of points that are kept, over the median one."""
 _DIRECTIONS = 64
@@ -89,6 +91,19 @@ def tangent_fillet(out: Array, z: Array, radius: float) -> tuple[float, float]:
         slope = np.column_stack([-(out - radius - tube) / away - 1, -(z - height) / away])
         found = found - np.linalg.lstsq(slope, away - tube, rcond=None)[0]
     return float(found[0]), float(found[1])
+
+
+def near_ellipse(corners: Array) -> tuple[float, float]:
+    """Return the semi-axes along x and y of the ellipse about the origin that corners (n, 2) lie near.
+
+    The largest coordinates are too small by up to the chords between corners; they begin the search.
+    """
+    squares = corners**2
+    inverse = 1 / squares.max(axis=0)
+    on = np.abs(squares @ inverse - 1) < _NEAR_ELLIPSE
+    fitted = np.linalg.lstsq(squares[on], np.ones(int(on.sum())), rcond=None)[0]
+    x, y = 1 / np.sqrt(fitted if (fitted > 0).all() else inverse)
+    return float(x), float(y)
 
 
 def centred_ellipse(points: Array) -> tuple[float, float] | None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.tasks.crank_import.counterweight import counterweights
-from cranktopo.tasks.crank_import.fits import centred_ellipse
+from cranktopo.tasks.crank_import.fits import centred_ellipse, near_ellipse
 from cranktopo.tasks.crank_import.half_body import HalfBody
 from cranktopo.tasks.crank_import.silhouette import half_width_mm, outer_edge
 from cranktopo.tasks.importing.faces import DIGITS, FLAT, Faces, PlaneFace
@@ -62,9 +62,8 @@ def _outlines(faces: Faces, radius: float, edge: Array) -> Iterator[dict[str, An
         if exact is not None:
             lateral, along = (round(semi, DIGITS) for semi in exact)
             yield {"outline": "ellipse", "semi_axis_throw_mm": along, "semi_axis_lateral_mm": lateral}
-    across, top = (float(largest) for largest in edge.max(axis=0))
-    along, across = round(top - radius / 2, _SAMPLED), round(across, _SAMPLED)
-    yield {"outline": "ellipse", "semi_axis_throw_mm": along, "semi_axis_lateral_mm": across}
+    lateral, along = (round(semi, _SAMPLED) for semi in near_ellipse(edge - np.array([0.0, radius / 2])))
+    yield {"outline": "ellipse", "semi_axis_throw_mm": along, "semi_axis_lateral_mm": lateral}
 
 
 def _from_axis_mm(side: PlaneFace, y_mm: float) -> float:

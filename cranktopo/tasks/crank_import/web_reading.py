@@ -16,6 +16,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid.files import kernel_surface_of
+from cranktopo.bodies.solid.step import CHORD_MM
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
@@ -32,7 +33,10 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 _EXACT = 2e-4
-"""Distance of silhouettes over the throw radius below which an outline counts as the body's own."""
+"""Distance of outlines over the throw radius below which one counts as the body's own.
+
+The silhouette of a body lies inside it by the chords of its triangles besides: `CHORD_MM`.
+"""
 _TOLD, _TOLD_EXACT = 1e-3, 2e-5
 """Share of the volume in which a difference of body and design is told, of triangles and of exact volumes."""
 _OUTLETS = 0.5
@@ -117,7 +121,8 @@ def read_web(body: HalfBody, throw: Mapping[str, Any], material: Mapping[str, An
     Raises:
         CranktopoError: no web of the family fits the throw.
     """
-    solid, exact_mm = solid_of(body.mesh, name), max(_EXACT * throw["radius_mm"], body.near.outline_mm)
+    solid = solid_of(body.mesh, name)
+    exact_mm = max(_EXACT * throw["radius_mm"] + CHORD_MM, body.near.outline_mm)
     found: list[tuple[tuple[float, float], tuple[float, int], str, Scene]] = []
     refusals: list[CranktopoError] = []
     start = throw["main_journal"]["length_mm"] / 2

@@ -100,6 +100,11 @@ class DrillBore(Body):
         one, other = (outlet.in_second_half(pitch_mm) for outlet in self.outlets)
         return DrillBore.between(self.key, self.radius_mm, (one, other), self.alone)
 
+    def moved(self, by_mm: float) -> DrillBore:
+        """Return it farther along the crank."""
+        one, other = (outlet.moved(by_mm) for outlet in self.outlets)
+        return DrillBore.between(self.key, self.radius_mm, (one, other), self.alone)
+
     def surface_mm(self, radius_mm: float, steps: int = 200) -> Array:
         """Points (n, 3) on a cylinder about its axis, over the whole tool."""
         places = np.linspace(*self.extent_mm, steps)[:, None, None]

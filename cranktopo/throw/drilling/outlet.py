@@ -94,6 +94,11 @@ class DrillOutlet:
         (x, y, z), (dx, dy, dz) = self.point_mm, self.outward
         return replace(self, point_mm=(x, y, pitch_mm - z), outward=(dx, dy, -dz))
 
+    def moved(self, by_mm: float) -> DrillOutlet:
+        """Return it farther along the crank."""
+        x, y, z = self.point_mm
+        return replace(self, point_mm=(x, y, z + by_mm))
+
     def height_mm(self, offsets_mm: Array, radius_mm: float) -> Array:
         """Return how far beyond `point_mm` lines (n, 3) beside the axis pass a cylinder about the journal."""
         foot = np.array(self.point_mm) + offsets_mm - np.array([0.0, self.y_mm, 0.0])

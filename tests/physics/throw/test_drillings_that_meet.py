@@ -11,16 +11,21 @@ import pytest
 from manifold3d import Manifold
 
 from cranktopo.base.units import density_kg_per_mm3
+from cranktopo.bodies.crank_drillings import crank_crossings, halved_crossings, taken_beyond
+from cranktopo.bodies.crank_ends import main_journal_places_mm
 from cranktopo.bodies.drill_tool import drill_tool
 from cranktopo.bodies.solid.checked import ROUNDING_TOLERANCE
+from cranktopo.bodies.solid.drilled import drilled
 from cranktopo.bodies.solid.files import export_solid, surface_of
 from cranktopo.bodies.solid.throw import throw_form
 from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.crank import drawn_crank_mass
-from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.numerics.gmsh_session import cad_session, triangles
 from cranktopo.numerics.surfaces.files import read_stl
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.throw.drilling.moments import drilled as drilled_moments
 from cranktopo.throw.drilling.table import drill_bores
 from tests.physics.throw.test_crossing_drillings import drilled_twin
 
@@ -105,6 +110,48 @@ def test_the_ridge_that_a_drill_takes_beyond_the_middle(rounding_mm: float, ridg
     assert (own + other).volume() - halves == pytest.approx(ridge_mm3, abs=0.5)
 
 
+def test_a_mouth_that_neighbours_share_is_halved() -> None:
+    """Between throws that are turned alike each bore ends in the middle of the journal, as in a pin."""
+    drilling = {"diameter_mm": 18.0, "outlet_radius_mm": 2.0}
+    alike, turned = marine(drilling, [1, 2]), marine(drilling, [1, 2, 3])
+    one, other = halved_crossings(alike)
+    assert (one.plane_mm, one.outward, other.outward) == (main_journal_places_mm(alike)[1], 1, -1)
+    assert taken_beyond(alike).volume == pytest.approx(taken_beyond(marine(drilling, [1])).volume)
+    assert not halved_crossings(turned)
+    assert len(crank_crossings(turned)) == 5  # four at the inner journals, one at the end
+
+
+@pytest.mark.parametrize("rounding_mm", [0.0, pytest.param(2.0, marks=pytest.mark.slow)])
+def test_halved_bores_leave_a_body_of_closed_facets(rounding_mm: float) -> None:
+    """Of a journal alone; two whole tools left edges there that facets did not share."""
+    scene = marine({"diameter_mm": 18.0, "outlet_radius_mm": rounding_mm}, [1, 2])
+    (bore,), journal = drill_bores(scene), scene.throw.main_journal
+    other, reach = bore.in_second_half(0.0), journal.length_mm / 2
+    with cad_session("journal") as gmsh:
+        occ = gmsh.model.occ
+        whole = [(3, occ.addCylinder(0, 0, -reach, 0, 0, 2 * reach, journal.radius_mm))]
+        solid_mm3 = occ.getMass(*whole[0])
+        body = drilled(occ, whole, [bore, other], between_mm={bore: (0, math.inf), other: (-math.inf, 0)})
+        taken_mm3 = solid_mm3 - sum(occ.getMass(*pair) for pair in body)
+        occ.synchronize()
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 6.0)
+        gmsh.model.mesh.generate(2)
+        assert SurfaceMesh(*triangles(gmsh)).as_trimesh().is_watertight
+    told_mm3 = 2 * drilled_moments(scene, "main_journal").volume
+    assert taken_mm3 == pytest.approx(told_mm3, rel=2e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rounding_mm", [2.0, 8.0])
+def test_two_throws_that_share_a_mouth(rounding_mm: float, tmp_path: Path) -> None:
+    scene = marine({"diameter_mm": 18.0, "outlet_radius_mm": rounding_mm}, [1, 2])
+    check_step_file(scene, tmp_path / "crank.step")
+    volume = export_solid(scene, "crankshaft", tmp_path / "crank.stl", 6.0)
+    facets = read_stl(tmp_path / "crank.stl")
+    assert facets.as_trimesh().is_watertight
+    assert facets.volume_mm3 == pytest.approx(volume, rel=2e-3)
+
+
 def test_turned_throws_as_facets() -> None:
     """The journal between two of them was one face whose seam had a step, which gmsh did not mesh."""
     scene = marine(None, [1, 2, 3])
@@ -115,7 +162,7 @@ def test_turned_throws_as_facets() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rounding_mm", [4.0, 6.0])
+@pytest.mark.parametrize("rounding_mm", [2.0, 4.0, 6.0])
 def test_the_drilled_six(rounding_mm: float, tmp_path: Path) -> None:
     scene = marine({"diameter_mm": 18.0, "outlet_radius_mm": rounding_mm}, SIX)
     check_step_file(scene, tmp_path / "crank.step")

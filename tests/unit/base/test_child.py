@@ -79,12 +79,35 @@ def test_what_never_ends_is_ended(
     pid, asked = tmp_path / "pid", count()
     clock = SimpleNamespace(monotonic=lambda: 62.0 if written(pid) and next(asked) > 1 else 1.0)
     monkeypatch.setattr(child, "time", clock)
+    clock.clock_gettime = lambda _: 61.0
     with pytest.raises(CranktopoError, match="has not come to an end with it in 61 s") as raised:
         in_child("'x.step'", endless, str(pid), is_read)
     assert raised.value.code == ExitCode.INVALID_INPUT
     assert caplog.messages[0] == "'x.step': the CAD kernel has been at work on it for 0 s"
     with pytest.raises(ProcessLookupError):
         os.kill(int(pid.read_text()), 0)
+
+
+def test_waiting_for_a_processor_is_not_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a busy machine a sound file was called damaged after a minute; without progress all ends at last."""
+    for name, seconds in {"_TELL_S": 0.05, "_READING_S": 60, "_WORKING_S": 60}.items():
+        monkeypatch.setattr(child, name, seconds)
+    pid, asked = tmp_path / "pid", count()
+    clock = SimpleNamespace(monotonic=lambda: 1.0 + 100.0 * next(asked) if written(pid) else 1.0)
+    clock.clock_gettime = lambda _: 30.0
+    monkeypatch.setattr(child, "time", clock)
+    with pytest.raises(CranktopoError, match=r"has not come to an end with it in 1[23]00 s"):
+        in_child("'x.step'", endless, str(pid), False)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="clocks of other processes are Linux's")
+def test_the_clock_of_a_process_counts_its_work() -> None:
+    busy = "import time\nwhile time.process_time() < 0.4: pass\nprint(flush=True)\ntime.sleep(60)"
+    with subprocess.Popen([sys.executable, "-S", "-c", busy], stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        process.stdout.readline()
+        assert 0.4 <= child.worked_s(process.pid, 1e3) < 2.0
+        process.kill()
 
 
 def test_it_ends_with_the_process_that_waits(tmp_path: Path) -> None:
