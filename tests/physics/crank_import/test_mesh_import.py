@@ -14,7 +14,7 @@ from cranktopo import load_scene
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid import step
 from cranktopo.bodies.solid.files import kernel_surface_of, surface_of
-from cranktopo.design.loading import builtin_designs, scene_from_dict
+from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.files import write_stl, write_surface
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
@@ -27,6 +27,7 @@ from cranktopo.tasks.crank_import.solids import parallel_axes
 from cranktopo.tasks.crank_import.stage import import_crank, misfit_hint
 from cranktopo.tasks.crank_import.web_reading import ReadWeb
 from cranktopo.tasks.importing.faces import CylinderFace, Faces
+from tests.physics.crank_import.test_crank_import import built_in, dimensions, run_out
 from tests.random_engines import random_engine
 
 LENGTH_MM, ANGLE_DEG = 0.02, 0.05
@@ -72,13 +73,15 @@ def numbers(data: Any, key: str = "") -> dict[str, float]:
     return {key: data} if isinstance(data, float) else {}
 
 
-def check_near(scene: Scene, result: CrankImport) -> None:
+def check_near(scene: Scene, result: CrankImport, but: tuple[str, ...] = ()) -> None:
     found, wanted = (
         numbers(one.model_dump(mode="json", include={"throw", "web"}, exclude_none=True))
         for one in (load_scene(result.halves[0].design), scene)
     )
     assert found.keys() == wanted.keys()
     for key, value in wanted.items():
+        if key in but:
+            continue
         assert found[key] == pytest.approx(value, abs=ANGLE_DEG if key.endswith("_deg") else LENGTH_MM), key
     assert len(result.halves) == 1
 
@@ -182,17 +185,24 @@ def test_journals_that_a_drilling_joins_are_found_apart() -> None:
     assert sorted(wall.span for wall in found) == [(0.0, 10.0), (10.0, 30.0), (30.0, 45.0)]
 
 
+def told_as_profile() -> list[Any]:
+    """Return the built-in designs; the silhouette of one in triangles is off by 0.088 mm at one place."""
+    mark = pytest.mark.xfail(
+        reason="its ellipse, rms 0.005 mm off, loses to a profile by a spike of 0.088 mm"
+    )
+    return [
+        pytest.param(name, marks=[mark] if name == "opposed-piston-variant-1" else []) for name in built_in()
+    ]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in builtin_designs() if "variant" not in name])
+@pytest.mark.parametrize("name", told_as_profile())
 def test_built_in_cranks(tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Journals and webs; triangles do not tell the radius of outlets, nor a slot's length beyond the web."""
     scene = load_scene(name)
     mesh, whole = coarse_shaft(scene, monkeypatch)
-    result = imported(mesh, name, tmp_path)
-    throw = load_scene(result.halves[0].design).throw
-    assert throw.radius_mm == pytest.approx(scene.throw.radius_mm, abs=LENGTH_MM)
-    for key in ("main_journal", "crankpin"):
-        found, wanted = (getattr(one, key).model_dump() for one in (throw, scene.throw))
-        assert found == pytest.approx(wanted, abs=LENGTH_MM)
+    outlets = (key for key in dimensions(scene) if key.endswith("outlet_radius_mm"))
+    check_near(scene, imported(mesh, name, tmp_path), (*outlets, *run_out(scene)))
     tell_one_throw(whole)
 
 
