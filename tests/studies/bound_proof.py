@@ -161,8 +161,8 @@ def proven(scene: Scene, model: BoundModel, webs: list[Judged]) -> Iterator[Prov
     """The bound of each goal beside the webs that keep its limits."""
     for name, goal in _goals(scene).items():
         bound = prove(model, goal)
-        kept = [web for web in webs if _keeps(model, bound, web)]
-        told = tuple(_told(model, bound, web) for web in kept)
+        kept = [web for web in webs if keeps(model, bound, web)]
+        told = tuple(goal_value(model, bound, web) for web in kept)
         yield Proven(name, bound, tuple(web.kind for web in kept), told)
 
 
@@ -189,11 +189,13 @@ def _value(model: BoundModel, web: Judged, quantity: str) -> float:
     return float(web.values[(*model.model.case_names, *model.webs.amounts).index(quantity)])
 
 
-def _keeps(model: BoundModel, bound: Bound, web: Judged) -> bool:
+def keeps(model: BoundModel, bound: Bound, web: Judged) -> bool:
+    """Whether a web keeps the limits of a bound."""
     return all(c.sign * (_value(model, web, c.quantity) - c.bound) <= 0 for c in bound.problem.constraints)
 
 
-def _told(model: BoundModel, bound: Bound, web: Judged) -> float:
+def goal_value(model: BoundModel, bound: Bound, web: Judged) -> float:
+    """The quantity of a bound's goal that a web has."""
     value = _value(model, web, bound.problem.quantity)
     mass = _value(model, web, "mass") if bound.problem.per_mass else 1.0
     return bound.problem.goal_value(value * mass, bound.original)

@@ -1,7 +1,8 @@
 """Density optimisations at the volume of the design's own web, against that web.
 
-`python -m tests.studies.own_webs [DESIGN | SEED ...]`: a number is a random engine with all features by its
-process; a design goes by every process. Both webs are judged twice: on the optimiser's cells, and by the
+`python -m tests.studies.own_webs [DESIGN[:PROCESS] | SEED ...]`: a number is a random engine with all
+features by its process; a design goes by every process. A design without an envelope, as the sources' ideas
+of another web are, has that of its engine. Both webs are judged twice: on the optimiser's cells, and by the
 body-fitted evaluation of the extracted surface against the exact web without fillets. Stiffness per mass is
 the reciprocal of the weighted compliance under bending and torsion, the objective, times the mass.
 """
@@ -32,6 +33,8 @@ from tests.hostile.featured_engines import PROCESSES, featured_engine
 DESIGNS = (
     "mikron-iiic",
     "mikron-iiic-plain",
+    "mikron-iiic-hollow",
+    "mikron-iiic-rounded",
     "car-diesel",
     "industrial-gas",
     "opposed-piston",
@@ -40,6 +43,7 @@ DESIGNS = (
     "opposed-piston-variant-1",
     "opposed-piston-variant-2",
 )
+ENGINES = "mikron-iiic", "opposed-piston"
 CELL_MM = 3.0
 """On a throw of the Mikron's size; in proportion on others."""
 
@@ -51,10 +55,20 @@ def scenes(name: str) -> Iterator[Scene]:
         data.pop("second_web", None)  # its own volume is that of one web
         found = [scene_from_dict(data)]
     else:
-        found = [load_scene(name).with_optimise(process=process) for process in PROCESSES]
+        design, _, process = name.partition(":")
+        own = in_envelope(load_scene(design))
+        found = [own.with_optimise(process=one) for one in ([process] if process else PROCESSES)]
     for scene in found:
         bare = scene.model_copy(update={"goal": None}).with_effect("bound", "off")
         yield bare.with_optimise(resolution_mm=CELL_MM / usual_scale(scene))
+
+
+def in_envelope(scene: Scene) -> Scene:
+    """A scene in the envelope of its engine, the design whose name begins its own, where it has none."""
+    if scene.envelope is not None:
+        return scene
+    engine = load_scene(next(name for name in ENGINES if scene.name.startswith(name)))
+    return scene.model_copy(update={key: getattr(engine, key) for key in ("envelope", "optimise", "effects")})
 
 
 def own_volume_fraction(scene: Scene) -> float:

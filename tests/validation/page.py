@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from tests.validation import free_moments, shafts, stiffness_map
+from tests.validation import concentration_map, free_moments, shafts, stiffness_map
 from tests.validation.table import input_table, table
 
 PAGES = Path(__file__).parents[2] / "docs" / "pages"
@@ -22,6 +22,7 @@ def tables() -> dict[str, str]:
         "mwm-inputs": input_table(shafts.mwm_inputs()),
         "mwm": table(shafts.mwm_rows()),
         "stiffness": stiffness_map.table(),
+        "concentration": concentration_map.table(),
     }
 
 
@@ -55,3 +56,4 @@ if __name__ == "__main__":
     page.write_text(filled(page.read_text(encoding="utf-8")), encoding="utf-8")
     draw(IMAGES / "validation-torque.svg")
     stiffness_map.draw(IMAGES / "validation-stiffness.svg")
+    concentration_map.draw(IMAGES / "validation-concentration.svg")

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from tests.validation import free_moments, page, shafts, stiffness_map
+from cranktopo.tasks.fatigue.m53 import dimensions, outside_validity
+from tests.validation import concentration_map, free_moments, page, shafts, stiffness_map
 
 PERCENT_OF_ORDER = {"rotating": 1e-4, "1st": 0.01, "2nd": 0.01, "4th": 0.1}
 """Largest difference, percent: the other program's series and whole degrees."""
@@ -88,6 +89,34 @@ def test_the_map_has_the_elements_of_now(throw: stiffness_map.Proportions) -> No
     stored = stiffness_map.stored()[throw]
     assert throw.by_elements() == pytest.approx(stored, rel=1e-3)
     assert throw.by_elements(stiffness_map.ELEMENT_MM / 1.5) == pytest.approx(stored, rel=0.01)
+
+
+def test_every_throw_of_the_concentration_is_stored() -> None:
+    """Each within the rule's validity; bending and torsion are off by no more than the page tells.
+
+    Pin and journal are alike, so that exact factors of both fillets would be equal.
+    """
+    stored = concentration_map.stored()
+    assert set(concentration_map.throws()) == set(stored)
+    for throw in stored:
+        assert outside_validity(dimensions(throw.scene())) == ()
+    for factor in concentration_map.FACTORS:
+        off = [concentration_map.off_percent(factor, ratio) for ratio in concentration_map.VALUES]
+        assert np.abs(np.concatenate(off)).max() < (14 if "bending" in factor else 22)
+    for one in stored.values():
+        assert one.alpha_bending == pytest.approx(one.beta_bending, rel=0.035)
+        assert one.alpha_torsion == pytest.approx(one.beta_torsion, rel=0.01)
+
+
+@pytest.mark.slow
+def test_the_concentration_has_the_elements_of_now() -> None:
+    """And smaller elements change it by less than what the page tells."""
+    throw = concentration_map.Ratios()
+    stored, finer = vars(concentration_map.stored()[throw]), vars(throw.by_elements(0.25))
+    again = vars(throw.by_elements())
+    for factor in concentration_map.FACTORS:
+        assert again[factor] == pytest.approx(stored[factor], rel=2e-3)
+        assert finer[factor] == pytest.approx(stored[factor], rel=0.02)
 
 
 def test_the_page_has_these_tables() -> None:
