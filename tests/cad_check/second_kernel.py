@@ -1,4 +1,4 @@
-"""What a second OCC binding, which shares no library with gmsh, finds in a STEP file of one solid.
+"""What a second OCC binding, which shares no library with gmsh, finds in a STEP file of solids.
 
 Needs the optional extra `cad-check` (cadquery-ocp); `ocp` skips a test without it.
 """
@@ -26,7 +26,7 @@ ELEMENTARY = ("Plane", "Cylinder", "Cone", "Sphere", "Torus")
 CHORD, TURN_RAD = 2e-3, 0.3
 """Chord error of triangles over the largest dimension of the body, and their largest turn."""
 WELD_MM = 1e-6
-"""Points of two faces on their common edge are one where they are nearer."""
+"""Points of two faces on their common edge are one within it, or within twice the file's largest tolerance."""
 BESIDE_MM = 0.01
 """Distance from a vertex from which on edges that touch there are apart."""
 INNER = np.linspace(0.05, 0.95, 7)
@@ -62,18 +62,19 @@ class Examined:
     mesh_error: float
 
 
-def examined(path: Path) -> Examined:
-    """Read a STEP file again and check all of it."""
+def examined(path: Path, bodies: int = 1) -> Examined:
+    """Read a STEP file of so many solids again and check all of it."""
     shape = read_shape(path)
     faces, volume = list(sub_shapes(shape, "FACE")), volume_mm3(shape)
-    closed, meshed = _meshed(shape)
+    tolerance_mm = float(ocp("ShapeAnalysis").ShapeAnalysis_ShapeTolerance().Tolerance(shape, 1))
+    closed, meshed = _meshed(shape, max(WELD_MM, 2 * tolerance_mm))
     return Examined(
-        faults=(*_topology(shape), *_invalid(shape), *crossing_wires(faces), *closed),
+        faults=(*_topology(shape, bodies), *_invalid(shape), *crossing_wires(faces), *closed),
         volume_mm3=volume,
         kinds=dict(Counter(surface_kind(face) for face in faces)),
         tori_mm=tuple(sorted({_torus(face) for face in faces if surface_kind(face) == "Torus"})),
         disguised=disguises(shape),
-        tolerance_mm=float(ocp("ShapeAnalysis").ShapeAnalysis_ShapeTolerance().Tolerance(shape, 1)),
+        tolerance_mm=tolerance_mm,
         mesh_error=meshed / volume - 1,
     )
 
@@ -170,8 +171,8 @@ def _torus(face: Any) -> tuple[float, float]:
     return round(torus.MajorRadius(), 6), round(torus.MinorRadius(), 6)
 
 
-def _topology(shape: Any) -> Iterator[str]:
-    """One solid of one shell without free edges, nothing beside it."""
+def _topology(shape: Any, bodies: int) -> Iterator[str]:
+    """So many solids of one shell each without free edges, nothing beside them."""
     counts = [
         sum(1 for _ in sub_shapes(shape, kind, holder))
         for kind, holder in (
@@ -183,7 +184,7 @@ def _topology(shape: Any) -> Iterator[str]:
             ("VERTEX", "EDGE"),
         )
     ]
-    if counts != [1, 1, 0, 0, 0, 0]:
+    if counts != [bodies, bodies, 0, 0, 0, 0]:
         yield f"solids, shells, loose shells, faces, edges, vertices: {counts}"
     shells = ocp("ShapeAnalysis").ShapeAnalysis_Shell()
     shells.LoadShells(shape)
@@ -249,7 +250,7 @@ def _inner_edge(edge: Any) -> Any:
     return ocp("BRepBuilderAPI").BRepBuilderAPI_MakeEdge(curve.Curve().Curve(), low, high).Edge()
 
 
-def _meshed(shape: Any) -> tuple[list[str], float]:
+def _meshed(shape: Any, weld_mm: float) -> tuple[list[str], float]:
     """What is wrong with the triangles of a body, and the volume inside them."""
     box = ocp("Bnd").Bnd_Box()
     ocp("BRepBndLib").BRepBndLib.Add_s(shape, box)
@@ -262,7 +263,7 @@ def _meshed(shape: Any) -> tuple[list[str], float]:
         return [*faults, "BRepMesh: a face has no triangles"], float("nan")
     corners = np.concatenate([part for part in parts if part is not None])
     volume = float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6)
-    open_edges = _open_edges(corners)
+    open_edges = _open_edges(corners, weld_mm)
     return [*faults, *([f"BRepMesh: {open_edges} open edges"] if open_edges else [])], volume
 
 
@@ -279,12 +280,12 @@ def _triangles(face: Any) -> Array | None:
     return xyz[corners[:, ::-1] if reversed_ else corners]
 
 
-def _open_edges(corners: Array) -> int:
+def _open_edges(corners: Array, weld_mm: float) -> int:
     """Number of directed edges of triangles without their counterpart, points welded."""
     from scipy.spatial import cKDTree
 
     points = corners.reshape(-1, 3)
-    ties = cKDTree(points).query_ball_point(points, WELD_MM)
+    ties = cKDTree(points).query_ball_point(points, weld_mm)
     name = np.array([min(tie) for tie in ties]).reshape(-1, 3)
     name = name[(name != np.roll(name, 1, axis=1)).all(axis=1)]
     edges = Counter(map(tuple, np.concatenate([name[:, [0, 1]], name[:, [1, 2]], name[:, [2, 0]]]).tolist()))

@@ -21,8 +21,9 @@ from cranktopo.base.formats import SolidPart
 from cranktopo.bodies.crank_drillings import taken_beyond
 from cranktopo.bodies.crank_ends import ends_volume_mm3
 from cranktopo.bodies.solid.checked import ROUNDING_TOLERANCE, ClosedForm
-from cranktopo.bodies.solid.files import export_solid
+from cranktopo.bodies.solid.files import bolted_bodies, export_solid
 from cranktopo.bodies.solid.throw import half_form, throw_form
+from cranktopo.bodies.volume import bolted_volume_mm3
 from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.schema import Scene
@@ -56,7 +57,8 @@ def _row(scene: Scene, part: SolidPart, seed: int, folder: Path) -> Row:
     except CranktopoError as error:
         return row | {"refused": str(error), "export_s": time.process_time() - start}
     written = time.process_time()
-    found, form = examined(path), _form(scene, part)
+    beside = 0 if part == "half" else len(bolted_bodies(scene, part))
+    found, form = examined(path, 1 + beside), _form(scene, part)
     row |= asdict(found) | {"export_s": written - start, "check_s": time.process_time() - written}
     path.unlink()
     missing = sorted(_round_fillets(scene, part) - set(found.tori_mm))
@@ -70,13 +72,20 @@ def _row(scene: Scene, part: SolidPart, seed: int, folder: Path) -> Row:
 
 
 def _form(scene: Scene, part: SolidPart) -> ClosedForm:
+    """The closed form of a part with the counterweights that are bolted to it, bodies of their own."""
     if part == "half":
         return half_form(scene)
-    if part == "throw":
-        return throw_form(scene)
-    forms = [throw_form(throw) for throw in throw_scenes(scene)]
-    volume = sum(form.volume_mm3 for form in forms) + ends_volume_mm3(scene) - taken_beyond(scene).volume
+    throws = throw_scenes(scene) if part == "crankshaft" else (scene,)
+    forms = [throw_form(throw) for throw in throws]
+    volume = sum(form.volume_mm3 for form in forms) + sum(map(_bolted_mm3, throws))
+    if part == "crankshaft":
+        volume += ends_volume_mm3(scene) - taken_beyond(scene).volume
     return ClosedForm(volume, sum(form.roundings_mm3 for form in forms))
+
+
+def _bolted_mm3(throw: Scene) -> float:
+    weights = ((half, half.web.counterweight) for half in halves(throw))
+    return sum(bolted_volume_mm3(half) for half, weight in weights if weight is not None and weight.bolted)
 
 
 def _round_fillets(scene: Scene, part: SolidPart) -> set[tuple[float, float]]:

@@ -99,7 +99,7 @@ def table() -> str:
     rows = []
     for factor, name in FACTORS.items():
         off = [off_percent(factor, ratio) for ratio in VALUES]
-        rows.append((name, *(f"{one.min():+.0f} to {one.max():+.0f} %" for one in off)))
+        rows.append((name, *(f"{round(one.min()):+d} to {round(one.max()):+d} %" for one in off)))
     ranges = (f"{ratio} {values[0]:g} to {values[-1]:g}" for ratio, values in VALUES.items())
     return lines_of(("fillet, load", *ranges), rows)
 
