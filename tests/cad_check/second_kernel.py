@@ -26,7 +26,7 @@ ELEMENTARY = ("Plane", "Cylinder", "Cone", "Sphere", "Torus")
 CHORD, TURN_RAD = 2e-3, 0.3
 """Chord error of triangles over the largest dimension of the body, and their largest turn."""
 WELD_MM = 1e-6
-"""Points of two faces on their common edge are one within it, or within twice the file's largest tolerance."""
+"""Points of two faces on their common edge are one within it, or within twice the file's tolerance."""
 BESIDE_MM = 0.01
 """Distance from a vertex from which on edges that touch there are apart."""
 INNER = np.linspace(0.05, 0.95, 7)
