@@ -87,5 +87,5 @@ def test_a_motion_turns_and_mirrors_with_its_slope() -> None:
     base, _ = motions(bent, start, 20, 1e-6)
     turned, _ = motions(lambda p, at, one: turn * bent(p, at / turn, one), turn * start, 20, 1e-6)
     image, _ = motions(lambda p, at, one: bent(p, at.conj(), one).conj(), start.conj(), 20, 1e-6)
-    assert np.abs(turned - turn * base).max() < 1e-10
+    assert np.abs(turned - turn * base).max() < 1e-9  # 1.02e-10 on one processor, less on others
     assert np.abs(image - base.conj()).max() == 0.0
