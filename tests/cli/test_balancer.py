@@ -146,7 +146,7 @@ def test_the_drawing_says_what_the_scene_says():
     assert volume == pytest.approx(check_balancer(scene).mass_kg / 7.85e-6 - groove, abs=0.2 * groove)
 
 
-@pytest.mark.parametrize("name", ["shaft.step", "shaft.stl"])
+@pytest.mark.parametrize("name", ["shaft.step", pytest.param("shaft.stl", marks=pytest.mark.slow)])
 def test_the_shaft_as_a_body(capsys, tmp_path, name):
     """The body of the built-in shaft has grooves, which the drawing shows; masses have no shape."""
     file = tmp_path / name

@@ -83,6 +83,7 @@ def test_the_shaft_line_is_told_disk_by_disk() -> None:
     assert [one["value"] for one in springs[:3]] == pytest.approx([400.0] * 3)
 
 
+@pytest.mark.slow
 def test_the_vibration_settles_with_a_shaft_line_alone() -> None:
     assert settled_vibration(FOUR) == {"gauges": {}}
     data = changed_data(FOUR, {**SHAFT, "shaft.throw_stiffness_Nm_per_rad": None})
