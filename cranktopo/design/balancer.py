@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import accumulate
 from typing import Annotated, Literal
 
@@ -151,6 +152,11 @@ class BalancerPart(SceneTable):
     def length_mm(self) -> float:
         """Return the length of the shaft."""
         return sum(step.length_mm for step in self.step)
+
+    @property
+    def unnotched_mm3(self) -> float:
+        """Return the volume of the steps without their bores."""
+        return sum(math.pi / 4 * s.length_mm * (s.diameter_mm**2 - s.bore_mm**2) for s in self.step)
 
     @property
     def steps(self) -> tuple[tuple[ShaftStep, float, float], ...]:

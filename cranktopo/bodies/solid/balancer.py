@@ -8,18 +8,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from itertools import pairwise
+from itertools import groupby
 from typing import Any
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.bodies.solid.checked import ClosedForm, check_body
-from cranktopo.bodies.solid.shapes import cut
+from cranktopo.bodies.solid.shapes import add_solid, cut
 from cranktopo.design.balancer import BalancerPart, ShaftNotch
 from cranktopo.design.checks.balancer import balancer_of
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import DimTags
+from cranktopo.throw.primitives import Arc, Cylinder, LineSegment, Revolution, Solid
 
 _POINTS = 40
 """Gauss points along a hole: its volume is exact to 1e-12."""
@@ -28,20 +29,12 @@ _POINTS = 40
 def add_balancer(occ: Any, scene: Scene) -> DimTags:
     """Return the shaft, its first end at the origin, its axis along z; holes go across along x."""
     part = _part(scene)
-    body: DimTags = [
-        (3, occ.addCylinder(0, 0, start, 0, 0, end - start, r)) for start, end, r in _outside(part)
-    ]
-    if len(body) > 1:
-        body, _ = occ.fuse(body[:1], body[1:])
-    tools: DimTags = [
-        (3, occ.addCylinder(0, 0, start, 0, 0, end - start, step.bore_mm / 2))
-        for step, start, end in part.steps
-        if step.bore_mm
-    ]
-    for notch in part.notch:
-        outer = part.section_at(notch.z_mm)[0] / 2
-        tools += _ring(occ, notch, outer) if notch.kind == "groove" else _hole(occ, notch, outer)
-    body = cut(occ, body, tools) if tools else body
+    body, *others = [add_solid(occ, solid) for solid in _outside(part)]
+    if others:
+        body, _ = occ.fuse(body, [pair for one in others for pair in one])
+    bores = (_along(start, end, step.bore_mm) for step, start, end in part.steps if step.bore_mm)
+    notches = (_notch(notch, part.section_at(notch.z_mm)[0] / 2) for notch in part.notch)
+    body = cut(occ, body, [pair for solid in (*bores, *notches) for pair in add_solid(occ, solid)])
     check_body(occ, body, ClosedForm(balancer_mm3(part)), "balancer shaft")
     return list(body)
 
@@ -58,14 +51,15 @@ def _part(scene: Scene) -> BalancerPart:
     return part
 
 
-def _outside(part: BalancerPart) -> Iterator[tuple[float, float, float]]:
-    """Yield begin, end and radius of the cylinders, of steps with one diameter as one: no edge is between."""
-    steps = [(start, end, step.diameter_mm / 2) for step, start, end in part.steps]
-    first, radius = 0.0, steps[0][2]
-    for (_, end, _), (_, _, following) in pairwise([*steps, (0.0, 0.0, -1.0)]):
-        if following != radius:
-            yield first, end, radius
-            first, radius = end, following
+def _outside(part: BalancerPart) -> Iterator[Cylinder]:
+    """Yield the cylinders, of steps with one diameter as one: no edge is between."""
+    for diameter, alike in groupby(part.steps, key=lambda one: one[0].diameter_mm):
+        steps = list(alike)
+        yield _along(steps[0][1], steps[-1][2], diameter)
+
+
+def _along(start: float, end: float, diameter: float) -> Cylinder:
+    return Cylinder((0.0, 0.0, start), (0.0, 0.0, end - start), diameter / 2)
 
 
 def _half_width_mm(notch: ShaftNotch, outer_mm: float) -> float:
@@ -76,35 +70,26 @@ def _half_width_mm(notch: ShaftNotch, outer_mm: float) -> float:
     return math.sqrt(depth * (2 * notch.radius_mm - depth))
 
 
-def _ring(occ: Any, notch: ShaftNotch, outer: float) -> DimTags:
-    """The material of a groove: parallel sides and a round bottom, turned about the axis."""
-    z, r, half = notch.z_mm, notch.radius_mm, _half_width_mm(notch, outer)
+def _notch(notch: ShaftNotch, outer: float) -> Solid:
+    """Return the tool of a notch: a hole along x, or the turned section of a groove with its round bottom."""
+    z, half, beyond = notch.z_mm, _half_width_mm(notch, outer), 2 * outer
+    if notch.kind == "hole":
+        return Cylinder((-beyond, 0.0, z), (2 * beyond, 0.0, 0.0), half)
+    r = notch.radius_mm
     centre = notch.diameter_mm / 2 + r
-    beyond = outer + r  # so that no faces of tool and shaft lie in each other
     low = centre - math.sqrt(max(r * r - half * half, 0.0))
     a, b, c, d = (
-        occ.addPoint(x, 0, place)
+        (x, 0.0, place)
         for x, place in ((low, z - half), (low, z + half), (beyond, z + half), (beyond, z - half))
     )
-    bottom, middle = occ.addPoint(centre - r, 0, z), occ.addPoint(centre, 0, z)
-    arcs = [occ.addCircleArc(a, middle, bottom), occ.addCircleArc(bottom, middle, b)]
-    lines = [occ.addLine(*ends) for ends in ((b, c), (c, d), (d, a))]
-    face = occ.addPlaneSurface([occ.addCurveLoop([*arcs, *lines])])
-    turned = occ.revolve([(2, face)], 0, 0, 0, 0, 0, 1, 2 * math.pi)
-    return [pair for pair in turned if pair[0] == 3]
-
-
-def _hole(occ: Any, notch: ShaftNotch, outer: float) -> DimTags:
-    length = 4 * outer
-    return [(3, occ.addCylinder(-length / 2, 0, notch.z_mm, length, 0, 0, notch.diameter_mm / 2))]
+    bottom, middle = (centre - r, 0.0, z), (centre, 0.0, z)
+    lines = (LineSegment(*ends) for ends in ((b, c), (c, d), (d, a)))
+    return Revolution((Arc(a, middle, bottom), Arc(bottom, middle, b), *lines), (0.0, 0.0, 0.0))
 
 
 def balancer_mm3(part: BalancerPart) -> float:
     """Return the volume of a shaft without its masses by the closed form, mm3."""
-    volume = sum(
-        math.pi / 4 * (end - start) * (step.diameter_mm**2 - step.bore_mm**2)
-        for step, start, end in part.steps
-    )
+    volume = part.unnotched_mm3
     for notch in part.notch:
         outer, bore = part.section_at(notch.z_mm)
         removed = _groove_mm3(notch, outer / 2) if notch.kind == "groove" else _hole_mm3(notch, outer, bore)

@@ -93,7 +93,7 @@ class _ShaftViews:
 
     def __init__(self, scene: Scene, part: BalancerPart) -> None:
         self._scene, self._part = scene, part
-        self._ends = [float(z) for z in np.cumsum([0.0, *(step.length_mm for step in part.step)])]
+        self._ends = [0.0, *(end for _, _, end in part.steps)]
 
     @property
     def _radius(self) -> float:
@@ -188,7 +188,7 @@ class _ShaftViews:
     def _profile(self) -> Array:
         """Outline above the axis, (n, 2), with its grooves."""
         points: list[tuple[float, float]] = []
-        for step, (start, end) in zip(self._part.step, pairwise(self._ends), strict=True):
+        for step, start, end in self._part.steps:
             points.append((start, step.diameter_mm / 2))
             for notch in sorted(self._part.notch, key=lambda one: one.z_mm):
                 if notch.kind == "groove" and start < notch.z_mm <= end:
@@ -199,8 +199,7 @@ class _ShaftViews:
     @property
     def _bore(self) -> Array:
         """Bore above the axis, (n, 2)."""
-        steps = zip(self._part.step, pairwise(self._ends), strict=True)
-        return np.array([(z, step.bore_mm / 2) for step, ends in steps for z in ends])
+        return np.array([(z, step.bore_mm / 2) for step, *ends in self._part.steps for z in ends])
 
     @property
     def _faces(self) -> Iterator[Array]:
@@ -226,9 +225,7 @@ class _ShaftViews:
     def _diameters(self, axes: Any, r: float, mm: float) -> None:
         """Write diameter, fit and bore of every step above it, a line to its surface."""
         seats = [bearing.z_mm for bearing in self._part.bearing if not is_thrust(bearing)]
-        for number, (step, (start, end)) in enumerate(
-            zip(self._part.step, pairwise(self._ends), strict=True)
-        ):
+        for number, (step, start, end) in enumerate(self._part.steps):
             seat = any(start < z <= end or z == start == 0.0 for z in seats)
             text = f"⌀{step.diameter_mm:g}"
             if seat:
@@ -305,7 +302,7 @@ class _ShaftViews:
         """Lines of the table: steps, then every place with its mark."""
         part = self._part
         yield "STEPS from z = 0"
-        for number, (step, (start, end)) in enumerate(zip(part.step, pairwise(self._ends), strict=True), 1):
+        for number, (step, start, end) in enumerate(part.steps, 1):
             bore = f", bore ⌀{step.bore_mm:g}" if step.bore_mm else ""
             yield f"  {number}  z {start:g} to {end:g}: ⌀{step.diameter_mm:g}{bore}"
         yield ""

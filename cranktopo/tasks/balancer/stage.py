@@ -262,5 +262,4 @@ def _strength(loaded: _LoadedShaft, size: float) -> LsaStrength:
 
 
 def _mass_kg(part: BalancerPart, material: Material) -> float:
-    volume = sum(math.pi / 4 * s.length_mm * (s.diameter_mm**2 - s.bore_mm**2) for s in part.step)
-    return density_kg_per_mm3(material.density_kg_m3) * volume
+    return density_kg_per_mm3(material.density_kg_m3) * part.unnotched_mm3

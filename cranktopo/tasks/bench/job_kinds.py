@@ -25,8 +25,8 @@ KINDS: Mapping[str, tuple[str, ...]] = {
     "lighter balancer": (),
 }
 """Jobs, with the options that the page may give them."""
-SEARCHES = {"--lighter": "lighter rod", "--redesign": "lighter balancer"}
-"""Options of a command of another name, which has the design that it found written."""
+SEARCHES = {"lighter rod": "--lighter", "lighter balancer": "--redesign"}
+"""Jobs of a command of another name, with its option that has the design it found written."""
 OF_RUN = ("remodel", "extract")
 """Those that take the run of another job in place of the design."""
 RESUMABLE = ("optimise", "shape", "sweep")
@@ -53,8 +53,8 @@ def command_words(kind: str, target: str, options: Mapping[str, Any]) -> tuple[s
     Args:
         target: the design, or the run of another job.
     """
-    search = next((option for option, name in SEARCHES.items() if name == kind), None)
-    found = [kind.removeprefix("lighter "), target, *([f"{search}={FOUND}"] if search else [])]
+    found = [kind.removeprefix("lighter "), target]
+    found += [f"{SEARCHES[kind]}={FOUND}"] if kind in SEARCHES else []
     for name, chosen in options.items():
         found += [f"--{name}={value}" for value in (chosen if isinstance(chosen, list) else [chosen])]
     return (*found, *(("--out", _OUTPUT[kind]) if kind in _OUTPUT else ("--json",)))

@@ -122,7 +122,7 @@ class BenchJob:
         design = (self.place / _DESIGN).relative_to(folder).as_posix()
         own = f"{self.known.kind.replace(' ', '-')}-{self.known.id}"
         names = {_DESIGN: design, OUT: own, SURFACE: f"{own}.stl"}
-        names |= {f"{option}={FOUND}": f"{option}={own}.toml" for option in SEARCHES}
+        names |= {f"{option}={FOUND}": f"{option}={own}.toml" for option in SEARCHES.values()}
         names |= {
             word: (self.place / word).resolve().relative_to(folder.resolve()).as_posix()
             for word in self.known.words

@@ -67,7 +67,7 @@ def gauge_numbers(scene: Scene, stiffness_factors: Sequence[float] = ()) -> dict
     corrected = with_stiffness(scene, stiffness_factors) if soft and stiffness_factors else scene
     loads = EngineLoads(corrected)
     gauges = _values(loads, _QUICK if waiting else _PARTS)
-    resting = [name for name in ("natural_frequency",) if soft and name in gauges]
+    resting = ["natural_frequency"] if soft and "natural_frequency" in gauges else []
     words = _AS_SETTLED if stiffness_factors else _CLOSED_FORM
     rings = {**_of_gas(scene), **dict.fromkeys(resting, words), **dict.fromkeys(waiting, _WAITS)}
     if "natural_frequency" in gauges and few_throws(scene):

@@ -155,7 +155,7 @@ def variant_of(job: BenchJob) -> str | None:
         return _design(job.place / "design.toml")
     if job.known.kind == "remodel":
         return next(_design(file) for file in sorted(job.out.glob("*.toml")))
-    if job.known.kind in SEARCHES.values():
+    if job.known.kind in SEARCHES:
         return _design(job.place / FOUND)
     if job.known.kind != "optimise":
         return None

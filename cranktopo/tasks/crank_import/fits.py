@@ -101,7 +101,7 @@ def near_ellipse(corners: Array) -> tuple[float, float]:
     squares = corners**2
     inverse = 1 / squares.max(axis=0)
     on = np.abs(squares @ inverse - 1) < _NEAR_ELLIPSE
-    fitted = np.linalg.lstsq(squares[on], np.ones(int(on.sum())), rcond=None)[0]
+    fitted = _inverse_squares(squares[on])
     x, y = 1 / np.sqrt(fitted if (fitted > 0).all() else inverse)
     return float(x), float(y)
 
@@ -109,11 +109,16 @@ def near_ellipse(corners: Array) -> tuple[float, float]:
 def centred_ellipse(points: Array) -> tuple[float, float] | None:
     """Return the semi-axes along x and y of the ellipse about the origin through points (n, 2), if any."""
     squares = points**2
-    inverse = np.linalg.lstsq(squares, np.ones(len(points)), rcond=None)[0]
+    inverse = _inverse_squares(squares)
     if (inverse <= 0).any() or np.abs(squares @ inverse - 1).max() > _ON_ELLIPSE:
         return None
     x, y = 1 / np.sqrt(inverse)
     return float(x), float(y)
+
+
+def _inverse_squares(squares: Array) -> Array:
+    """Return the inverse squares of both semi-axes, by least squares over squared coordinates (n, 2)."""
+    return np.asarray(np.linalg.lstsq(squares, np.ones(len(squares)), rcond=None)[0], dtype=np.float64)
 
 
 def tilt(unit: Array, heights: Array, off_mm: Array) -> Array:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note
 from cranktopo.bodies.memory import check_element_size
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
@@ -246,6 +247,15 @@ def _permitted(scene: Scene, at_speeds: Sequence[ContinuousShaft]) -> dict[str, 
 def stands_on_bearings(scene: Scene, bearings: ShaftBearings) -> bool:
     """Tell whether a scene and its bearings say what the shaft carries over the cycle."""
     return bearings != "free" and pressure_curve(scene) is not None
+
+
+def not_on_bearings(what: str) -> CranktopoError:
+    """Return the refusal of an option where a shaft does not; `what` says what needs it, up to the verb."""
+    return CranktopoError(
+        f"{what} [engine.gas], and bearings that are not free.",
+        hint="Leave it out, or choose --bearings rigid, spring, clearance or film.",
+        code=ExitCode.USAGE,
+    )
 
 
 def _at_speeds(

@@ -154,12 +154,10 @@ def command(
 
 def _check_loaded(loaded: bool, options: list[str]) -> None:
     """Refuse options that need forces on all bearings, where there are none."""
+    from cranktopo.tasks.shaft.stage import not_on_bearings
+
     if options and not loaded:
-        raise CranktopoError(
-            f"{options[0]}: the forces on all bearings need [engine.gas], and bearings that are not free.",
-            hint="Leave it out, or choose --bearings rigid, spring, clearance or film.",
-            code=ExitCode.USAGE,
-        )
+        raise not_on_bearings(f"{options[0]}: the forces on all bearings need")
 
 
 def _check_options(method: str | None, element_size_mm: float | None, fillet_fraction: float | None) -> None:

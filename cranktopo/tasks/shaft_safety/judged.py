@@ -10,7 +10,6 @@ from functools import cached_property
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import filter_by_table
 from cranktopo.design.crank_throws import carried
@@ -39,6 +38,7 @@ from cranktopo.tasks.shaft.on_film import Support
 from cranktopo.tasks.shaft.result import ShaftEvaluation
 from cranktopo.tasks.shaft.stage import (
     evaluate_shaft,
+    not_on_bearings,
     of_stiffness,
     shaft_left_off,
     speed_scenes,
@@ -111,11 +111,7 @@ def check_judged(target: Target, bearings: ShaftBearings, method: str) -> None:
     """Check everything that a user can get wrong, before the first solve."""
     criterion(method)
     if not stands_on_bearings(target.scene, bearings):
-        raise CranktopoError(
-            "--method: the safety over the cycle needs [engine.gas], and bearings that are not free.",
-            hint="Leave it out, or choose --bearings rigid, spring, clearance or film.",
-            code=ExitCode.USAGE,
-        )
+        raise not_on_bearings("--method: the safety over the cycle needs")
     for throw in dict.fromkeys(throw_targets(target)):
         check_method(throw.scene, method)
         check_fillets(throw)

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import as_path
 from cranktopo.base.notes import note
 from cranktopo.design.misfire import with_misfire
@@ -24,7 +23,7 @@ from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
 from cranktopo.tasks.shaft.assembly import ShaftBearings
 from cranktopo.tasks.shaft.on_film import check_film
 from cranktopo.tasks.shaft.result import ShaftEvaluation
-from cranktopo.tasks.shaft.stage import evaluate_shaft, shaft_left_off, stands_on_bearings
+from cranktopo.tasks.shaft.stage import evaluate_shaft, not_on_bearings, shaft_left_off, stands_on_bearings
 from cranktopo.tasks.shaft.web_sections import write_web_sections
 from cranktopo.tasks.shaft_safety.in_motion import judged_in_motion, shaft_in_motion
 from cranktopo.tasks.shaft_safety.judged import check_judged, judged_shaft
@@ -127,11 +126,7 @@ def write_curves(
     if csv is None:
         return
     if not evaluation.on_bearings:
-        raise CranktopoError(
-            "--csv: what webs carry over the cycle needs [engine.gas], and bearings that are not free.",
-            hint="Leave it out, or choose --bearings rigid, spring, clearance or film.",
-            code=ExitCode.USAGE,
-        )
+        raise not_on_bearings("--csv: what webs carry over the cycle needs")
     path = as_path(csv)
     moving = [at.curves for at in dynamics.speeds if at.curves] if dynamics else []
     still = [(at.speed_rpm, at.sections) for at in evaluation.on_bearings if at.sections]
