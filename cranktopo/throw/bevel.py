@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -219,6 +220,7 @@ def _off_edge_mm(arc: BevelArc, axis_mm: Any) -> Any:
     return (arc.start_mm - arc.outward * axis_mm) / np.hypot(1.0, arc.inward)
 
 
+@lru_cache(maxsize=64)
 def _rounded_off_mm(arc: BevelArc, axis_mm: Any) -> Any:
     """Least such distance after rounding: where an arc begins flat, its edge moves by many times as much."""
     off = _ROUNDED_MM
@@ -227,6 +229,7 @@ def _rounded_off_mm(arc: BevelArc, axis_mm: Any) -> Any:
     return _off_edge_mm(flatter, axis_mm)
 
 
+@lru_cache(maxsize=64)
 def _least_off_mm(arc: BevelArc, depth_mm: Any, axis_mm: Any, radius_mm: Any) -> Any:
     """Least distance of a bevel from the edge of a journal at a depth, its axis at a reach."""
     if not arc.draft_deg:
@@ -360,14 +363,12 @@ def _draft_rules(arc: BevelArc, title: str, around: Surroundings) -> Iterator[Ru
     (x, y), thickness = around.points_mm[::_EVERY].T, around.scene.web.thickness_mm
     deepest, least = around.limits.deepest_mm(thickness), around.limits.min_wall_mm
     depth = arc.depth_at_mm(arc.outward * y, x)
-    yield from (
-        (f"most depth of the {title} at the outline, {deepest:.3g} mm", one - deepest) for one in depth
-    )
+    yield f"most depth of the {title} at the outline, {deepest:.3g} mm", depth - deepest
     for other in around.arcs:
         if other.outward == arc.outward or (other.draft_deg and other.outward > arc.outward):
             continue  # itself, or the other one has the rule
         both = depth + other.depth_at_mm(other.outward * y, x) + around.wall_mm - thickness
-        yield from ((wall_rule("between the bevels", least), one) for one in both)
+        yield wall_rule("between the bevels", least), both
     for over in _over_weight_mm(around.scene, arc):
         yield f"the {title} stays clear of the counterweight", over + CLEAR_MM
 

@@ -18,7 +18,10 @@ from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 Frame = tuple[float, float, float]
 """Of an outline: least and largest y, largest half-width, mm."""
 Rule = tuple[str, Any]
-"""A manufacturing rule: its name in plain English with its value, and what is kept where it is <= 0."""
+"""A manufacturing rule: its name in plain English with its value, and what is kept where it is <= 0.
+
+That is a number, or an array with one for each of many places.
+"""
 Axes = tuple[Array, Array, Array]
 """x, y and z of the cell centres, mm; x > 0 only."""
 _RESOLUTION_MM = 0.01

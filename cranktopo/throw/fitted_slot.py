@@ -162,8 +162,8 @@ class FittedSlot(FittedFloor, FittedToSections):
         for arc in around.arcs if self.through else ():
             flat = named.height / 2 - rounding.foot_mm
             bottom = scene.web.thickness_mm / 2 + offset * arc.outward + flat
-            for sunk in _sunk_mm(arc, bottom, named.floor, around.points_mm):
-                yield f"the {arc.title} leaves a part of the groove's floor", sunk
+            sunk = _sunk_mm(arc, bottom, named.floor, around.points_mm)
+            yield f"the {arc.title} leaves a part of the groove's floor", sunk
 
     @override
     def box_mm(self, named: Named, around: Surroundings) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -25,6 +25,7 @@ from cranktopo.throw.fitted import (
     JOURNALS,
     Axes,
     FittedFeature,
+    Named,
     Rule,
     Surroundings,
     shoulder_rule,
@@ -85,14 +86,23 @@ def _rises(flank: Flank, u: Array) -> Any:
     return np.concatenate([inner, np.stack(ends)])
 
 
+def _rules_of(part: FittedFeature, own: Named, around: Surroundings) -> Iterator[Rule]:
+    return part.rules(own, around)
+
+
 def part_rules(
-    parts: tuple[FittedFeature, ...], points: Array, values: Array, scene: Scene, limits: ManufacturingLimits
+    parts: tuple[FittedFeature, ...],
+    points: Array,
+    values: Array,
+    scene: Scene,
+    limits: ManufacturingLimits,
+    rules_of: Callable[[FittedFeature, Named, Surroundings], Iterable[Rule]] = _rules_of,
 ) -> list[Rule]:
     """Return the rules of the features, mm: walls, shoulders, access; points of the outline's right half."""
     named = list(named_parts(parts, values))
     arcs = (part.arc(own, points[[0, -1], 1]) for part, own in named)
     around = Surroundings(scene, limits, points, tuple(arc for arc in arcs if arc is not None))
-    found = [rule for part, own in named for rule in part.rules(own, around)]
+    found = [rule for part, own in named for rule in rules_of(part, own, around)]
     every = ((part.title, part.box_mm(own, around)) for part, own in named)
     boxes = [(title, box) for title, box in every if box is not None]
     found += drilling_rules(around, boxes)
@@ -199,6 +209,7 @@ class ParametricWeb:
         self._own_added = added_mm(scene, axes)
         self._outline = _Outline(layout, scene, limits)
         self._last: tuple[bytes, MovedFillet | None] = b"", None
+        self._found = dict[tuple[Hashable, ...], tuple[Rule, ...]]()
 
     def points(self, values: Array) -> tuple[Array, Array]:
         """Return points of the outline's right half, (n, 2), mm, and derivatives by its values, (n, 2, m)."""
@@ -257,13 +268,14 @@ class ParametricWeb:
     def rule_names(self, values: Array) -> tuple[str, ...]:
         """Return the name of each constraint in plain English, several parts of one rule alike."""
         points = self._outline.at(values).points
-        names = [name for name, _ in self._part_rules(points, values)]
+        names = [name for name, each in self._part_rules(points, values) for _ in range(np.size(each))]
         fillet = self.fillet(values)
         return (*self._outline.rule_names(values), *names, *([] if fillet is None else [fillet.rule[0]]))
 
     def gradients(self, values: Array) -> Array:
         """Return the gradients of the constraints (constraints, parameters)."""
         shape, n = self._outline.at(values), self.layout.stations
+        self._found.clear()
 
         def parts(step: Array) -> Array:
             return self._part_constraints(shape.points + shape.point_gradients @ step[:n], values + step)
@@ -278,12 +290,22 @@ class ParametricWeb:
         return values[self.layout.stations :]
 
     def _part_constraints(self, points: Array, values: Array) -> Array:
-        return np.array([value for _, value in self._part_rules(points, values)], dtype=np.float64)
+        rules = self._part_rules(points, values)
+        return np.hstack([np.zeros(0), *(value for _, value in rules)])
 
     def _part_rules(self, points: Array, values: Array) -> list[Rule]:
         """Return the rules of the features and of the dimensions of the throw."""
         scene = scene_at(self._scene, self.layout, values)
-        parts = part_rules(self.layout.parts, points, self._parts(values), scene, self._limits)
+        outline = points.tobytes(), self.layout.sizes(values).tobytes()
+
+        def rules_of(part: FittedFeature, own: Named, around: Surroundings) -> tuple[Rule, ...]:
+            """Find a feature's rules once: a step of another one's parameter leaves them as they are."""
+            key = part, own, around.arcs, outline
+            if key not in self._found:
+                self._found[key] = tuple(part.rules(own, around))
+            return self._found[key]
+
+        parts = part_rules(self.layout.parts, points, self._parts(values), scene, self._limits, rules_of)
         sizes = size_rules(self.layout, values, self._scene, self._limits)
         own = [*parts, *_edge_rules(scene, points, self.fillet(values)), *sizes]
         named = list(named_parts(self.layout.parts, self._parts(values)))

@@ -205,7 +205,7 @@ def test_constraints_refuse_a_groove_whose_floor_a_bevel_takes_off(mikron: Scene
     for floor, offset, height in product((15.0, 20.0, 24.0, 27.0, 31.0), np.linspace(-7, 7, 8), (3.0, 4.0)):
         values = np.array([*values_of(MORE)[:13], height, floor, offset, 3.0])
         rules = part_rules(layout.parts, points, values[7:], mikron, limits)
-        terms = np.array([excess for _, excess in rules])
+        terms = np.hstack([excess for _, excess in rules])
         web = web_of(layout, values, mikron)
         sound.append((terms[:-2].max() <= 0, terms[-2:].max() <= 0, _accepted(mikron, web)))
     assert (True, True, True) in sound
