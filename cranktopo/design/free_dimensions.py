@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 from typing import Any, Literal, get_args
 
@@ -163,6 +164,57 @@ def _check_counterweight(scene: Scene, name: DimensionName, found: tuple[float, 
         least.web.counterweight.check_alone(least, "web.counterweight")
     except CranktopoError as error:
         raise _refused(scene, name, f"its least gives {str(error).rstrip('.')}", "Narrow it.") from None
+
+
+_STEP = 0.01
+"""To which the ranges of another web are found, mm or degrees."""
+
+
+def with_counterweight_ranges(scene: Scene, of: Scene) -> Scene:
+    """Return a scene with the free ranges of another's counterweight, each begun where it is sound here.
+
+    Another web of the same throw may be so wide that a counterweight of the least radius lies within it.
+    """
+    ranges = {name: found for name in _COUNTERWEIGHT if (found := free_range_mm(of, name))}
+    if not ranges:
+        return scene
+    sound = {_free_key(name): (_sound_least(scene, name, found), found[1]) for name, found in ranges.items()}
+    free = scene.shape.free.model_copy(update=sound)
+    return scene.model_copy(update={"shape": scene.shape.model_copy(update={"free": free})})
+
+
+def moved_ranges_text(scene: Scene, before: Scene) -> str:
+    """Say which free ranges of the counterweight begin later than before, and why; empty for none."""
+    found = [
+        f"shape.free.{_free_key(name)} begins at {now[0]:g} instead of {then[0]:g}"
+        for name in _COUNTERWEIGHT
+        if (now := free_range_mm(scene, name)) and (then := free_range_mm(before, name)) and now != then
+    ]
+    return f"{'; '.join(found)}: below, the new web leaves the counterweight nothing" if found else ""
+
+
+COUNTERWEIGHT_RANGES = {_free_key(name) for name in _COUNTERWEIGHT}
+"""Keys of `[shape.free]` for the counterweight."""
+
+
+def _sound_least(scene: Scene, name: DimensionName, free: tuple[float, float]) -> float:
+    """Return the least of a range, or the least above it that passes its check; else the design's own."""
+
+    def sound(least: float) -> bool:
+        try:
+            _check_counterweight(scene, name, (least, free[1]))
+        except CranktopoError:
+            return False
+        return True
+
+    if sound(free[0]):
+        return free[0]
+    low, high = free[0], own_dimension_mm(scene, name)
+    while high - low > _STEP:
+        middle = (low + high) / 2
+        low, high = (low, middle) if sound(middle) else (middle, high)
+    least = math.ceil(high / _STEP) * _STEP
+    return min(round(least, 2), own_dimension_mm(scene, name))
 
 
 def _check_outlets(scene: Scene, name: DimensionName) -> None:

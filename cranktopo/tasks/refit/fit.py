@@ -14,8 +14,13 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.near_ties import best_first
-from cranktopo.base.notes import Pace
+from cranktopo.base.notes import Pace, note
 from cranktopo.base.reproducible import SEED
+from cranktopo.design.free_dimensions import (
+    COUNTERWEIGHT_RANGES,
+    moved_ranges_text,
+    with_counterweight_ranges,
+)
 from cranktopo.design.halves import usual_scale
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.named import DesignLike, as_scene
@@ -131,8 +136,10 @@ def fit_web(surface: SurfaceMesh, scene: DesignLike, limits: ManufacturingLimits
     best = fits[0]
     rest = residual_regions(fine, model_fill(fine, best))
     factors = [1.0 if name.endswith(_ANGLE) else 1 / scale for name in best.layout.names]
+    found = scene_with_web(scene, scaled_lengths(web_of(best.layout, best.values, throw), 1 / scale))
+    note_moved_ranges(found, scene)
     return FittedWeb(
-        scene_with_web(scene, scaled_lengths(web_of(best.layout, best.values, throw), 1 / scale)),
+        found,
         best.layout.names,
         tuple(float(value * factor) for value, factor in zip(best.values, factors, strict=True)),
         trials,
@@ -144,12 +151,23 @@ def fit_web(surface: SurfaceMesh, scene: DesignLike, limits: ManufacturingLimits
 def scene_with_web(scene: Scene, web: dict[str, Any]) -> Scene:
     """Return the scene with another web, checked as if it were read from a file.
 
+    Ranges of the counterweight's dimensions begin where the web leaves it something to add.
+
     Raises:
         CranktopoError: the web does not fit the throw.
     """
-    data = scene.model_dump(mode="json", exclude={"web", "published"}, exclude_none=True)
+    left_out: dict[str, Any] = {"web": True, "published": True, "shape": {"free": COUNTERWEIGHT_RANGES}}
+    data = scene.model_dump(mode="json", exclude=left_out, exclude_none=True)
     name = f"{scene.name.removesuffix(_SUFFIX)}{_SUFFIX}"
-    return scene_from_dict({**data, "name": name, "web": web}, f"re-model of {scene.name}")
+    found = scene_from_dict({**data, "name": name, "web": web}, f"re-model of {scene.name}")
+    return with_counterweight_ranges(found, scene)
+
+
+def note_moved_ranges(scene: Scene, before: Scene) -> None:
+    """Pass on which free ranges another web has moved."""
+    text = moved_ranges_text(scene, before)
+    if text:
+        note(f"note: {text}.")
 
 
 def fit_problem(

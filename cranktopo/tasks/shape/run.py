@@ -65,7 +65,7 @@ from cranktopo.tasks.film.stage import film_change
 from cranktopo.tasks.importing.imported_body import half_throw_surface
 from cranktopo.tasks.importing.original import check_original, original_file
 from cranktopo.tasks.refit.family import free_dimensions, with_free
-from cranktopo.tasks.refit.fit import usual_limits
+from cranktopo.tasks.refit.fit import note_moved_ranges, usual_limits
 from cranktopo.tasks.refit.process import process_limits
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.refit.stage import remodel_run
@@ -250,6 +250,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         found = assembled(scene, optimum, begin, seconds, settings.loads, in_shaft)
         reached = {"reached_percent": found.goal.reached_percent}
         shaped = optimum.result.web.scene
+        note_moved_ranges(shaped, scene)
         more = {
             "bound": bound and bound.model_copy(update=reached),
             "assumed": stored_assumptions(run.manifest().assumed),

@@ -247,9 +247,9 @@ def shaped_scene(scene: Scene, layout: Layout, values: Array) -> Scene:
         CranktopoError: the web does not fit the throw.
     """
     sized = scene_at(scene, layout, rounded_dimensions(scene, layout, values))
-    web = scene_with_web(sized, web_of(layout, values, sized)).web
-    changes = {"web": web, "name": f"{scene.name}-shape", "published": None, "original": None}
-    return sized.model_copy(update=changes)
+    found = scene_with_web(sized, web_of(layout, values, sized))
+    changes = {"web": found.web, "shape": found.shape, "published": None, "original": None}
+    return sized.model_copy(update={"name": f"{scene.name}-shape", **changes})
 
 
 def worst_violation(goal: SearchGoal, quantities: Quantities) -> float:

@@ -13,7 +13,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.spans import holds
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.cells.outside import without_counterweight
-from cranktopo.design.free_dimensions import with_dimensions
+from cranktopo.design.free_dimensions import moved_ranges_text, with_dimensions
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
@@ -310,6 +310,22 @@ def test_ranges_are_refused(free: Scene, key: str, value: list[float], message: 
     data = free.model_dump(mode="json", exclude_none=True)
     with pytest.raises(CranktopoError, match=message):
         scene_from_dict({**data, "shape": {"free": {**FREE, key: value}}}, "refused")
+
+
+def test_ranges_begin_where_a_wider_web_leaves_the_counterweight_something(free: Scene) -> None:
+    """A re-model 104 mm wide holds all of a counterweight of 50 mm; its scene is one that can be read."""
+    web = free.web.model_dump(mode="json", exclude_none=True) | {"width_mm": 104.0}
+    assert web["outline"] == "obround"
+    found = scene_with_web(free, web)
+    low, high = found.shape.free.counterweight_radius_mm
+    assert low == pytest.approx(52.0, abs=0.02)
+    assert high == 80.0
+    assert found.shape.free.counterweight_angle_deg == (40.0, 90.0)
+    text = moved_ranges_text(found, free)
+    assert text.startswith(f"shape.free.counterweight_radius_mm begins at {low:g} instead of 50")
+    assert scene_from_dict(found.model_dump(mode="json", exclude_none=True), "again") == found
+    assert scene_with_web(free, web | {"width_mm": 90.0}).shape == free.shape
+    assert not moved_ranges_text(free, free)
 
 
 def test_pockets_keep_a_wall_to_the_edge_of_the_counterweight(free: Scene) -> None:
