@@ -96,6 +96,20 @@ def half_turns_deg(scene: Scene) -> tuple[float, float]:
     return -half, half
 
 
+def is_split(scene: Scene) -> bool:
+    """Tell whether the crankpins of a design are split."""
+    return half_turns_deg(scene)[1] != 0.0
+
+
+def straightened(scene: Scene) -> Scene:
+    """Return the scene with straight pins: each of its half throws is one of a split pin, not turned."""
+    engine = scene.engine
+    if engine is None or not is_split(scene):
+        return scene
+    arranged = engine.arranged.model_copy(update={"pin_splay_deg": None})
+    return scene.model_copy(update={"engine": engine.model_copy(update={"arrangement": arranged})})
+
+
 def check_half_pins_overlap(scene: Scene) -> None:
     """Refuse half pins whose circles do not overlap: nothing would join the halves of their throw."""
     diameter = scene.throw.crankpin.outer_diameter_mm

@@ -312,3 +312,38 @@ def test_a_crank_that_is_unbalanced_by_design_asks_for_bob_weights() -> None:
     permitted = 1e6 * 16e-3 / (3000.0 * 2 * np.pi / 60) * 4.0
     assert f"at most {permitted:.3g} g mm" in notes[3]
     assert len(balancing_notes(load_scene("mikron-iiic"), 6.0)) == 2, "an in-line four is balanced as it is"
+
+
+def test_split_pins_have_each_half_at_its_place() -> None:
+    """Half pins 30 deg apart: each pin in its place, a star of six; no radius foreshortened."""
+    engine = {
+        "bore_mm": 80.0,
+        "rod_length_mm": 140.0,
+        "speed_rpm": 3000.0,
+        "cylinders": 6,
+        "firing_order": [1, 4, 3, 6, 2, 5],
+        "arrangement": {
+            "layout": "V",
+            "bank_angle_deg": 90.0,
+            "pin_splay_deg": -30.0,
+            "rod_offset_mm": 15.0,
+        },
+        "masses": {"piston_group_kg": 0.4, "rod_reciprocating_kg": 0.15, "rod_rotating_kg": 0.35},
+        "gas": {"peak_pressure_MPa": 5.0, "peak_angle_deg": 12.0, "compression_ratio": 9.0},
+    }
+    scene = small(engine=engine)
+    shape = crank_shape(scene)
+    whole = sum(piece.solid.volume() for piece in shape.pieces)
+    assert whole == pytest.approx(3 * throw_volume_mm3(scene), rel=1e-3)
+    turn, (first, *_) = np.radians(15.0), shape.pieces
+    height = scene.web_z_mm[1] + 2.0
+    for z, side in ((height, 1.0), (scene.pitch_mm - height, -1.0)):
+        x0, y0, x1, y1 = first.solid.slice(z).bounds()
+        middle = (x0 + x1) / 2, (y0 + y1) / 2
+        assert middle == pytest.approx((side * 40.0 * np.sin(turn), 40.0 * np.cos(turn)), abs=0.05)
+    found = words(drawn(scene)[0])
+    assert {"1a\n15°", "1b\n345°", "2a\n255°"} <= set(found)
+    assert any(word.startswith("6× ⌀40") for word in found)
+    assert any("half pin 1a, radius 40 ±" in word for word in found)
+    assert not any(word.startswith("40 ±") for word in found)
+    assert any("lie 30° apart" in " ".join(word.split()) for word in found)

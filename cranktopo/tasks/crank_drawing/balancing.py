@@ -6,7 +6,7 @@ import math
 
 from cranktopo.base.units import plain_number
 from cranktopo.bodies.crank_ends import main_journal_places_mm
-from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.crank_throws import is_split, throw_scenes
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.crank import drawn_crank_mass
@@ -39,7 +39,8 @@ def balancing_notes(scene: Scene, mass_kg: float) -> list[str]:
         return [own, f"{_lacking(scene)} it cannot be balanced to {grade}."]
     alike = max(weights) - min(weights) < _ALIKE_KG
     each = ", ".join(f"{weight:.3f}" for weight in (weights[:1] if alike else weights))
-    bob = f"balanced with bob weights of {each} kg on the crankpins"
+    pins = "on the half pins of each throw, half on either" if is_split(scene) else "on the crankpins"
+    bob = f"balanced with bob weights of {each} kg {pins}"
     return [own, bob, f"to {grade} at {speed:g} rpm:", residual]
 
 

@@ -15,7 +15,7 @@ from cranktopo.bodies.crank_drillings import Crossing, crank_crossings
 from cranktopo.bodies.crank_ends import SIDES, EndPiece, crank_end, main_journal_places_mm
 from cranktopo.bodies.prisms import bolted_counterweight, thread_holes
 from cranktopo.bodies.solid.files import end_surface_of, kernel_surface_of
-from cranktopo.design.crank_throws import refuse_split_pins, throw_scenes
+from cranktopo.design.crank_throws import half_turns_deg, is_split, throw_scenes
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
@@ -35,6 +35,12 @@ class PlacedThrow:
     scene: Scene
     angle_deg: float
     z_mm: float
+
+    @property
+    def half_angles_deg(self) -> tuple[float, float]:
+        """Angles of its halves, which those of a split pin have each their own."""
+        near, far = half_turns_deg(self.scene)
+        return self.angle_deg + near, self.angle_deg + far
 
 
 @dataclass(frozen=True)
@@ -113,13 +119,25 @@ def _open(piece: Piece, removed: Manifold | None) -> SurfaceMesh:
 def throw_solid(scene: Scene) -> Manifold:
     """Return the exact throw, triangulated by the CAD kernel, from its first mid-main plane on.
 
-    Of halves that are alike it is the first one. Thread holes of bolts are cut.
+    Of halves that are alike and make a straight pin it is the first one. Thread holes of bolts are cut.
     """
     first, second = halves(scene)
-    if difference(scene):
-        whole = solid_of(kernel_surface_of(scene, "throw"), "throw")
-        return whole - thread_holes(first) - _beyond(scene, thread_holes(second))
+    if is_whole(scene):
+        whole, turns = solid_of(kernel_surface_of(scene, "throw"), "throw"), half_turns_deg(scene)
+        holes = thread_holes(first), _beyond(scene, thread_holes(second))
+        near, far = (_turned(solid, turn) for solid, turn in zip(holes, turns, strict=True))
+        return whole - near - far
     return solid_of(kernel_surface_of(scene, "half"), "half throw") - thread_holes(first)
+
+
+def is_whole(scene: Scene) -> bool:
+    """Tell whether a throw is no half and its mirror image: its halves differ, or its pin is split."""
+    return bool(difference(scene)) or is_split(scene)
+
+
+def _turned(solid: Manifold, angle_deg: float) -> Manifold:
+    """Return a body turned by an angle of the crank."""
+    return solid.rotate((0.0, 0.0, about_z_deg(angle_deg)))
 
 
 def _beyond(scene: Scene, solid: Manifold) -> Manifold:
@@ -131,17 +149,16 @@ def _bolted(throw: PlacedThrow) -> list[Piece]:
     """Return the counterweights that are bolted to a throw, in their places."""
     first, second = halves(throw.scene)
     far = _beyond(throw.scene, bolted_counterweight(second))
-    turn, solids = about_z_deg(throw.angle_deg), (bolted_counterweight(first), far)
+    solids = zip((bolted_counterweight(first), far), throw.half_angles_deg, strict=True)
     return [
-        Piece(solid.rotate((0.0, 0.0, turn)).translate((0.0, 0.0, throw.z_mm)))
-        for solid in solids
+        Piece(_turned(solid, angle).translate((0.0, 0.0, throw.z_mm)))
+        for solid, angle in solids
         if not solid.is_empty()
     ]
 
 
 def crank_shape(scene: Scene) -> CrankShape:
     """Return the crank of a design: each throw at its angle of the shaft, and its ends."""
-    refuse_split_pins(scene)
     angles = (0.0,) if scene.engine is None else scene.shaft_angles_deg
     placed = zip(throw_scenes(scene), angles, main_journal_places_mm(scene), strict=False)
     shape = assembled(scene.name, [PlacedThrow(*one) for one in placed], _ends(scene))
@@ -185,13 +202,13 @@ def assembled(name: str, throws: Sequence[PlacedThrow], ends: Sequence[Piece] = 
 def _placed(throw: PlacedThrow, ends_mm: set[float]) -> list[Piece]:
     """Return a throw in its place: one body, or two halves that are mirror images."""
     scene, (start, middle) = throw.scene, (throw.z_mm, throw.scene.pitch_mm / 2)
-    stop, turn = start + scene.pitch_mm, about_z_deg(throw.angle_deg)
-    parts = [throw_solid(scene)]
-    solid = parts[0]
-    if not difference(scene):
-        parts.append(_beyond(scene, solid))
-    seams = tuple({start, stop, start + middle} - ends_mm)
-    return [Piece(part.rotate((0.0, 0.0, turn)).translate((0.0, 0.0, start)), seams) for part in parts]
+    seams, parts = {start, start + scene.pitch_mm}, [throw_solid(scene)]
+    if not is_whole(scene):
+        parts.append(_beyond(scene, parts[0]))
+    if not is_split(scene):
+        seams.add(start + middle)
+    placed = (_turned(part, throw.angle_deg).translate((0.0, 0.0, start)) for part in parts)
+    return [Piece(part, tuple(seams - ends_mm)) for part in placed]
 
 
 def _journals(throws: Sequence[PlacedThrow], joined: set[float]) -> tuple[MainJournal, ...]:

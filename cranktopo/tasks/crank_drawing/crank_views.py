@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.design.crank_throws import is_split
 from cranktopo.design.fit import limits_text, tolerance_um
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
@@ -107,17 +108,31 @@ def draw_lengthwise(axes: Any, shape: CrankShape, view: Lengthwise, scale: float
         datum(axes, sum(journal.z_mm) / 2, -journal.journal.radius_mm, letter, mm)
     _lengths(axes, shape, low, mm)
     first = shape.throws[0]
-    radius = f"{first.scene.throw.radius_mm:g} ±{first.scene.drawing.throw_radius_tolerance_mm:g}"
-    aside = 0.0 if fits(_pin_y(first), radius, mm) else -DROP_MM * mm
-    dimension(
-        axes, (start, 0.0), (start, _pin_y(first)), (-1.5 * _GAP_MM * mm, 0.0), radius, (aside, 0.0), mm
-    )
+    if not is_split(first.scene):  # its pins lie to both sides of the plane: the star has the radius
+        radius, up = radius_text(first.scene), first.scene.throw.radius_mm * cos(radians(first.angle_deg))
+        aside = 0.0 if fits(up, radius, mm) else -DROP_MM * mm
+        dimension(axes, (start, 0.0), (start, up), (-1.5 * _GAP_MM * mm, 0.0), radius, (aside, 0.0), mm)
     _callouts(axes, shape, high + _GAP_MM * mm, mm)
     finish(axes, "Crank, upper half in section")
 
 
-def _pin_y(throw: PlacedThrow) -> float:
-    return throw.scene.throw.radius_mm * cos(radians(throw.angle_deg))
+def radius_text(scene: Scene) -> str:
+    """Return the throw radius with its tolerance."""
+    return f"{scene.throw.radius_mm:g} ±{scene.drawing.throw_radius_tolerance_mm:g}"
+
+
+def _pins(throw: PlacedThrow) -> list[tuple[_Span, float]]:
+    """Return each straight part of a crankpin: both its ends, and the height of its axis."""
+    (a, b), radius = _pin_z(throw), throw.scene.throw.radius_mm
+    spans = [(a, b)] if not is_split(throw.scene) else list(pairwise((a, _middle(throw), b)))
+    return [
+        (span, radius * cos(radians(angle)))
+        for span, angle in zip(spans, throw.half_angles_deg, strict=False)
+    ]
+
+
+def _middle(throw: PlacedThrow) -> float:
+    return throw.z_mm + throw.scene.pitch_mm / 2
 
 
 def _pin_z(throw: PlacedThrow) -> tuple[float, float]:
@@ -128,10 +143,12 @@ def _pin_z(throw: PlacedThrow) -> tuple[float, float]:
 
 def _pin_axis(axes: Any, throw: PlacedThrow, number: int, level: float, mm: float) -> None:
     """Draw the axis of a crankpin, and the number of its throw below the crank: leaders are above it."""
-    (a, b), y = _pin_z(throw), _pin_y(throw)
-    centre_line(axes, (a - 4 * mm, y), (b + 4 * mm, y))
-    circle(axes, 2.6 * mm, level, "-", 0.6, x=(a + b) / 2)
-    axes.text((a + b) / 2, level, str(number), fontsize=TEXT_SIZE, ha="center", va="center")
+    pins, middle = _pins(throw), sum(_pin_z(throw)) / 2
+    for (a, b), y in pins:
+        before, after = (4 if z in _pin_z(throw) else 1 for z in (a, b))
+        centre_line(axes, (a - before * mm, y), (b + after * mm, y))
+    circle(axes, 2.6 * mm, level, "-", 0.6, x=middle)
+    axes.text(middle, level, str(number), fontsize=TEXT_SIZE, ha="center", va="center")
 
 
 def _lengths(axes: Any, shape: CrankShape, low: float, mm: float) -> None:
@@ -165,6 +182,7 @@ def _faces(throw: PlacedThrow) -> list[float]:
         throw.z_mm,
         throw.z_mm + throw.scene.web_z_mm[0],
         a,
+        *([_middle(throw)] if is_split(throw.scene) else []),
         b,
         b + second.thickness_mm,
         throw.z_mm + throw.scene.pitch_mm,
@@ -258,10 +276,12 @@ def _distinct_pins(shape: CrankShape) -> list[_Found]:
     groups: dict[Journal, list[PlacedThrow]] = {}
     for throw in shape.throws:
         groups.setdefault(throw.scene.throw.crankpin, []).append(throw)
-    return [
-        (pin, len(ones), (sum(_pin_z(ones[0])) / 2, _pin_y(ones[0]) + pin.radius_mm), True)
-        for pin, ones in groups.items()
-    ]
+    return [_found_pin(pin, [part for one in ones for part in _pins(one)]) for pin, ones in groups.items()]
+
+
+def _found_pin(pin: Journal, parts: Sequence[tuple[_Span, float]]) -> _Found:
+    (first, y), *_ = parts
+    return pin, len(parts), (sum(first) / 2, y + pin.radius_mm), True
 
 
 def end_room(shape: CrankShape) -> Room:
@@ -306,25 +326,29 @@ STAR_MM = (74.0, 74.0)
 def draw_star(axes: Any, shape: CrankShape) -> None:
     """Draw the directions of the throws from the free end, in mm of paper, with angles and tolerance."""
     centre = np.array([STAR_MM[0] / 2, STAR_MM[1] / 2 - 3.0])
-    groups: dict[float, list[int]] = {}
+    groups: dict[float, list[str]] = {}
+    split = is_split(shape.throws[0].scene)
     for number, throw in enumerate(shape.throws, 1):
-        groups.setdefault(round(throw.angle_deg % 360, 6), []).append(number)
+        for half, angle in zip("ab" if split else ("",), throw.half_angles_deg, strict=False):
+            groups.setdefault(round(angle % 360, 6), []).append(f"{number}{half}")
     circle(axes, 20.0, centre[1], "-.", 0.5, x=centre[0])
     for angle, numbers in groups.items():
         way = np.array([-sin(radians(angle)), cos(radians(angle))])
         axes.plot(*zip(centre, centre + 20.0 * way, strict=True), color=INK, lw=1.0)
         circle(axes, 2.0, centre[1] + 20.0 * way[1], "-", 1.0, "white", x=centre[0] + 20.0 * way[0])
-        text = f"{', '.join(map(str, numbers))}\n{angle:g}°"
+        text = f"{', '.join(numbers)}\n{angle:g}°"
         axes.text(*(centre + 28.0 * way), text, fontsize=TEXT_SIZE, ha="center", va="center")
     turn = np.radians(np.linspace(25.0, 65.0, 20))
     arc = centre + 9.0 * np.column_stack([-np.sin(turn), np.cos(turn)])
     axes.plot(*arc.T, color=THIN, lw=0.6)
     axes.annotate("", arc[-1], arc[-4], arrowprops={"arrowstyle": "-|>", "lw": 0.6, "color": THIN})
-    tolerance = shape.throws[0].scene.drawing.throw_angle_tolerance_deg
+    first = shape.throws[0].scene
+    place = f"each ±{first.drawing.throw_angle_tolerance_deg:g}° to {'half pin 1a' if split else 'throw 1'}"
+    more = f", radius {radius_text(first)}\n" if split else "; "
     axes.text(
         centre[0],
         1.0,
-        f"each ±{tolerance:g}° to throw 1; arrow: {_rotation_words(shape.throws[0].scene)}",
+        f"{place}{more}arrow: {_rotation_words(first)}",
         fontsize=TEXT_SIZE - 1,
         ha="center",
     )

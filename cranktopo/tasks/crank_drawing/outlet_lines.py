@@ -27,31 +27,38 @@ def outlet_rims(throws: Sequence[PlacedThrow], z_mm: tuple[float, float]) -> lis
 
     They are closed, but for one that an end of the crank cuts.
     """
-    rims = [_turned(rim, throw) for throw in throws for rim in _rims(throw.scene)]
+    rims = [
+        _turned(rim, angle, throw.z_mm)
+        for throw in throws
+        for angle, own in zip(throw.half_angles_deg, _rims(throw.scene), strict=True)
+        for rim in own
+    ]
     (start, end), wide = z_mm, np.full(2, np.inf)
     for low, high in ((-np.inf, start - _SLACK_MM), (end + _SLACK_MM, np.inf)):
         rims = outside_of(rims, np.array([*-wide, low]), np.array([*wide, high]))
     return rims
 
 
-def _rims(scene: Scene) -> Iterator[Array]:
-    """Yield the rims of a throw in its own frame."""
+def _rims(scene: Scene) -> Iterator[list[Array]]:
+    """Yield the rims of both halves of a throw in its own frame, a split pin's as if it were straight."""
     turn = np.linspace(0.0, 2 * np.pi, _AROUND + 1)
     end = np.ones(len(turn))
     for far, half in enumerate(halves(scene)):
+        found = []
         for bore in drill_bores(half):
             for own in bore.outlets:
                 if own.rounding_mm:
                     outlet = own.in_second_half(scene.pitch_mm) if far else own
-                    yield ring_points(bore.radius_mm, outlet, turn, end, end)
+                    found.append(ring_points(bore.radius_mm, outlet, turn, end, end))
+        yield found
 
 
-def _turned(points_mm: Array, throw: PlacedThrow) -> Array:
-    """Return points of a throw in their place along the crank."""
-    turn = np.radians(about_z_deg(throw.angle_deg))
+def _turned(points_mm: Array, angle_deg: float, z_mm: float) -> Array:
+    """Return points of a throw at their angle and place along the crank."""
+    turn = np.radians(about_z_deg(angle_deg))
     x, y, z = points_mm.T
     cos, sin = np.cos(turn), np.sin(turn)
-    return np.column_stack([cos * x - sin * y, sin * x + cos * y, z + throw.z_mm])
+    return np.column_stack([cos * x - sin * y, sin * x + cos * y, z + z_mm])
 
 
 def outside_of(lines: Sequence[Array], low_mm: Array, high_mm: Array) -> list[Array]:

@@ -15,6 +15,7 @@ from cranktopo.base.files import replacing
 from cranktopo.base.notes import note
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.base.units import stem_and_unit
+from cranktopo.design.crank_throws import is_split, straightened
 from cranktopo.design.drawing import surface_notes
 from cranktopo.design.halves import difference, web_asymmetry
 from cranktopo.design.named import DesignLike, as_scene
@@ -126,12 +127,13 @@ def _distinct(shape: CrankShape) -> list[tuple[str, Sheet]]:
         where = _places(
             [k for k, throw in enumerate(shape.throws, 1) if throw.scene == scene], len(scenes) == 1
         )
+        straight = straightened(scene)
         if difference(scene):
-            pair = throw_sheets(scene, throw=throw_solid(scene))
+            pair = throw_sheets(straight, throw=throw_solid(straight))
             first, second = (replace(sheet, placed=True) for sheet in pair)
             found += [(f"first web of {where}", first), (f"second web of {where}", second)]
         else:
-            found.append((f"both webs of {where}", Sheet(scene, throw_solid(scene), placed=True)))
+            found.append((f"both webs of {where}", Sheet(straight, throw_solid(straight), placed=True)))
     return [(f"WEB {k}: {where}", sheet) for k, (where, sheet) in enumerate(found, 1)]
 
 
@@ -214,9 +216,19 @@ def _notes(scene: Scene, shape: CrankShape) -> list[str]:
     notes += balancing_notes(scene, mass)
     if any(web_asymmetry(throw.scene) and not difference(throw.scene) for throw in shape.throws):
         notes.append("A web drawn for both of a throw is the first; the second is its mirror image.")
+    if is_split(scene):
+        notes.append(_split_note(shape))
     if not shape.ends:
         notes.append("The shaft ends in the middle of its outer journals: the design has no ends.")
     return [*notes, *drawing.notes]
+
+
+def _split_note(shape: CrankShape) -> str:
+    near, far = shape.throws[0].half_angles_deg
+    return (
+        f"Split crankpins: half pins a and b of a throw, from the free end, lie {abs(far - near):g}° apart, "
+        "each web in line with its own. Webs are drawn with their half pin alone."
+    )
 
 
 def _end_lines(shape: CrankShape) -> list[str]:

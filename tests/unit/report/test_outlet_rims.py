@@ -7,6 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from cranktopo.base.arrays import Array
+from cranktopo.design.arrangement import Arrangement
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.numerics.surfaces.visible_edges import visible_edges
 from cranktopo.tasks.crank_drawing.crank_shape import CrankShape, PlacedThrow
@@ -40,6 +41,26 @@ def test_every_rim_is_closed_and_lies_on_its_journal(angle_deg: float) -> None:
         assert away == pytest.approx(journal.radius_mm, abs=1e-9)
         assert rim[0] == pytest.approx(rim[-1], abs=1e-9)
     assert pin[:, 2].mean() == pytest.approx(100.0 + throw.scene.pitch_mm / 2, abs=1.0)
+
+
+def test_rims_of_a_split_pin_turn_with_their_half() -> None:
+    """Halves drilled alike: those of the first are 15 deg behind the throw, of the second as much ahead."""
+    throw = PlacedThrow(scene_with({"drilling": [{**ACROSS, "web": "both"}]}), 0.0, 0.0)
+    assert throw.scene.engine is not None
+    arranged = Arrangement.model_validate({"layout": "V", "pin_splay_deg": 30.0})
+    engine = throw.scene.engine.model_copy(update={"arrangement": arranged})
+    split = PlacedThrow(throw.scene.model_copy(update={"engine": engine}), 0.0, 0.0)
+    assert split.half_angles_deg == (-15.0, 15.0)
+    straight = outlet_rims([throw], (0.0, 1000.0))
+    for degrees, now, then in zip(
+        (-15.0, -15.0, 15.0, 15.0), outlet_rims([split], (0.0, 1000.0)), straight, strict=True
+    ):
+        turn = np.radians(degrees)
+        x, y, z = then.T
+        placed = np.column_stack(
+            [np.cos(turn) * x + np.sin(turn) * y, -np.sin(turn) * x + np.cos(turn) * y, z]
+        )
+        assert now == pytest.approx(placed, abs=1e-9)
 
 
 def test_a_line_on_the_near_side_is_drawn_whole_and_one_behind_is_not() -> None:
