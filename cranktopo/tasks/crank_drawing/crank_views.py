@@ -132,7 +132,8 @@ def _pins(throw: PlacedThrow) -> list[tuple[_Span, float]]:
 
 
 def _middle(throw: PlacedThrow) -> float:
-    return throw.z_mm + throw.scene.pitch_mm / 2
+    """Return where both half pins meet."""
+    return throw.z_mm + halves(throw.scene)[0].pitch_mm / 2
 
 
 def _pin_z(throw: PlacedThrow) -> tuple[float, float]:
