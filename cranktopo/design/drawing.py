@@ -6,8 +6,8 @@ from typing import Annotated
 
 from pydantic import Field
 
+from cranktopo.base.fit import FIT, HOLE
 from cranktopo.base.table import SceneTable
-from cranktopo.design.fit import FIT, HOLE
 
 _Fit = Annotated[str, Field(pattern=FIT)]
 _Roughness = Annotated[float, Field(ge=0.01, le=100, allow_inf_nan=False)]

@@ -13,6 +13,7 @@ from typing_extensions import override
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
+from cranktopo.base.fit import FIT
 from cranktopo.base.table import Length, LengthOrZero, SceneTable
 from cranktopo.throw.moments import Moments
 
@@ -121,13 +122,25 @@ class _RoundStep(EndStep):
         return self.bore_diameter_mm / 2
 
 
-class CylinderStep(_RoundStep):
+class SeatStep(_RoundStep):
+    """A step that may be the seat of a part; fit and surface stand on the drawing and change no result."""
+
+    fit: Annotated[str, Field(pattern=FIT)] | None = Field(default=None, examples=["k6"])
+    """Tolerance of its diameter (ISO 286): position `f`, `g`, `h`, `js`, `k`, `m`, `n` or `p` and grade 4 to
+    10; without it that of `drawing.general_tolerances`."""
+    roughness_um: float | None = Field(default=None, ge=0.01, le=100, examples=[0.8], allow_inf_nan=False)
+    """Mean roughness Ra; without it that of all other surfaces."""
+    run_out_mm: float | None = Field(default=None, ge=1e-4, le=10, examples=[0.02], allow_inf_nan=False)
+    """Circular run-out to the axis of the outer main journals."""
+
+
+class CylinderStep(SeatStep):
     """Plain cylinder: nose, seat of a bearing, a seal or a pulley."""
 
     kind: Literal["cylinder"]
 
 
-class GearSeatStep(_RoundStep):
+class GearSeatStep(SeatStep):
     """Cylinder on which a gear sits; the gear itself is a rotor of `[shaft]`."""
 
     kind: Literal["gear_seat"]
@@ -163,7 +176,7 @@ class ConeStep(EndStep):
         return self.bore_diameter_mm / 2
 
 
-class FlangeStep(_RoundStep):
+class FlangeStep(SeatStep):
     """Flange with bolt holes, evenly spaced on a circle."""
 
     kind: Literal["flange"]
@@ -200,7 +213,7 @@ class FlangeStep(_RoundStep):
             raise invalid(f"{key}.bolts", self.bolts, "that many holes meet each other", "Take fewer.")
 
 
-class KeywayStep(_RoundStep):
+class KeywayStep(SeatStep):
     """Cylinder with a keyway along its whole length."""
 
     kind: Literal["keyway"]

@@ -19,8 +19,9 @@ from tests.drawn_texts import beyond_frame, over_each_other, over_edges, over_li
 
 KEYWAY = {"kind": "keyway", "diameter_mm": 30.0, "length_mm": 20.0, "bore_diameter_mm": 8.0}
 SLOT = {"width_mm": 8.0, "depth_mm": 4.0, "angle_deg": 40.0}
+SEAT = {"fit": "k6", "roughness_um": 0.8, "run_out_mm": 0.02}
 FREE = [
-    {"kind": "gear_seat", "diameter_mm": 36.0, "length_mm": 12.0, "bore_diameter_mm": 8.0},
+    {"kind": "gear_seat", "diameter_mm": 36.0, "length_mm": 12.0, "bore_diameter_mm": 8.0, **SEAT},
     {**KEYWAY, **SLOT},
     {"kind": "thread", "thread": "M24x1.5", "diameter_mm": 24.0, "length_mm": 14.0, "bore_diameter_mm": 8.0},
 ]
@@ -60,7 +61,7 @@ def test_each_step_has_its_diameter_on_its_surface(ends: list[EndView]) -> None:
     assert told == [
         "M24x1.5\n⌀24\nbore ⌀8",
         "⌀30",
-        "⌀36",
+        "⌀36 k6 (+0.018/+0.002)\nRa 0.8\n↗ 0.02 A-B",
         "⌀34",
         "⌀40 to ⌀36\ncone 1:10",
         "⌀90",

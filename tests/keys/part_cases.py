@@ -59,7 +59,13 @@ PART_CASES: dict[tuple[str, str], Table] = {
             lambda kind=kind, more=more: crank_base(round_step(kind, **more)),
             "crank.end[0].step[0]",
             "crank crank_sheet",
-            {"first_bolt_deg": 20.0, "thread": "M36x2"},
+            {
+                "first_bolt_deg": 20.0,
+                "thread": "M36x2",
+                "fit": "m6",
+                "roughness_um": 0.6,
+                "run_out_mm": 0.01,
+            },
             dear=kind in ("flange", "thread"),
         )
         for kind, more in {

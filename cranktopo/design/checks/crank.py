@@ -79,7 +79,7 @@ def _check_steps(scene: Scene, key: str, end: CrankEnd) -> None:
     for place, step in enumerate(end.step):
         path = f"{key}.step[{place}]"
         step.check(path)
-        for name, value in step.model_dump().items():
+        for name, value in step.model_dump(exclude={"run_out_mm"}).items():
             if name.endswith("_mm"):
                 check_proportion(scene, f"{path}.{name}", value)
         if isinstance(step, BodyStep) and place < len(end.step) - 1:

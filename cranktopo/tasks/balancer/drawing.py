@@ -16,8 +16,8 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.files import replacing
+from cranktopo.base.fit import limits_text
 from cranktopo.design.balancer import BalancerPart, ShaftNotch
-from cranktopo.design.fit import limits_text
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.strength import material_notes

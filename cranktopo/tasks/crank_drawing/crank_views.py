@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.fit import limits_text, tolerance_um
 from cranktopo.design.crank_throws import is_split
-from cranktopo.design.fit import limits_text, tolerance_um
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.plane_section import BESIDE_MM

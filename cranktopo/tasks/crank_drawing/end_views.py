@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
+from cranktopo.base.fit import limits_text
 from cranktopo.bodies.crank_ends import EndPiece
 from cranktopo.report.drafting import (
     DROP_MM,
@@ -30,7 +31,15 @@ from cranktopo.tasks.crank_drawing.crank_views import Lengthwise, draw_cut, leng
 from cranktopo.tasks.crank_drawing.layout import View, ViewBlock
 from cranktopo.tasks.drawing.sheet import scale_text
 from cranktopo.tasks.drawing.views import Room
-from cranktopo.throw.crank_end import BodyStep, ConeStep, EndStep, FlangeStep, KeywayStep, ThreadStep
+from cranktopo.throw.crank_end import (
+    BodyStep,
+    ConeStep,
+    EndStep,
+    FlangeStep,
+    KeywayStep,
+    SeatStep,
+    ThreadStep,
+)
 
 if TYPE_CHECKING:
     from manifold3d import CrossSection
@@ -123,10 +132,21 @@ def _words(step: EndStep, with_bore: bool) -> Iterator[str]:
     if isinstance(step, ConeStep) and inner != outer:
         yield f"⌀{inner:g} to ⌀{outer:g}"
         yield f"cone 1:{step.length_mm / abs(inner - outer):.4g}"
+    elif isinstance(step, SeatStep) and step.fit:
+        yield limits_text(inner, step.fit)
     else:
         yield f"⌀{inner:g}"
+    if isinstance(step, SeatStep):
+        yield from _seat(step)
     if with_bore:
         yield f"bore ⌀{2 * step.bore_radius_mm:g}"
+
+
+def _seat(step: SeatStep) -> Iterator[str]:
+    if step.roughness_um is not None:
+        yield f"Ra {step.roughness_um:g}"
+    if step.run_out_mm is not None:
+        yield f"↗ {step.run_out_mm:g} A-B"
 
 
 def end_views(shape: CrankShape) -> list[EndView]:

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from cranktopo.base.files import replacing
+from cranktopo.base.fit import hole_limits_text
 from cranktopo.design.checks.rod import rod_of
-from cranktopo.design.fit import hole_limits_text
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.rod_body import rod_mass
 from cranktopo.design.rod_strength import rod_strength_notes

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from cranktopo.base.fit import hole_limits_text, tolerance_um
 from cranktopo.design.checks.rod import rod_of
-from cranktopo.design.fit import hole_limits_text, tolerance_um
 from cranktopo.design.rod_body import fillet, shank_edge_mm
 from cranktopo.design.schema import Scene
 from cranktopo.report.drafting import (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cranktopo.design.fit import limits_text, limits_um
+from cranktopo.base.fit import limits_text, limits_um
 
 
 @pytest.mark.parametrize(
