@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import json
 import subprocess
 import sys
@@ -12,15 +11,14 @@ from typing import NamedTuple
 import pytest
 
 from cranktopo.tasks.doctor import stage as checks
+from tests.source_facts import OF_EXTRAS
 
-PACKAGE = Path(__file__).resolve().parents[2] / "cranktopo"
-LEFT_OUT = {"cryptography", "dask", "distributed", "h5py", "pandas", "pyarrow", "pylife", "tornado"}
 WITHOUT = f"""
 import contextlib, io, json, os, sys
 
 class Missing:
     def find_spec(self, name, path=None, target=None):
-        if name.partition(".")[0] in {LEFT_OUT!r}:
+        if name.partition(".")[0] in {OF_EXTRAS!r}:
             raise ModuleNotFoundError("No module named " + repr(name), name=name)
 
 sys.meta_path.insert(0, Missing())
@@ -102,21 +100,6 @@ def test_the_core_does_without_extras(tmp_path: Path, lines: list[str]) -> None:
     for line, done in zip(lines, without_extras(tmp_path, *map(str.split, lines)), strict=True):
         assert done.out, done.err
         assert done.code == (5 if "--max-iterations" in line else 0), done.err
-
-
-def test_nothing_else_imports_packages_of_extras() -> None:
-    importing = set()
-    for file in PACKAGE.rglob("*.py"):
-        text = file.read_text(encoding="utf-8")
-        if not any(name in text for name in LEFT_OUT):
-            continue
-        for node in ast.walk(ast.parse(text)):
-            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
-            if {name.partition(".")[0] for name in names} & LEFT_OUT:
-                importing.add(file.relative_to(PACKAGE / "tasks").as_posix())
-    others = {name for name in importing if not name.startswith(("bench/", "sweep/"))}
-    assert others == {"fatigue/fkm.py", "fatigue/spectrum.py"}
 
 
 def test_doctor_lists_the_extras(monkeypatch: pytest.MonkeyPatch) -> None:

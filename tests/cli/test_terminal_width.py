@@ -5,14 +5,12 @@
 
 from __future__ import annotations
 
-import ast
 import re
 import shlex
 from pathlib import Path
 
 import pytest
 
-import cranktopo
 from cranktopo.app.main import main
 from cranktopo.base.units import number_text, plain_number
 from cranktopo.cli import output
@@ -141,19 +139,6 @@ def test_words_go_on_below() -> None:
     assert max(map(len, text.splitlines())) <= WIDTH
     assert text.count("word") == 40
     assert labelled([("a", "b"), ("cc", "d")]) == "a   b\ncc  d"
-
-
-def test_all_that_is_said_leaves_at_one_place() -> None:
-    """A line that is printed past it would be as long as it was written."""
-    root = Path(cranktopo.__file__).parent
-    past = [
-        f"{file.relative_to(root)}: {ast.unparse(node)}"
-        for file in root.rglob("*.py")
-        if file.relative_to(root) != Path("cli/output.py")
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
-        if isinstance(node, ast.Call) and ast.unparse(node.func) in ("print", "click.echo", "click.secho")
-    ]
-    assert past == []
 
 
 def test_an_error_and_a_command_to_copy(

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import ast
 from pathlib import Path
 
 from tests.studies import walk
-from tests.studies.house import counts, names
-from tests.studies.house_arrows import read
+from tests.studies.house import counts
 
 FILES = {
     "__init__.py": "",
@@ -73,12 +71,6 @@ def test_a_circle_of_rooms(tmp_path: Path) -> None:
     found = counted(tmp_path, base__late="def f():\n    import cranktopo.app\n")
     assert (found["floors"], found["arrows between rooms"]) == ("1", "3")
     assert (found["circles between rooms"], found["arrows between rooms that point up"]) == ("1", "1")
-
-
-def test_no_class_name_has_two_meanings() -> None:
-    root = Path(__file__).parents[3]
-    trees = {name: ast.parse(source) for name, source in read(root).items()}
-    assert names(trees)["class names in several modules"] == "0"
 
 
 WALKED = {

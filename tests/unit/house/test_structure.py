@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.studies.house import array_aliases, of_kind, question
+from tests.source_facts import FILES, OF_EXTRAS, PACKAGE, facts
+from tests.studies.house import several
 
-PACKAGE = Path(__file__).resolve().parents[3] / "cranktopo"
 FLOORS = (
     {"base"},
     {"numerics", "runs", "throw"},
@@ -66,19 +66,9 @@ TASKS = (
 HEAVY = ("jax", "gmsh", "skfem", "trimesh", "matplotlib", "scipy", "numpy", "pydantic", "manifold3d", "tqdm")
 
 
-@cache
 def imported_names(file: Path) -> set[str]:
     """Dotted names of the package that a file imports, anywhere in it."""
-    found: set[str] = set()
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-        names: list[str] = []
-        if isinstance(node, ast.ImportFrom):
-            names = [f"{node.module}.{alias.name}" for alias in node.names]
-            assert node.level == 0, f"{file}: relative import"
-        elif isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
-        found |= {name for name in names if name.startswith("cranktopo.")}
-    return found
+    return {name for name in facts(file).imports if name.startswith("cranktopo.")}
 
 
 def room_of(file: Path) -> tuple[str, ...]:
@@ -101,11 +91,14 @@ def allowed_rooms(room: tuple[str, ...]) -> set[tuple[str, ...]]:
     return below | {("tasks", task) for task in tasks} | {room, room[:1]}
 
 
-@pytest.mark.parametrize("file", sorted(PACKAGE.rglob("*.py")), ids=lambda f: str(f.relative_to(PACKAGE)))
-def test_imports_run_one_way(file: Path) -> None:
-    room = room_of(file)
-    if room:
-        assert imported_rooms(file) <= allowed_rooms(room)
+def test_imports_run_one_way() -> None:
+    assert not [file for file in FILES if facts(file).relative]
+    upward = {
+        file: rooms
+        for file in FILES
+        if (room := room_of(file)) and (rooms := imported_rooms(file) - allowed_rooms(room))
+    }
+    assert upward == {}
 
 
 def test_the_picture_names_every_room() -> None:
@@ -146,7 +139,7 @@ def imported_files(file: Path) -> set[Path]:
 
 def test_no_circle_of_imports() -> None:
     """Whichever module is read first, what it builds on does not build on it."""
-    waits = {file: imported_files(file) for file in PACKAGE.rglob("*.py") if file != PACKAGE / "__init__.py"}
+    waits = {file: imported_files(file) for file in FILES if file != PACKAGE / "__init__.py"}
     while free := {file for file, others in waits.items() if not others & waits.keys()}:
         waits = {file: others for file, others in waits.items() if file not in free}
     assert not sorted(str(file.relative_to(PACKAGE)) for file in waits)
@@ -156,31 +149,29 @@ SHOWING = ("page", "section", "text", "plot", "picture", "table", "tables")
 """Last words of the names of modules that show finished results."""
 
 
-@pytest.mark.parametrize(
-    "file", sorted(PACKAGE.glob("tasks/*/*.py")), ids=lambda f: str(f.relative_to(PACKAGE))
-)
-def test_pages_only_show(file: Path) -> None:
+def test_pages_only_show() -> None:
     """Pages, figures and tables are functions of finished results: nothing is solved, meshed or extracted."""
-    if file.stem.split("_")[-1] not in SHOWING:
-        return
-    folders = {f.relative_to(PACKAGE).parent.as_posix() for n in imported_names(file) for f in files_of(n)}
-    assert not folders & {"numerics/grid", "numerics/kernels", "bodies/solid", "bodies/mesh", "tasks/density"}
+    solving = {"numerics/grid", "numerics/kernels", "bodies/solid", "bodies/mesh", "tasks/density"}
+    showing = [file for file in PACKAGE.glob("tasks/*/*.py") if file.stem.split("_")[-1] in SHOWING]
+    assert showing
+    for file in showing:
+        used = {f.relative_to(PACKAGE).parent.as_posix() for n in imported_names(file) for f in files_of(n)}
+        assert not used & solving, file
 
 
 PARTS_OF_AN_ENGINE = re.compile(r"(?<![a-z])(crank|crankpin|crankshaft|throw|web|piston)s?(?![a-z])", re.I)
 
 
-@pytest.mark.parametrize(
-    "file", sorted((PACKAGE / "numerics").rglob("*.py")), ids=lambda f: str(f.relative_to(PACKAGE))
-)
-def test_numerics_names_no_part_of_an_engine(file: Path) -> None:
+def test_numerics_names_no_part_of_an_engine() -> None:
     """Neither code nor comments nor messages: who calls it says what a hint means for a crank.
 
     A journal has no place outside the theory of bearings.
     """
-    text = file.read_text(encoding="utf-8")
-    assert not PARTS_OF_AN_ENGINE.findall(text)
-    assert file.parent.name == "bearing_film" or not re.search(r"(?<![a-z])journal", text, re.I)
+    for file in (PACKAGE / "numerics").rglob("*.py"):
+        text = file.read_text(encoding="utf-8")
+        assert not PARTS_OF_AN_ENGINE.findall(text), file
+        theirs = file.parent.name == "bearing_film"
+        assert theirs or not re.search(r"(?<![a-z])journal", text, re.I), file
 
 
 METHODS_OF_FATIGUE = (
@@ -225,12 +216,13 @@ def test_methods_of_fatigue_know_no_part(name: str) -> None:
     assert not [one for one in known(file) - allowed if not one.startswith(below)]
 
 
-@pytest.mark.parametrize("file", BESIDE_THE_CRANK, ids=lambda f: str(f.relative_to(PACKAGE)))
-def test_parts_beside_the_crank_take_nothing_of_the_throw(file: Path) -> None:
+def test_parts_beside_the_crank_take_nothing_of_the_throw() -> None:
     """All the same they mesh, solve, recover stresses, judge and move meshes as the web does."""
     general = {f"tasks/fatigue/{one}.py" for one in METHODS_OF_FATIGUE}
     of_throw = ("throw/", "tasks/fea/", "tasks/fatigue/", "tasks/shaft/", "bodies/mesh/solid_mesh.py")
-    assert not [one for one in known(file) - general if one.startswith((*of_throw, "bodies/solid/throw.py"))]
+    taken = {file: known(file) - general for file in BESIDE_THE_CRANK}
+    forbidden = (*of_throw, "bodies/solid/throw.py")
+    assert not [(file, one) for file, names in taken.items() for one in names if one.startswith(forbidden)]
 
 
 @pytest.mark.parametrize("task", ["fatigue", "shape", "rod"])
@@ -243,20 +235,34 @@ def test_web_and_rod_take_one_path_through_stresses(task: str) -> None:
 
 def test_docstrings_are_statements() -> None:
     """Of modules, classes, functions and attributes; Args and messages may ask."""
-    trees = {file: ast.parse(file.read_text(encoding="utf-8")) for file in PACKAGE.rglob("*.py")}
-    asked = [
-        f"{file.relative_to(PACKAGE)}:{node.lineno}"
-        for file, tree in trees.items()
-        for node in of_kind([tree], ast.Expr)
-        if question(node)
-    ]
-    assert asked == []
+    assert {file: lines for file in FILES if (lines := facts(file).questions)} == {}
 
 
 def test_names_of_array_types_stand_in_one_file() -> None:
-    trees = {file: ast.parse(file.read_text(encoding="utf-8")) for file in PACKAGE.rglob("*.py")}
-    found = [file.relative_to(PACKAGE).as_posix() for file, tree in trees.items() if array_aliases(tree)]
+    found = [file.relative_to(PACKAGE).as_posix() for file in FILES if facts(file).aliases]
     assert found == ["base/arrays.py"]
+
+
+def test_no_class_name_has_two_meanings() -> None:
+    assert several(facts(file).classes for file in FILES) == 0
+
+
+def test_all_that_is_said_leaves_at_one_place() -> None:
+    """A line that is printed past it would be as long as it was written."""
+    printing = {"print", "click.echo", "click.secho"}
+    past = [file.relative_to(PACKAGE).as_posix() for file in FILES if facts(file).calls & printing]
+    assert past == ["cli/output.py"]
+
+
+def test_packages_of_extras_are_imported_where_they_are_needed_alone() -> None:
+    """`tests/cli/test_extras.py` runs the core without them."""
+    importing = {
+        file.relative_to(PACKAGE / "tasks").as_posix()
+        for file in FILES
+        if {name.partition(".")[0] for name in facts(file).imports} & OF_EXTRAS
+    }
+    others = {name for name in importing if not name.startswith(("bench/", "sweep/"))}
+    assert others == {"fatigue/fkm.py", "fatigue/spectrum.py"}
 
 
 def test_help_loads_nothing_heavy() -> None:
