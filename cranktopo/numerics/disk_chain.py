@@ -139,6 +139,10 @@ class DiskChain:
 
     def response_rad(self, frequency_rad_s: Array, torque_Nm: Complex) -> Complex:
         """Return complex amplitudes of the disks under harmonic torques of shape (*frequencies, disks)."""
+        return self.responses_rad(frequency_rad_s, torque_Nm[..., None])[..., 0]
+
+    def responses_rad(self, frequency_rad_s: Array, torque_Nm: Complex) -> Complex:
+        """Return the same under several torques at each frequency, (*frequencies, disks, torques)."""
         frequency = np.asarray(frequency_rad_s)
         inertia = np.array(self.inertia_kg_m2)
         absolute = _filled(self.absolute_damping_Nms_per_rad, len(inertia))
@@ -146,7 +150,7 @@ class DiskChain:
         own = 1j * frequency[..., None] * absolute - frequency[..., None] ** 2 * inertia
         disks = np.arange(len(inertia))
         matrix[..., disks, disks] += own
-        return np.asarray(np.linalg.solve(matrix, torque_Nm[..., None])[..., 0])
+        return np.asarray(np.linalg.solve(matrix, torque_Nm))
 
     def section_torque_Nm(self, frequency_rad_s: Array, twist_rad: Complex) -> Complex:
         """Return the torque that each spring passes on toward the last disk, complex amplitudes."""

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array, Complex, Mask
 from cranktopo.base.units import angular_speed_rad_s, number_text
 from cranktopo.design.shaft import passed_through
+from cranktopo.engine.vibration.order_coupling import order_coupling
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
 from cranktopo.engine.vibration.torque_harmonics import (
     HARMONICS,
     TorqueHarmonics,
-    coupled_response_rad,
     curve_of,
 )
 from cranktopo.numerics.disk_chain import DampedMode
@@ -242,16 +242,18 @@ def vibration(
     twist = np.empty((*frequency.shape, len(shaft.names)), dtype=complex)
     torque = np.empty((*frequency.shape, len(shaft.sections)), dtype=complex)
     high, low, twisted = (np.empty((len(speeds_rpm), len(shaft.sections))) for _ in range(3))
-    free_end = np.empty(len(speeds_rpm))
+    free_end, means = np.empty(len(speeds_rpm)), np.empty((len(speeds_rpm), len(shaft.names)))
+    # The last orders feel those above them: as many more are solved as the inertia reaches.
+    more = harmonics.orders[1 : 1 + orders + round(HARMONICS / float(harmonics.orders[1]))]
+    coupling = None if varying_kg_m2 is None else order_coupling(more, varying_kg_m2)
     for index, speed in enumerate(speeds_rpm):
         excited = on_disks(shaft, harmonics.of_throws_Nm(float(speed)))
-        if varying_kg_m2 is None:
+        means[index] = excited[0].real
+        if coupling is None:
             twist[index] = shaft.chain.response_rad(frequency[index], excited[1 : len(solved) + 1])
         else:
-            # The last orders feel those above them: as many more are solved as the inertia reaches.
-            more = harmonics.orders[1 : 1 + orders + round(HARMONICS / float(harmonics.orders[1]))]
             w, torques = angular_speed_rad_s(float(speed)), excited[1 : 1 + len(more)]
-            twist[index] = coupled_response_rad(shaft, more, w, torques, varying_kg_m2)[: len(solved)]
+            twist[index] = coupling.response_rad(shaft, w, torques)[: len(solved)]
         torque[index] = shaft.chain.section_torque_Nm(frequency[index], twist[index])
         curves = section_curves_Nm(shaft, excited, torque[index])
         high[index], low[index] = curves.max(axis=-1), curves.min(axis=-1)
@@ -259,8 +261,7 @@ def vibration(
         twisted[index] = np.degrees(_half_range(_summed(relative)))
         end_twist = twist[index, :, [1 if shaft.names[0] == "damper ring" else 0]]
         free_end[index] = np.degrees(_half_range(_summed(end_twist.T)))[0]
-    means = [on_disks(shaft, harmonics.of_throws_Nm(float(speed)))[0].real for speed in speeds_rpm]
-    mean = np.cumsum(max(means, key=lambda disks: float(disks.sum())))[:-1]
+    mean = np.cumsum(means[means.sum(axis=1).argmax()])[:-1]
     return Vibration(shaft, harmonics, speeds_rpm, solved, twist, torque, mean, high, low, twisted, free_end)
 
 

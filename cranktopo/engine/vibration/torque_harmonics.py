@@ -1,9 +1,7 @@
 """Gas and inertia torque of every cylinder, and a throw's inertia that varies over a turn, by orders.
 
-Rod and piston as two masses make the inertia of a throw J(a), the sum of J_k exp(i k a). Linear in the twist,
-an order m of the motion acts on order n = m + k with -w^2 J_k (m^2 + n^2) / 2, so that all orders are solved
-at once; what the twist leaves, -w^2 J'(a) / 2, is the inertia torque that the excitation has already. Angles
-of a throw count from its own mean twist: there is no order 0.
+Rod and piston as two masses make the inertia of a throw J(a), the sum of J_k exp(i k a); how the orders of
+the motion act on each other through it is in `order_coupling`.
 """
 
 from __future__ import annotations
@@ -248,83 +246,3 @@ def varying_share_percent(shaft: ShaftChain, modes: Sequence[DampedMode], varyin
         for mode in modes
     ]
     return 100 * float(max(shares, default=0.0))
-
-
-def coupled_response_rad(
-    shaft: ShaftChain, orders: Array, speed_rad_s: float, torque_Nm: Complex, varying_kg_m2: Complex
-) -> Complex:
-    """Return the complex amplitude of every disk with the varying inertia of the throws, (orders, disks).
-
-    Orders with and without a half do not act on each other; order 0 is not among them.
-    """
-    frequency = orders * speed_rad_s
-    driven = np.eye(len(shaft.names))[shaft.driven].astype(complex)
-    by_throw = shaft.chain.response_rad(
-        np.repeat(frequency[:, None], len(driven), axis=1), np.tile(driven, (len(orders), 1, 1))
-    )
-    twist = shaft.chain.response_rad(frequency, torque_Nm)
-    for part in np.unique(orders % 1):
-        mine = orders % 1 == part
-        acting = _acting_Nm(shaft, orders[mine], speed_rad_s, twist[mine], by_throw[mine], varying_kg_m2)
-        twist[mine] += np.einsum("nt,ntd->nd", acting, by_throw[mine])
-    return twist
-
-
-def _acting_Nm(
-    shaft: ShaftChain,
-    orders: Array,
-    speed_rad_s: float,
-    twist: Complex,
-    by_throw: Complex,
-    varying: Complex,
-) -> Complex:
-    """Torques of the varying inertia on the throws, (orders, throws), by elimination of all other disks.
-
-    With twist x of the throws they are P x + Q conj(x): Q is the negative orders of a real motion.
-    """
-    from scipy.linalg import solve_banded
-
-    compliance = by_throw[:, :, shaft.driven].transpose(0, 2, 1)
-    couplings = _couplings(orders, speed_rad_s, varying)
-    width = 2 * by_throw.shape[1]
-    reach = len(varying) * width - 1  # orders act on each other over no more than the last harmonic
-    band = np.zeros((2 * reach + 1, orders.size * width))
-    row, column = np.indices((width, width))
-    for first, second, direct, mirrored in couplings:
-        p, q = (compliance[first] * one[:, None] for one in (direct, mirrored))
-        block = np.block([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
-        at = second[:, None, None] * width + column
-        band[reach + first[:, None, None] * width + row - at, at] -= block
-    band[reach] += 1.0
-    alone = twist[:, shaft.driven]
-    x = solve_banded((reach, reach), band, np.hstack([alone.real, alone.imag]).ravel(), check_finite=False)
-    real, imaginary = np.split(x.reshape(orders.size, width), 2, axis=1)
-    found, acting = real + 1j * imaginary, np.zeros_like(alone)
-    for first, second, direct, mirrored in couplings:
-        acting[first] += direct * found[second] + mirrored * found[second].conj()
-    return acting
-
-
-def _couplings(
-    orders: Array, speed_rad_s: float, varying: Complex
-) -> list[tuple[NDArray[np.int_], NDArray[np.int_], Complex, Complex]]:
-    """Pairs of orders that act on each other: places of torque and twist, torque per twist and conjugate.
-
-    Each is of shape (pairs, throws); a list entry holds the pairs of one distance.
-    """
-    two_sided, places = np.concatenate([varying[:0:-1].conj(), varying]), np.arange(len(orders))
-    found = []
-    for distance in range(1 - len(varying), len(varying)):
-        first = places[max(-distance, 0) : max(len(orders) - max(distance, 0), 0)]
-        n, m = orders[first], orders[first + distance]
-        scale = speed_rad_s**2 * (n**2 + m**2)[:, None] / 2
-        found.append((first, first + distance, scale * _at(two_sided, n - m), scale * _at(two_sided, n + m)))
-    return found
-
-
-def _at(two_sided: Complex, places: Array) -> Complex:
-    """Harmonics by their number, zero beyond the last; (*places, throws)."""
-    last = len(two_sided) // 2
-    number = np.rint(places).astype(int)
-    inside = np.abs(number) <= last
-    return np.asarray(two_sided[np.where(inside, number, 0) + last] * inside[..., None])

@@ -11,7 +11,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.design.checks.engine import speed_range_rpm
-from cranktopo.design.schema import Scene
+from cranktopo.design.schema import Effects, Optimise, Scene
 from cranktopo.engine.forces import ShaftTorque
 from cranktopo.engine.gas import FileState, trace_states
 from cranktopo.engine.vibration.barred import ranges_above
@@ -113,22 +113,22 @@ def vibrating_torque(scene: Scene, enabled: frozenset[str]) -> ShaftTorque:
 
 def worst_orders_words(scene: Scene, enabled: frozenset[str]) -> str:
     """Return of which orders the torque of the crankshaft is at the worst speed."""
-    return _decisive_speeds(scene, enabled, trace_states(scene)).worst_orders
+    return _decisive_speeds(scene, enabled).worst_orders
 
 
 def worst_speed_rpm(scene: Scene, enabled: frozenset[str]) -> float:
     """Return the speed in the scene's range at which the torque of the crankshaft swings most, rpm."""
-    return _decisive_speeds(scene, enabled, trace_states(scene)).worst_rpm
+    return _decisive_speeds(scene, enabled).worst_rpm
 
 
 def extreme_speeds_rpm(scene: Scene, enabled: frozenset[str]) -> tuple[float, ...]:
     """Return the speeds in the range with the largest and the smallest torque of the crankshaft, rpm."""
-    return _decisive_speeds(scene, enabled, trace_states(scene)).extreme_rpm
+    return _decisive_speeds(scene, enabled).extreme_rpm
 
 
 def ranges_to_bar_rpm(scene: Scene, enabled: frozenset[str]) -> tuple[tuple[float, float], ...]:
     """Return the ranges of speed above the permitted shear stress; none where the scene gives no stress."""
-    return _decisive_speeds(scene, enabled, trace_states(scene)).above_rpm
+    return _decisive_speeds(scene, enabled).above_rpm
 
 
 class _DecisiveSpeeds(NamedTuple):
@@ -138,11 +138,18 @@ class _DecisiveSpeeds(NamedTuple):
     above_rpm: tuple[tuple[float, float], ...]
 
 
+def _decisive_speeds(scene: Scene, enabled: frozenset[str]) -> _DecisiveSpeeds:
+    """Solve the range once for all that asks: a plan, load states and histories, with one effect or another.
+
+    Of the effects only the reciprocating inertia changes the torque, and the threshold what of it varies.
+    """
+    effects = Effects(threshold=scene.effects.threshold)
+    alike = scene.model_copy(update={"effects": effects, "optimise": Optimise(), "goal": None})
+    return _solved_range(alike, enabled & {"reciprocating_inertia"}, trace_states(scene))
+
+
 @lru_cache(maxsize=16)
-def _decisive_speeds(
-    scene: Scene, enabled: frozenset[str], _traces: tuple[FileState, ...]
-) -> _DecisiveSpeeds:
-    """Solve the range once: load states and histories ask for both kinds of speeds, one after another."""
+def _solved_range(scene: Scene, enabled: frozenset[str], _traces: tuple[FileState, ...]) -> _DecisiveSpeeds:
     model, permitted = _model(scene, enabled), scene.shaft.permitted_shear_MPa if scene.shaft else None
     found = model.over_the_range()
     above = () if permitted is None else ranges_above(found, permitted, model.at)

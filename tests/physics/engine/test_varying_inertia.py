@@ -12,11 +12,11 @@ from scipy.integrate import solve_ivp
 from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.design.loading import load_scene
+from cranktopo.engine.vibration.order_coupling import order_coupling
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
 from cranktopo.engine.vibration.steady import on_disks, vibration
 from cranktopo.engine.vibration.torque_harmonics import (
     TorqueHarmonics,
-    coupled_response_rad,
     torque_harmonics,
     varying_inertia_kg_m2,
     varying_part,
@@ -115,7 +115,7 @@ def two_throws(rpm: float) -> tuple[ShaftChain, Array, Complex, Complex, Complex
     varying = varying_inertia_kg_m2(SCENE, harmonics)
     orders = harmonics.orders[1 : ORDERS + 1]
     torque = on_disks(shaft, harmonics.of_throws_Nm(rpm))[1 : ORDERS + 1]
-    twist = coupled_response_rad(shaft, orders, angular_speed_rad_s(rpm), torque, varying)
+    twist = order_coupling(orders, varying).response_rad(shaft, angular_speed_rad_s(rpm), torque)
     return shaft, orders, torque, varying, twist
 
 

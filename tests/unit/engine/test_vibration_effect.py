@@ -20,6 +20,7 @@ from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.states import extreme_states, load_cases
 from cranktopo.engine.throw_compliance import web_lever_mm
+from cranktopo.engine.vibration import vibrating_shaft
 from cranktopo.tasks.fatigue.m53 import (
     LEAST_FACTOR,
     concentration_factors,
@@ -127,6 +128,19 @@ def test_a_shaft_behind_a_soft_coupling_is_not_judged_by_its_lowest_mode() -> No
 def with_propeller() -> tuple[Scene, PhysicsPlan]:
     scene = turning(PROPELLER)
     return scene, plan(scene)
+
+
+def test_plan_and_loads_solve_the_range_once_for_each_torque(
+    with_propeller: tuple[Scene, PhysicsPlan],
+) -> None:
+    """With the reciprocating inertia and without it: what else is on or off changes no torque."""
+    scene, decided = with_propeller
+    vibrating_shaft._solved_range.cache_clear()
+    planning._plan.cache_clear()
+    plan(scene)
+    load_cases(scene, decided.enabled)
+    load_cases(switched_to(scene, "on"), decided.enabled - {"rotating_rod_mass"})
+    assert vibrating_shaft._solved_range.cache_info().misses == 2
 
 
 def test_the_reason_names_frequency_speed_and_order(with_propeller: tuple[Scene, PhysicsPlan]) -> None:
