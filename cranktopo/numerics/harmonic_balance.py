@@ -52,7 +52,7 @@ def damping_work(frequency_rad_s: Array, motion: Complex, loss: Array, viscous: 
 
 
 def _quadratic(matrix: Array, motion: Complex) -> Array:
-    return np.asarray(np.einsum("nk,nm,mk->k", motion.conj(), matrix, motion, optimize=True).real)
+    return np.asarray((motion.conj() * (matrix @ motion)).real.sum(axis=0))
 
 
 @dataclass(frozen=True)

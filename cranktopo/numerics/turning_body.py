@@ -124,8 +124,12 @@ def whirling_modes(body: TurningBody, speed_rad_s: float) -> WhirlingModes:
     swinging = np.flatnonzero(values.imag > 1e-6 * np.abs(values).max())
     chosen = swinging[np.argsort(values.imag[swinging], kind="stable")]
     shape = vectors[:count, chosen]
-    shape = shape / np.sqrt(np.einsum("nk,nm,mk->k", shape.conj(), body.mass, shape).real)
-    across = np.einsum("nk,nm,mk->k", shape.conj(), body.lateral, shape).real
-    turning = np.einsum("nk,nm,mk->k", shape.conj(), body.coriolis, shape).imag
+    shape = shape / np.sqrt(_quadratic(body.mass, shape).real)
+    across, turning = _quadratic(body.lateral, shape).real, _quadratic(body.coriolis, shape).imag
     whirl = np.divide(turning, across, out=np.zeros_like(across), where=across > 0)
     return WhirlingModes(values.imag[chosen] / (2 * math.pi), shape, whirl)
+
+
+def _quadratic(matrix: Array, shape: Complex) -> Complex:
+    """Return s* A s of every column s of shapes, (modes,)."""
+    return np.asarray((shape.conj() * (matrix @ shape)).sum(axis=0))

