@@ -123,8 +123,8 @@ def whirling_modes(body: TurningBody, speed_rad_s: float) -> WhirlingModes:
     values, vectors = np.linalg.eig(state)
     swinging = np.flatnonzero(values.imag > 1e-6 * np.abs(values).max())
     chosen = swinging[np.argsort(values.imag[swinging], kind="stable")]
-    shape = vectors[:count, chosen]
-    shape = shape / np.sqrt(_quadratic(body.mass, shape).real)
+    shape: Complex = np.asarray(vectors[:count, chosen], dtype=complex)
+    shape = np.asarray(shape / np.sqrt(_quadratic(body.mass, shape).real))
     across, turning = _quadratic(body.lateral, shape).real, _quadratic(body.coriolis, shape).imag
     whirl = np.divide(turning, across, out=np.zeros_like(across), where=across > 0)
     return WhirlingModes(values.imag[chosen] / (2 * math.pi), shape, whirl)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +13,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array, Complex, Mask
 from cranktopo.base.units import angular_speed_rad_s, number_text
 from cranktopo.design.shaft import passed_through
-from cranktopo.engine.vibration.order_coupling import order_coupling
+from cranktopo.engine.vibration.order_coupling import OrderCoupling, order_coupling
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
 from cranktopo.engine.vibration.torque_harmonics import (
     HARMONICS,
@@ -32,6 +34,8 @@ _SPEEDS = 200
 _STEPS_OF_RISE = 5
 _POINTS_PER_ORDER = 16
 """Angles of a cycle for each order of a sum whose range is looked for."""
+_TOGETHER = 32
+"""Speeds that are solved at once: more take memory and gain nothing."""
 
 
 @dataclass(frozen=True)
@@ -237,58 +241,65 @@ def vibration(
     them up, and `orders_to_solve` tells how many count. Without harmonics of the throws' inertia it is their
     mean alone.
     """
-    solved = harmonics.orders[1 : orders + 1]
-    frequency = angular_speed_rad_s(1.0) * speeds_rpm[:, None] * solved
-    twist = np.empty((*frequency.shape, len(shaft.names)), dtype=complex)
-    torque = np.empty((*frequency.shape, len(shaft.sections)), dtype=complex)
-    high, low, twisted = (np.empty((len(speeds_rpm), len(shaft.sections))) for _ in range(3))
-    free_end, means = np.empty(len(speeds_rpm)), np.empty((len(speeds_rpm), len(shaft.names)))
     # The last orders feel those above them: as many more are solved as the inertia reaches.
     more = harmonics.orders[1 : 1 + orders + round(HARMONICS / float(harmonics.orders[1]))]
     coupling = None if varying_kg_m2 is None else order_coupling(more, varying_kg_m2)
-    for index, speed in enumerate(speeds_rpm):
-        excited = on_disks(shaft, harmonics.of_throws_Nm(float(speed)))
-        means[index] = excited[0].real
-        if coupling is None:
-            twist[index] = shaft.chain.response_rad(frequency[index], excited[1 : len(solved) + 1])
-        else:
-            w, torques = angular_speed_rad_s(float(speed)), excited[1 : 1 + len(more)]
-            twist[index] = coupling.response_rad(shaft, w, torques)[: len(solved)]
-        torque[index] = shaft.chain.section_torque_Nm(frequency[index], twist[index])
-        curves = section_curves_Nm(shaft, excited, torque[index])
-        high[index], low[index] = curves.max(axis=-1), curves.min(axis=-1)
-        relative = twist[index, :, :-1] - twist[index, :, 1:]
-        twisted[index] = np.degrees(_half_range(_summed(relative)))
-        end_twist = twist[index, :, [1 if shaft.names[0] == "damper ring" else 0]]
-        free_end[index] = np.degrees(_half_range(_summed(end_twist.T)))[0]
+    solved, count = harmonics.orders[1 : orders + 1], max(1, math.ceil(len(speeds_rpm) / _TOGETHER))
+    found = [_solved(shaft, harmonics, some, solved, coupling) for some in np.array_split(speeds_rpm, count)]
+    means, twist, torque, high, low, twisted, free_end = (np.concatenate(p) for p in zip(*found, strict=True))
     mean = np.cumsum(means[means.sum(axis=1).argmax()])[:-1]
     return Vibration(shaft, harmonics, speeds_rpm, solved, twist, torque, mean, high, low, twisted, free_end)
 
 
+def _solved(
+    shaft: ShaftChain,
+    harmonics: TorqueHarmonics,
+    speeds_rpm: Array,
+    orders: Array,
+    coupling: OrderCoupling | None,
+) -> tuple[NDArray[Any], ...]:
+    """Mean torques on the disks, then the fields of `Vibration` that have a row for every speed."""
+    excited, speeds = (
+        on_disks(shaft, harmonics.of_throws_Nm(speeds_rpm)),
+        angular_speed_rad_s(1.0) * speeds_rpm,
+    )
+    frequency = speeds[:, None] * orders
+    if coupling is None:
+        twist = shaft.chain.response_rad(frequency, excited[:, 1 : len(orders) + 1])
+    else:
+        torques = zip(speeds.tolist(), excited[:, 1 : 1 + len(coupling.orders)], strict=True)
+        twist = np.stack([coupling.response_rad(shaft, w, one)[: len(orders)] for w, one in torques])
+    torque = shaft.chain.section_torque_Nm(frequency, twist)
+    curves = section_curves_Nm(shaft, excited, torque)
+    twisted = np.degrees(_half_range(_summed(twist[..., :-1] - twist[..., 1:])))
+    end = 1 if shaft.names[0] == "damper ring" else 0
+    free_end = np.degrees(_half_range(_summed(twist[..., [end]])))[:, 0]
+    return excited[:, 0].real, twist, torque, curves.max(axis=-1), curves.min(axis=-1), twisted, free_end
+
+
 def on_disks(shaft: ShaftChain, throws_Nm: Complex) -> Complex:
-    """Torques on the throws as torques on the disks of the chain, shape (orders, disks)."""
-    torque = np.zeros((len(throws_Nm), len(shaft.names)), dtype=complex)
-    torque[:, shaft.driven] = throws_Nm
+    """Torques on the throws as torques on the disks of the chain, shape (..., orders, disks)."""
+    torque = np.zeros((*throws_Nm.shape[:-1], len(shaft.names)), dtype=complex)
+    torque[..., shaft.driven] = throws_Nm
     return torque
 
 
 def section_curves_Nm(shaft: ShaftChain, excited: Complex, solved: Complex) -> Array:
-    """Return the torque of every section over the cycle, its mean included, shape (sections, angles).
+    """Return the torque of every section over the cycle, its mean included, shape (..., sections, angles).
 
     Args:
         excited: torques on the disks, all orders.
         solved: torques of the sections, the orders from the first one that were solved; others are left out.
     """
-    every = np.zeros((len(excited), len(shaft.sections)), dtype=complex)
-    every[1 : len(solved) + 1] = solved
-    every[0] = np.cumsum(excited[0])[:-1]
-    return curve_of(every.T, 2 * len(every))
+    mean = np.cumsum(excited[..., :1, :], axis=-1)[..., :-1]
+    every = np.concatenate([mean, solved], axis=-2)
+    return curve_of(np.swapaxes(every, -1, -2), 2 * excited.shape[-2])
 
 
 def _summed(solved: Complex) -> Array:
     """Curves over the cycle of the solved orders alone."""
-    mean = np.zeros((solved.shape[-1], 1))
-    return curve_of(np.hstack([mean, solved.T]), _POINTS_PER_ORDER * len(solved))
+    every = np.concatenate([np.zeros_like(solved[..., :1, :]), solved], axis=-2)
+    return curve_of(np.swapaxes(every, -1, -2), _POINTS_PER_ORDER * solved.shape[-2])
 
 
 def _half_range(curves: Array) -> Array:

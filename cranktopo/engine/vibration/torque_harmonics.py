@@ -61,13 +61,14 @@ class TorqueHarmonics:
         lost = np.zeros_like(self.gas_Nm) if self.lost_Nm is None else self.lost_Nm
         return _over_speed(lost, self.lost_map, speed_rpm)
 
-    def of_throws_Nm(self, speed_rpm: float) -> Complex:
-        """Complex amplitudes of the torque on every throw at a speed, one clock for all, (orders, throws)."""
-        single = self.gas_at_Nm(speed_rpm) + angular_speed_rad_s(speed_rpm) ** 2 * self.inertia_Nm_s2
-        every = single[:, None] * self.shifts
+    def of_throws_Nm(self, speed_rpm: float | Array) -> Complex:
+        """Complex amplitudes of the torque on every throw at speeds, one clock, (*speeds, orders, throws)."""
+        square = (angular_speed_rad_s(1.0) * np.asarray(speed_rpm)[..., None]) ** 2
+        single = self.gas_at_Nm(speed_rpm) + square * self.inertia_Nm_s2
+        every = single[..., None] * self.shifts
         if self.lost_Nm is None:
             return np.asarray(every)
-        return np.asarray(every - self.lost_at_Nm(speed_rpm)[:, None] * self.misfire_shifts)
+        return np.asarray(every - self.lost_at_Nm(speed_rpm)[..., None] * self.misfire_shifts)
 
     def of_orders_Nm(self, places: NDArray[np.int_], speeds_rpm: Array) -> Complex:
         """Return the torque on every throw of orders by number, each at its speed, (pairs, throws)."""
