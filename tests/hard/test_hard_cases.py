@@ -18,15 +18,25 @@ TIGHT, LOOSE = 2e-7, 2e-5
 CASES = cases()
 VARIANTS = re.compile(
     r"Poisson 0\.[24]$|cells (4|1:4|1:1)|times|blobs 0\.[126]|void 1e-03"
-    r"|blobs 0\.4, void 1e-0[69]|density 0\.0?[23]|cells 0\.[57]|sprung bearings|one-cell link"
+    r"|blobs 0\.4, void 1e-0[69]|density 0\.0?[123]|cells 0\.[57]|sprung bearings|one-cell link"
+    r"|cells 0\.3, void 1e-09|Poisson 0$|void 1e-12$|walls, void|hinge of one edge, void 1e-06"
 )
 """Names of cases between others, or like them."""
+LOOSE_CASES = re.compile(r"blobs 0\.4, void 1e-01|cells 0\.3, void 1e-06|as link, void 1e-09|journals apart")
+"""Cases at a loose tolerance, where the same is asked of less: one that is easy and three that are hard."""
 NUMBERS = [
     pytest.param(name, marks=pytest.mark.slow) if VARIANTS.search(name) else name
     for name, case in CASES.items()
     if not case.complaint
 ]
+LOOSE_NUMBERS = [
+    name if LOOSE_CASES.search(name) else pytest.param(name, marks=pytest.mark.slow)
+    for name, case in CASES.items()
+    if not case.complaint
+]
 ERRORS = [name for name, case in CASES.items() if case.complaint]
+LEAST = ("void 0", "void 1e-12")
+"""Voids with which a case without an answer is as it is with another one."""
 
 
 @pytest.mark.parametrize("name", NUMBERS)
@@ -46,7 +56,7 @@ def test_number(float64: None, name: str) -> None:
     assert bool(solution.notice) == (solution.method != METHODS[0].name)
 
 
-@pytest.mark.parametrize("name", NUMBERS)
+@pytest.mark.parametrize("name", LOOSE_NUMBERS)
 def test_number_at_a_loose_tolerance(float64: None, name: str) -> None:
     solution = attempt(name, 1e-5)
     assert isinstance(solution, Solution), solution
@@ -56,8 +66,14 @@ def test_number_at_a_loose_tolerance(float64: None, name: str) -> None:
     assert found.energy_error < 1e-3
 
 
-@pytest.mark.parametrize("tolerance", [1e-8, 1e-5])
-@pytest.mark.parametrize("name", ERRORS)
+@pytest.mark.parametrize(
+    ("name", "tolerance"),
+    [
+        pytest.param(name, tolerance, marks=[pytest.mark.slow] * (tolerance == 1e-5 and name.endswith(LEAST)))
+        for name in ERRORS
+        for tolerance in (1e-8, 1e-5)
+    ],
+)
 def test_error(float64: None, name: str, tolerance: float) -> None:
     error = attempt(name, tolerance)
     assert isinstance(error, CranktopoError), "a number that means nothing"

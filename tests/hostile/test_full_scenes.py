@@ -20,7 +20,7 @@ import pytest
 from tests.hostile.full_scenes import full_case
 from tests.hostile.outcome import Outcome, run_case
 
-QUICK, SLOW = 15, 5000
+QUICK, SLOW = 9, 5000
 _NO_NUMBER = re.compile(r"(?<![\w.'-])[+-]?(nan|inf)(?![\w'-])", re.IGNORECASE)
 
 
