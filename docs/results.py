@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
+from functools import cache
 from importlib import import_module
 from typing import Any
 
@@ -62,6 +63,7 @@ class _WhatIsWritten(GenerateJsonSchema):
         return field.get("serialization_exclude_if") is None
 
 
+@cache
 def result_schema(name: str) -> dict[str, Any]:
     """Return the JSON schema of a result by its name in `ROOTS`."""
     module, _, kind = ROOTS[name][1].partition(":")

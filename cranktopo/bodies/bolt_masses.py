@@ -11,6 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.quadrature import gauss_legendre
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.design.bolt_holes import BoltHole, bolt_holes, lower_end_mm
 from cranktopo.design.schema import Scene
@@ -80,7 +81,7 @@ def _rim(scene: Scene) -> _Ends:
 
 def _column(bolt: BoltHole, radius_mm: float, low: _Ends, high: _Ends, before_z_mm: float | None) -> Moments:
     """Return the moments of a cylinder along the throw about a bolt's axis, between two heights over x."""
-    nodes, weights = np.polynomial.legendre.leggauss(_STRIPS)
+    nodes, weights = gauss_legendre(_STRIPS)
     turn = math.pi / 2 * nodes
     x = bolt.x_mm + radius_mm * np.sin(turn)
     area = math.pi * weights * (radius_mm * np.cos(turn)) ** 2

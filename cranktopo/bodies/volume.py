@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
+from cranktopo.base.quadrature import gauss_legendre
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.bolt_masses import bolts_added_kg_mm, holes_in_weight
 from cranktopo.design.halves import of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.moments import drilled
+from cranktopo.throw.feature import Body
 from cranktopo.throw.journal import Journal
 from cranktopo.throw.moments import Moments, body_moments
 from cranktopo.throw.web import web_bodies
@@ -107,7 +111,7 @@ def _fillet_volume(scene: Scene, journal: Journal, y: float, face_z: float) -> f
     Of an ellipse the height is larger by its axial over its radial semi-axis f.
     """
     fillet, radius = journal.fillet_mm, journal.radius_mm
-    nodes, weights = np.polynomial.legendre.leggauss(40)
+    nodes, weights = gauss_legendre(40)
     t = (nodes + 1) / 2
     wide = fillet - journal.fillet.half_mouth_mm
     rho, jacobian = radius + wide * t**2, 2 * wide * t / 2
@@ -120,9 +124,15 @@ def _fillet_volume(scene: Scene, journal: Journal, y: float, face_z: float) -> f
         for body in web_bodies(scene)
         if not body.adds and face_z in body.z_mm and body.y_range_mm[0] < high and body.y_range_mm[1] > low
     ]
+    share = _uncut_share(cuts, rho, y, face_z) if cuts else np.ones_like(rho)
+    return float(np.sum(weights * jacobian * height * rho * 2 * math.pi * share))
+
+
+def _uncut_share(cuts: Sequence[Body], rho: Array, y: float, face_z: float) -> Array:
+    """Share of each circle about (0, y) in a face of the web that no cut takes away."""
     angle = np.linspace(0, 2 * math.pi, 20001)[:-1, None]
     px, py = rho * np.cos(angle), y + rho * np.sin(angle)
     solid = np.ones(px.shape, dtype=bool)
     for cut in cuts:
         solid &= ~cut.contains(px, py, face_z)
-    return float(np.sum(weights * jacobian * height * rho * 2 * math.pi * solid.mean(axis=0)))
+    return np.asarray(solid.mean(axis=0))

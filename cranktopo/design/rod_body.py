@@ -15,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.quadrature import gauss_legendre
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.design.material import Material
 from cranktopo.design.rod import Rod
@@ -286,7 +287,7 @@ def _places(rod: Rod, length_mm: float) -> tuple[Array, Array]:
         for low, high in pairwise(ordered)
     ]
     edges = np.append(np.concatenate(pieces), ordered[-1])
-    at, weight = np.polynomial.legendre.leggauss(3)
+    at, weight = gauss_legendre(3)
     half, middle = np.diff(edges) / 2, (edges[1:] + edges[:-1]) / 2
     return (middle[:, None] + half[:, None] * at).ravel(), (half[:, None] * weight).ravel()
 

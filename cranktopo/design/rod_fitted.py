@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cranktopo.base.quadrature import gauss_legendre
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.design.rod import Rod
 from cranktopo.design.rod_split import in_rod
@@ -57,7 +58,7 @@ def turned_holes(rod: Rod, kg_per_mm3: float) -> list[FittedMass]:
     """Return what the holes of both bolts of an oblique split take from its bosses, as negative masses."""
     if not rod.bolt_hole_mm:
         return []
-    at, weight = np.polynomial.legendre.leggauss(_ALONG_HOLE)
+    at, weight = gauss_legendre(_ALONG_HOLE)
     half, middle = (rod.boss_above_mm + rod.boss_below_mm) / 2, (rod.boss_above_mm - rod.boss_below_mm) / 2
     spread_mm2 = rod.bolt_hole_mm**2 / 16
     kg = -kg_per_mm3 * math.pi / 4 * rod.bolt_hole_mm**2 * half * weight

@@ -21,6 +21,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
+from cranktopo.base.quadrature import gauss_legendre
 from cranktopo.base.root import root
 from cranktopo.design.engine import Gas
 from cranktopo.engine.chamber import Chamber
@@ -149,7 +150,7 @@ def _burn_integral(model: Combustion, angle_deg: Array) -> Array:
 @cache
 def _gauss_points() -> tuple[Array, Array]:
     """Return places from -1 to 1 and their weights; finding them takes longer than using them."""
-    nodes, weights = np.polynomial.legendre.leggauss(4)
+    nodes, weights = gauss_legendre(4)
     return nodes, weights
 
 

@@ -14,6 +14,7 @@ from dataclasses import astuple, dataclass
 
 import numpy as np
 
+from cranktopo.base.quadrature import gauss_legendre
 from cranktopo.base.units import MPA_PER_GPA, NMM_PER_NM
 from cranktopo.design.halves import of_halves
 from cranktopo.design.schema import Scene
@@ -73,7 +74,7 @@ def throw_stiffness_Nm_per_rad(scene: Scene) -> float:
 
 def fillet_length_saving_mm(journal: Journal) -> float:
     """Length by which the fillets at both ends shorten a journal in torsion: integral of 1 - J / J(z)."""
-    nodes, weights = np.polynomial.legendre.leggauss(16)
+    nodes, weights = gauss_legendre(16)
     turn = (np.pi / 2 - journal.fillet.start_rad) / 2
     angle = journal.fillet.start_rad + turn * (nodes + 1)
     outer = journal.radius_mm + journal.fillet_mm * (1 - np.sin(angle))
@@ -223,7 +224,7 @@ def _pin_bending(
     pin: Journal, web: _EquivalentBeam, e: float, g: float, pin_N: float = 1.0, web_N: float = 0.0
 ) -> float:
     """Half pin under its part of a force spread over its length, and the moment from bearing and web."""
-    nodes, weights = np.polynomial.legendre.leggauss(5)
+    nodes, weights = gauss_legendre(5)
     s = pin.length_mm / 4 * (nodes + 1)
     moment = pin_N * ((web.lever + web.thickness / 2 + s) / 2 - s**2 / (2 * pin.length_mm))
     moment += web_N * web.lever

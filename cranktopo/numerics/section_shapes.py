@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.quadrature import gauss_legendre
 
 
 @dataclass(frozen=True)
@@ -124,7 +125,7 @@ class SectionShapes:
     @cached_property
     def _points(self) -> tuple[Array, Array, Array]:
         """Points of the section, x and y, and their weights."""
-        nodes, weights = np.polynomial.legendre.leggauss(8)
+        nodes, weights = gauss_legendre(8)
         radius = self.bore_mm + (self.radius_mm - self.bore_mm) * (nodes + 1) / 2
         angle = 2 * math.pi * np.arange(24) / 24
         x, y = np.outer(radius, np.cos(angle)), np.outer(radius, np.sin(angle))

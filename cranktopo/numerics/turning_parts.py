@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.quadrature import gauss_legendre
 from cranktopo.numerics.turning_body import TurningBody
 
 
@@ -107,7 +108,7 @@ def _of_motions(matrix: Array, places: tuple[int, int]) -> Array:
 def _bending(section: RoundSection, length: float) -> tuple[Array, Array, Array]:
     """Return mass of the displacement, of the tilt, and stiffness in one plane, (4, 4) each."""
     bending, shear = section.youngs_MPa * section.polar / 2, section.shear_MPa * section.shear_area
-    points, weights = np.polynomial.legendre.leggauss(4)
+    points, weights = gauss_legendre(4)
     weights = weights / 2 * length
     shape, tilt, slope, curvature = _beam_shapes((points + 1) / 2, length, 12 * bending / (shear * length**2))
 

@@ -14,6 +14,7 @@ from typing_extensions import override
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.fit import FIT
+from cranktopo.base.quadrature import gauss_legendre
 from cranktopo.base.table import Length, LengthOrZero, SceneTable
 from cranktopo.throw.moments import Moments
 
@@ -96,7 +97,7 @@ class EndStep(SceneTable):
 
 
 def _rule() -> tuple[Array, Array]:
-    nodes, weights = np.polynomial.legendre.leggauss(24)
+    nodes, weights = gauss_legendre(24)
     return np.asarray((nodes + 1) / 2), np.asarray(weights / 2)
 
 

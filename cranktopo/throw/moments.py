@@ -14,6 +14,7 @@ from functools import lru_cache
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.quadrature import gauss_legendre
 from cranktopo.throw.crossings import crossings
 from cranktopo.throw.feature import Body
 from cranktopo.throw.web import web_spans
@@ -151,6 +152,6 @@ def _quadrature(function: Callable[[Array], Array], low: Array, high: Array) -> 
 @lru_cache(maxsize=4)
 def gauss_rule(points: int) -> tuple[Array, Array]:
     """Gauss points of 0 .. 1 and weights, through 3 u2 - 2 u3, which takes square roots at both ends."""
-    nodes, weights = np.polynomial.legendre.leggauss(points)
+    nodes, weights = gauss_legendre(points)
     u = (nodes + 1) / 2
     return u**2 * (3 - 2 * u), weights / 2 * 6 * u * (1 - u)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.quadrature import gauss_legendre
 from cranktopo.bodies.solid.checked import ClosedForm, check_body
 from cranktopo.bodies.solid.shapes import add_solid, cut
 from cranktopo.design.balancer import BalancerPart, ShaftNotch
@@ -109,7 +110,7 @@ def _groove_mm3(notch: ShaftNotch, outer: float) -> float:
 
 def _hole_mm3(notch: ShaftNotch, outer_mm: float, bore_mm: float) -> float:
     """Return what a hole across removes of a hollow shaft."""
-    at, weights = np.polynomial.legendre.leggauss(_POINTS)
+    at, weights = gauss_legendre(_POINTS)
     angle, r = math.pi / 2 * at, notch.diameter_mm / 2
     width = r * np.cos(angle)  # substituted along the shaft: z = r sin(angle)
     section = _strip_mm2(outer_mm / 2, width) - _strip_mm2(bore_mm / 2, np.minimum(width, bore_mm / 2))

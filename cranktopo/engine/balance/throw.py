@@ -13,6 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.quadrature import gauss_legendre
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.volume import bolted_mass, counterweight_mass, web_moments
 from cranktopo.design.balance_factor import balance_factor_percent, rods_kg_mm
@@ -154,7 +155,7 @@ def _cylinder(journal: Journal, y: float) -> Moments:
 def _fillet_ring(journal: Journal) -> tuple[Array, Array, Array]:
     """Sections of a fillet ring for its integrals, mm: outer radius, height, distance from the web's face."""
     fillet = journal.fillet
-    nodes, weights = np.polynomial.legendre.leggauss(32)
+    nodes, weights = gauss_legendre(32)
     turn = (np.pi / 2 - fillet.start_rad) / 2
     angle = fillet.start_rad + turn * (nodes + 1)
     # Along the arc the ring reaches from the journal to `edge`, over the axial step dz = axial sin(a) da.

@@ -16,6 +16,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.quadrature import gauss_legendre
 from cranktopo.base.units import MM_PER_M, MPA_PER_GPA
 from cranktopo.design.checks.rod import rod_of
 from cranktopo.design.rod import EYES, Eye, Rod
@@ -32,7 +33,7 @@ DIAMETERS_RAD = np.radians(np.arange(0.0, 180.0, 5.0))
 """Directions of the diameters of a whole ring that are looked at, from the crown."""
 _REACH = 2.0
 """Radius to which sections of the ring reach, over that of the bore."""
-_GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
+_GAUSS, _WEIGHTS = gauss_legendre(3)
 _LEAST_SINE = 1e-9
 _HALF_PRESSED_DEG = 90.0
 _PERMITTED_SHARE = 0.5

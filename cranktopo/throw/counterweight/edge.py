@@ -17,6 +17,7 @@ from pydantic import Field
 from typing_extensions import override
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.quadrature import gauss_legendre
 from cranktopo.base.spans import Span
 from cranktopo.base.table import Length, SceneTable
 from cranktopo.throw.counterweight.sector import Sector
@@ -163,7 +164,7 @@ class EdgeCut(DrilledBody):
     @override
     def exact_moments(self, before_z_mm: float | None = None) -> ExactMoments:
         """Slices along the flank, each a rectangle between wall and rim."""
-        nodes, weights = np.polynomial.legendre.leggauss(_SLICES)
+        nodes, weights = gauss_legendre(_SLICES)
         sine, cosine = np.sin(np.pi / 2 * nodes), np.pi / 2 * np.cos(np.pi / 2 * nodes)
         ends = sorted(
             {0.0, self.width_mm, *([min(self._round_mm, self.width_mm)] * bool(self.sector.corner_mm))}

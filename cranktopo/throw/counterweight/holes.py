@@ -17,6 +17,7 @@ from pydantic import Field
 from typing_extensions import override
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.quadrature import gauss_legendre
 from cranktopo.base.spans import Span
 from cranktopo.base.table import Length, Place, SceneTable
 from cranktopo.throw.counterweight.sector import Sector
@@ -108,7 +109,7 @@ class RadialHole(DrilledBody):
     @override
     def exact_moments(self, before_z_mm: float | None = None) -> ExactMoments:
         """Slices along its axis, each a rectangle between the floor and the rim."""
-        nodes, weights = np.polynomial.legendre.leggauss(_SLICES)
+        nodes, weights = gauss_legendre(_SLICES)
         turn = np.pi / 2 * nodes
         across = self.radius_mm * np.sin(turn)
         arm = 1.0 if before_z_mm is None else before_z_mm - self._middle_mm

@@ -16,6 +16,7 @@ from typing import Literal, cast
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.quadrature import gauss_legendre
 from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.outlet import DrillOutlet, ring_points
 from cranktopo.throw.drilling.table import drill_bores
@@ -198,7 +199,7 @@ def _end(scene: ThrowView, bore: DrillBore) -> float:
 def _ring(
     radius_mm: float, outlet: DrillOutlet, z_mm: tuple[float, float], before_z_mm: float | None
 ) -> tuple[float, ...]:
-    share, weight = np.polynomial.legendre.leggauss(_GAUSS)
+    share, weight = gauss_legendre(_GAUSS)
     share, weight = (share + 1) / 2, weight / 2
     turn, arc = (v.ravel() for v in np.meshgrid(2 * np.pi * np.arange(_AROUND) / _AROUND, share))
     low, high = _inside(radius_mm, outlet, turn, arc, z_mm)
