@@ -74,7 +74,7 @@ class _Part:
 
 @dataclass(frozen=True)
 class OrderCoupling:
-    """How the orders of the motion act on each other through the varying inertia, at any speed."""
+    """Coupling of the orders of the motion by the varying inertia, at any speed."""
 
     orders: Array
     parts: tuple[_Part, ...]
