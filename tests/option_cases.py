@@ -90,7 +90,7 @@ TABLE: dict[str, dict[str, Case]] = {
         **_THROW,
         "--speed": Acts("single.toml", "--speed 1000"),
         "--plot": Acts("single.toml", "--plot p.png"),
-        "--json": Acts("single.toml", "--json"),
+        "--json": Shown("unit/film/test_film.py::test_command"),
     },
     "bolts": {"--json": Acts("", "--json")},
     "rod": {

@@ -297,7 +297,13 @@ DAMPED: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.parametrize("kind", DAMPED)
+@pytest.mark.parametrize(
+    "kind",
+    [
+        pytest.param(kind, marks=[pytest.mark.slow] * (kind == "pulley on a lossy shaft"))  # as the propeller
+        for kind in DAMPED
+    ],
+)
 def test_every_kind_of_damping_is_that_of_disks(kind: str) -> None:
     """The largest torque around the first resonance, where damping alone decides.
 
