@@ -12,10 +12,10 @@ from dataclasses import replace
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError
 from cranktopo.tasks.crank_import.choices import EndJournals
 from cranktopo.tasks.crank_import.end_steps import EndFinder
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf, FoundJournal, FoundStep
+from cranktopo.tasks.crank_import.no_crank import PIN_SHARE, check_parallel, no_crank, splines_words
 from cranktopo.tasks.importing.faces import (
     CylinderFace,
     Faces,
@@ -48,7 +48,10 @@ def find_crank(faces: Faces, name: str, ends: EndJournals = "auto") -> FoundCran
         CranktopoError: no two parallel lines of full cylinders, or no pin between main journals.
     """
     lines = lines_of([face for face in faces.cylinders if face.outward and face.full])
-    direction = _direction(lines, name)
+    if not lines:
+        raise no_crank(name, f"no face is a full cylinder{splines_words(faces)}")
+    direction = _direction(lines)
+    check_parallel([line[0] for line in lines], direction, name)
     lines = [line for line in lines if parallel(line[0].axis, direction)]
     main_line, assumed = _axis(lines, direction, name)
     origin = main_line[0].point_mm - (main_line[0].point_mm @ direction) * direction
@@ -71,7 +74,7 @@ def find_crank(faces: Faces, name: str, ends: EndJournals = "auto") -> FoundCran
         ends = "whole"
     halves, missing = _halves(journals, pins, ends)
     if not halves:
-        raise _no_crank(name, "no crankpin lies next to a main journal")
+        raise no_crank(name, "no crankpin lies next to a main journal")
     taken = [
         None if half.main_plane_mm in half.main.faces_mm or not any(half.main.free) else own
         for half, own in zip((halves[0], halves[-1]), steps, strict=True)
@@ -105,18 +108,8 @@ def _step_words(step: FoundStep) -> tuple[str, str]:
     return f"step of {size} x {step.length_mm:.4g} mm on the crank axis", f"disc or flange of {size} mm"
 
 
-def _no_crank(name: str, what: str) -> CranktopoError:
-    return CranktopoError(
-        f"{name}: looks like no crank: {what}.",
-        hint="A crank has main journals and crankpins: full cylinders on parallel axes. "
-        "Choose another solid with --solid, or export the body again as STEP with exact faces.",
-    )
-
-
-def _direction(lines: Sequence[Sequence[CylinderFace]], name: str) -> Array:
+def _direction(lines: Sequence[Sequence[CylinderFace]]) -> Array:
     """Return the direction in which most area of full cylinders lies, its largest component positive."""
-    if not lines:
-        raise _no_crank(name, "no face is a full cylinder")
 
     def area(line: Sequence[CylinderFace]) -> float:
         return sum(face.area_mm2 for other in lines for face in other if parallel(face.axis, line[0].axis))
@@ -130,7 +123,7 @@ def _axis(
 ) -> tuple[list[CylinderFace], list[str]]:
     """Return the line of the main journals, and what was assumed to tell it."""
     if len(lines) < 2:
-        raise _no_crank(name, "all full cylinders lie on one axis")
+        raise no_crank(name, "all full cylinders lie on one axis")
     spans = [_extent(line, direction) for line in lines]
     low, high = min(span[0] for span in spans), max(span[1] for span in spans)
     near = _NEAR * max(face.radius_mm for line in lines for face in line)
@@ -190,10 +183,10 @@ class _Finder:
             journals = [face for face in main if face.radius_mm < off + _DISC * own[0].radius_mm]
             for group in _between(own, journals, self._span):
                 face = max(group, key=lambda one: one.area_mm2)
-                if face.radius_mm > thick / 4:
+                if face.radius_mm > PIN_SHARE * thick:
                     found.append((self._span(face)[0], self._journal(face, (False, False))))
         if not found:
-            raise _no_crank(name, "no cylinder off the axis is as thick as a crankpin")
+            raise no_crank(name, "no cylinder off the axis is as thick as a crankpin")
         return tuple(journal for _, journal in sorted(found, key=lambda pair: pair[0]))
 
     def mains(

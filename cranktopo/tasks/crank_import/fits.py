@@ -67,9 +67,14 @@ def trimmed_circle(points: Array, weights: Array, least_mm: float) -> tuple[Fitt
 
 def weighted_median(values: Array, weights: Array) -> float:
     """Return the value (n,) up to which half of the weight lies."""
+    return weighted_quantile(values, weights, 0.5)
+
+
+def weighted_quantile(values: Array, weights: Array, share: float) -> float:
+    """Return the value (n,) up to which a share of the weight lies."""
     order = np.argsort(values)
     sums = np.cumsum(weights[order])
-    return float(values[order][np.searchsorted(sums, sums[-1] / 2)])
+    return float(values[order][np.searchsorted(sums, share * sums[-1])])
 
 
 def covered_rad(points: Array, centre: Array) -> tuple[float, float]:

@@ -13,6 +13,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array, Int64
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.tasks.crank_import.distortion import Roundness, roundness
 from cranktopo.tasks.crank_import.fits import (
     across,
     covered_rad,
@@ -42,8 +43,8 @@ _SQUARE = 1 - 3e-7
 """Part along the crank of the normal of a face that is square to it: 0.045 deg."""
 
 
-def mesh_faces(mesh: SurfaceMesh, near_mm: float) -> tuple[Faces, float]:
-    """Return the faces of a body of triangles, and how far corners lie from its whole cylinders.
+def mesh_faces(mesh: SurfaceMesh, near_mm: float) -> tuple[Faces, tuple[Roundness, ...]]:
+    """Return the faces of a body of triangles, and how far its whole cylinders are such.
 
     Args:
         near_mm: distance of corners from a face that they belong to.
@@ -51,11 +52,11 @@ def mesh_faces(mesh: SurfaceMesh, near_mm: float) -> tuple[Faces, float]:
     skin = Skin(mesh, near_mm)
     axis = _direction(skin)
     if axis is None:
-        return Faces((), (), (), ()), 0.0
+        return Faces((), (), (), ()), ()
     matrix = np.vstack([across(axis), axis])
     matrix = _straightened(skin.turned(matrix)) @ matrix
-    faces, off_mm = _faces(skin.turned(matrix))
-    return turned_faces(faces, matrix.T, np.zeros(3)), off_mm
+    faces, journals = _faces(skin.turned(matrix))
+    return turned_faces(faces, matrix.T, np.zeros(3)), journals
 
 
 def turned_faces(faces: Faces, matrix: Array, shift: Array) -> Faces:
@@ -122,14 +123,15 @@ def _lean(skin: Skin, region: Int64) -> tuple[Array, float]:
     return slopes, float(skin.areas[region].sum()) * height**2 if on else 0.0
 
 
-def _faces(skin: Skin) -> tuple[Faces, float]:
-    """Return the faces of a body with its crank axis along z, and the scatter about whole cylinders."""
+def _faces(skin: Skin) -> tuple[Faces, tuple[Roundness, ...]]:
+    """Return the faces of a body with its crank axis along z, and how far whole cylinders are such."""
     left = np.ones(len(skin.areas), bool)
     bores = list(drillings(skin, left))
     along = skin.normals[:, 2]
     flat, upright = left & (np.abs(along) > _ACROSS), left & (np.abs(along) < _UPRIGHT)
     planes = [_plane(skin, region) for region in skin.regions(flat, _COPLANAR_RAD)]
     found = [wall for region in skin.regions(upright, BENT_RAD[1]) for wall in walls(skin, region)]
+    journals = tuple(roundness(wall) for wall in found if wall.full)
     found = on_axes(found, skin.near_mm)
     left &= ~flat & ~upright
     rounds = [wall for wall in found if wall.full and wall.outward]
@@ -149,8 +151,7 @@ def _faces(skin: Skin) -> tuple[Faces, float]:
             others += [] if flats or small else [_kind(skin, region, rounds)]
     cylinders = [*(wall.cylinder() for wall in found if wall.radius), *of_one_bore(bores, skin.near_mm)]
     planes += [wall.plane() for wall in found if not wall.radius]
-    off = max((wall.off_mm for wall in found if wall.full), default=0.0)
-    return Faces(tuple(cylinders), tuple(planes), tuple(tori), tuple(others)), off
+    return Faces(tuple(cylinders), tuple(planes), tuple(tori), tuple(others)), journals
 
 
 def on_axes(found: Sequence[Wall], near_mm: float) -> list[Wall]:

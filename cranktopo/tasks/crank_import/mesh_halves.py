@@ -18,6 +18,13 @@ from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
 from cranktopo.tasks.crank_import.choices import EndJournals, Unit
 from cranktopo.tasks.crank_import.crank_finder import find_crank
+from cranktopo.tasks.crank_import.distortion import (
+    check_scatter,
+    check_undistorted,
+    noise_named,
+    remarks,
+    scatter_words,
+)
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf
 from cranktopo.tasks.crank_import.half_body import (
     FACETED,
@@ -41,18 +48,12 @@ if TYPE_CHECKING:
 
 _NEAR, _NEAR_MM = 2e-5, (1e-3, 0.05)
 """Distance of corners from a face that they belong to: over the size of the body, and its limits."""
-_COARSER = (1.0, 5.0, 25.0)
-"""Multiples of that distance, tried until a crank is found."""
-SCATTER = "corners of triangles scatter"
-"""Beginning of what is told of noise."""
-_TOLD_MM = 2e-3
-"""Scatter of corners about whole cylinders that is told."""
+_COARSER = (1.0, 5.0, 25.0, 250.0)
+"""Multiples of that distance, tried until a crank is found; the last finds only why it is none."""
 _STRAIGHT = 3e-4
 """Part of a direction that rounding of corners explains."""
 _TOUCH_MM = 0.02
 """Distance of faces that touch."""
-_FACING, _LEAN_DEG = 0.9, 0.05
-"""Part along the crank of the normal of a web's face, and its angle that is told."""
 _CRUMB = 1e-6
 _DISORDER, _DISORDER_RAD, _FEW = 0.3, 0.8, 1000
 """Part of the surface in triangles with sharp folds all around: cranks have none. Then that fold, and the
@@ -78,10 +79,16 @@ def crank_of_mesh(
     taken = chosen(solids, path, solid)
     mesh = meshes[taken.name]
     body = solid_of(mesh, f"'{path}'")
-    _check_order(mesh, path)
-    faces, crank = _found(mesh, path, ends)
+    skin = Skin(mesh, _near_mm(mesh))
+    _check_order(skin, path)
+    scatter_mm = skin.scatter_mm
+    check_scatter(scatter_mm, f"'{path}'")
+    faces, crank = _found(mesh, path, ends, scatter_words(scatter_mm))
     note(f"{path}: {crank.words}")
-    cuts = [_cut(body, crank, half) for half in crank.halves]
+    try:
+        cuts = [_cut(body, crank, half) for half in crank.halves]
+    except CranktopoError as error:
+        raise noise_named(error, crank.unread) from None
     bulks = [bulk_of(*_mass(cut)) for cut in cuts]
     groups = alike_halves(crank.halves, bulks, FACETED)
     halves = tuple(
@@ -94,9 +101,9 @@ def crank_of_mesh(
     return FoundBody(solids, taken, crank, halves, count, len(mesh.faces), tuple(assumed))
 
 
-def _check_order(mesh: SurfaceMesh, path: Path) -> None:
+def _check_order(skin: Skin, path: Path) -> None:
     """Refuse a surface without faces, in which circles and lines would be looked for without end."""
-    lonely = Skin(mesh, _near_mm(mesh)).lonely_share(_DISORDER_RAD) if len(mesh.faces) > _FEW else 0.0
+    lonely = skin.lonely_share(_DISORDER_RAD) if len(skin.areas) > _FEW else 0.0
     if lonely > _DISORDER:
         raise CranktopoError(
             f"'{path}': no body of faces: {100 * lonely:.0f} % of its surface is triangles that fold by more "
@@ -120,33 +127,25 @@ def _near_mm(mesh: SurfaceMesh) -> float:
     return float(np.clip(_NEAR * mesh.extent_mm, *_NEAR_MM))
 
 
-def _found(mesh: SurfaceMesh, path: Path, ends: EndJournals) -> tuple[Faces, FoundCrank]:
+def _found(
+    mesh: SurfaceMesh, path: Path, ends: EndJournals, scatter: Sequence[str]
+) -> tuple[Faces, FoundCrank]:
     """Return faces and crank; a body whose corners scatter is looked at more coarsely, which is told."""
+    name = f"'{path}'"
     first: CranktopoError | None = None
     for coarser in _COARSER:
-        faces, off = mesh_faces(mesh, coarser * _near_mm(mesh))
+        faces, journals = mesh_faces(mesh, coarser * _near_mm(mesh))
         try:
-            crank = find_crank(faces, f"'{path}'", ends)
+            crank = find_crank(faces, name, ends)
         except CranktopoError as error:
             first = first or error
             continue
-        remarks = [*crank.unread, *_leaning(faces, crank.axis)]
-        if off > _TOLD_MM:
-            remarks.append(f"{SCATTER} by {off:.2g} mm about the journals: no dimension is better")
-        return faces, replace(crank, unread=tuple(remarks))
+        check_undistorted(faces, journals, crank.axis, name)
+        if coarser < _COARSER[-1]:
+            told = remarks(faces, journals, crank.axis)
+            return faces, replace(crank, unread=(*crank.unread, *told))
     assert first is not None
-    raise first
-
-
-def _leaning(faces: Faces, axis: Array) -> list[str]:
-    """Tell how far faces across the crank lean, which those of a sheared body do."""
-    across = [plane for plane in faces.planes if abs(plane.normal @ axis) > _FACING]
-    if not across:
-        return []
-    normal = max(across, key=lambda plane: plane.area_mm2).normal
-    lean = float(np.degrees(np.arcsin(min(1.0, float(np.linalg.norm(np.cross(normal, axis)))))))
-    remark = f"faces of the webs lean by {lean:.3g} deg: the body is sheared, or has draft"
-    return [remark] if lean > _LEAN_DEG else []
+    raise noise_named(first, scatter)
 
 
 def _cut(body: Manifold, crank: FoundCrank, half: FoundHalf) -> Manifold:

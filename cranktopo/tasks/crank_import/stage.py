@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,11 +16,12 @@ from cranktopo.report.report_file import write_report
 from cranktopo.runs.destination import check_folder, moved, unfinished_folder
 from cranktopo.tasks.crank_import.choices import DEFAULT_MATERIAL, EndJournals, Unit
 from cranktopo.tasks.crank_import.design_files import half_names, write_designs
+from cranktopo.tasks.crank_import.distortion import noise_named
 from cranktopo.tasks.crank_import.fillets import fillet_keys
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf, FoundJournal
 from cranktopo.tasks.crank_import.half_body import HalfBody
 from cranktopo.tasks.crank_import.kernel_halves import crank_by_kernel
-from cranktopo.tasks.crank_import.mesh_halves import SCATTER, crank_of_mesh
+from cranktopo.tasks.crank_import.mesh_halves import crank_of_mesh
 from cranktopo.tasks.crank_import.meshes import MESH_SUFFIXES
 from cranktopo.tasks.crank_import.result import CrankImport, ImportedHalf
 from cranktopo.tasks.crank_import.summary import PAGE, PICTURE, half_of, result_of, web_words
@@ -88,7 +88,10 @@ def _imported(
     read = []
     for number, body in enumerate(found.halves, 1):
         note(f"half {number} of {len(found.halves)}: reading its web")
-        read.append(_web(body, found.crank, f"{name}-{number}", material))
+        try:
+            read.append(_web(body, found.crank, f"{name}-{number}", material))
+        except CranktopoError as error:
+            raise noise_named(error, found.crank.unread) from None
     names = half_names(read, found.crank, name)
     webs = [_named(web, own) for web, own in zip(read, names, strict=True)]
     halves = tuple(half_of(number, web, folder) for number, web in enumerate(webs, 1))
@@ -114,17 +117,9 @@ def _web(body: HalfBody, crank: FoundCrank, name: str, material: str) -> Importe
     if wrong:
         raise CranktopoError(
             f"{web_words(body.half)}: is no web between two journals: {wrong[0]}.",
-            hint=misfit_hint(crank.unread),
+            hint="Is it a crank? Other parts, or a sheared body, are not taken.",
         )
     return ImportedWeb(body, read, name)
-
-
-def misfit_hint(unread: Sequence[str]) -> str:
-    """Return why a half throw may be no web between two journals, from what was told of its body."""
-    scatter = next((line for line in unread if line.startswith(SCATTER)), None)
-    if scatter is None:
-        return "Is it a crank? Other parts, or a sheared body, are not taken."
-    return f"{scatter.capitalize()}. Export it with less noise, or as STEP."
 
 
 def throw_table(body: HalfBody, crank: FoundCrank) -> dict[str, Any]:

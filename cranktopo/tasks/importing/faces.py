@@ -14,7 +14,7 @@ from cranktopo.tasks.importing.found_fillets import sampled
 
 _SAME = 1e-6
 """Share of a radius in which two faces count as one: what CAD systems keep of a dimension in a file."""
-_PARALLEL = 1e-7
+PARALLEL = 1e-7
 """Largest sine between directions that count as one."""
 FLAT = 1e-6
 """Largest part of a direction across that counts as none, in the frame of a throw."""
@@ -207,7 +207,7 @@ def same_axis(one: CylinderFace, other: CylinderFace) -> bool:
 
 def parallel(one: Array, other: Array) -> bool:
     """Tell whether two directions are the same or opposite."""
-    return float(np.linalg.norm(np.cross(one, other))) < _PARALLEL
+    return float(np.linalg.norm(np.cross(one, other))) < PARALLEL
 
 
 def from_line_mm(point_mm: Array, on_mm: Array, axis: Array) -> float:
