@@ -10,7 +10,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.notes import note
-from cranktopo.bodies.solid.checked import solid_properties
+from cranktopo.bodies.solid.checked import check_parts, solid_properties, volume_mm3
 from cranktopo.bodies.solid.step import kernel_surface
 from cranktopo.numerics.gmsh_session import DimTags, cad_session, quiet_stdout
 from cranktopo.tasks.crank_import.choices import EndJournals, Unit
@@ -27,7 +27,7 @@ from cranktopo.tasks.crank_import.half_body import (
     frame_of,
 )
 from cranktopo.tasks.crank_import.solids import read_crank
-from cranktopo.tasks.importing.cad_body import between_planes, moved_rigidly
+from cranktopo.tasks.importing.cad_body import moved_rigidly, slab
 from cranktopo.tasks.importing.faces import exact_faces
 
 
@@ -43,42 +43,68 @@ def crank_by_kernel(
         crank = find_crank(exact_faces(gmsh), f"'{path}'", ends)
         count = len(gmsh.model.getEntities(2))
         note(f"{path}: {crank.words}")
-        body = [taken.entity]
-        bulks = [_bulk(gmsh, body, crank, half) for half in crank.halves]
         kept = Path(scratch) / "crank.brep"
         gmsh.write(str(kept))
+        bulks = _bulks(gmsh.model.occ, [taken.entity], crank)
         halves = tuple(
-            _written(gmsh, kept, crank, group, folder / f"half-{number}.step")
+            _written(
+                gmsh,
+                kept,
+                crank,
+                group,
+                bulks[crank.halves.index(group.halves[0])],
+                folder / f"half-{number}.step",
+            )
             for number, group in enumerate(alike_halves(crank.halves, bulks, EXACT), 1)
         )
     return FoundBody(solids, taken, crank, halves, count)
 
 
-def _cut(gmsh: Any, body: DimTags, crank: FoundCrank, half: FoundHalf) -> DimTags:
-    occ = gmsh.model.occ
-    own = occ.copy(body)
-    moved_rigidly(occ, own, *frame_of(crank, half))
-    x0, y0, _, x1, y1, _ = occ.getBoundingBox(*own[0])
+def _bulks(occ: Any, body: DimTags, crank: FoundCrank) -> list[Array]:
+    """Return the bulk of each half throw; all are cut at once, by discs, which takes the body apart.
+
+    Raises:
+        CranktopoError: the parts do not add up to the body, or a half is not one body.
+    """
+    whole, box = volume_mm3(occ, body), np.array(occ.getBoundingBox(*body[0])).reshape(2, 3)
+    reach = float(np.linalg.norm(box[1] - box[0]))
+    heights = {place for half in crank.halves for place in (half.main_plane_mm, half.pin_plane_mm)}
+    discs = [
+        (2, occ.addDisk(*(crank.origin_mm + height * crank.axis), reach, reach, zAxis=crank.axis.tolist()))
+        for height in sorted(heights)
+    ]
+    parts = [pair for pair in occ.fragment(body, discs)[1][0] if pair[0] == 3]
+    check_parts(volume_mm3(occ, parts), whole)
+    centres = np.array([occ.getCenterOfMass(*part) for part in parts])
+    along = (centres - crank.origin_mm) @ crank.axis
+    found = []
+    for half in crank.halves:
+        low, high = sorted((half.main_plane_mm, half.pin_plane_mm))
+        own = np.flatnonzero((low < along) & (along < high))
+        check_one_body(len(own), half)
+        matrix, shift = frame_of(crank, half)
+        inertia = np.array(occ.getMatrixOfInertia(*parts[own[0]])).reshape(3, 3)
+        volume = float(occ.getMass(*parts[own[0]]))
+        found.append(bulk_of(volume, matrix @ centres[own[0]] + shift, matrix @ inertia @ matrix.T))
+    return found
+
+
+def _cut(occ: Any, body: DimTags, crank: FoundCrank, half: FoundHalf, volume: float) -> DimTags:
+    """Cut a half throw out of a body that was moved first: its planes are those of the frame exactly."""
+    moved_rigidly(occ, body, *frame_of(crank, half))
+    x0, y0, _, x1, y1, _ = occ.getBoundingBox(*body[0])
     reach = 2 * max(abs(v) for v in (x0, y0, x1, y1))
-    cut = between_planes(occ, own, 0.0, abs(half.pin_plane_mm - half.main_plane_mm), reach)
+    cut = slab(occ, body, 0.0, abs(half.pin_plane_mm - half.main_plane_mm), reach)
     check_one_body(len(cut), half)
+    check_parts(volume_mm3(occ, cut), volume)
     return cut
 
 
-def _bulk(gmsh: Any, body: DimTags, crank: FoundCrank, half: FoundHalf) -> Array:
-    occ = gmsh.model.occ
-    cut = _cut(gmsh, body, crank, half)
-    centre, inertia = np.array(occ.getCenterOfMass(*cut[0])), np.array(occ.getMatrixOfInertia(*cut[0]))
-    bulk = bulk_of(float(occ.getMass(*cut[0])), centre, inertia)
-    occ.remove(cut, recursive=True)
-    return bulk
-
-
-def _written(gmsh: Any, kept: Path, crank: FoundCrank, group: HalfGroup, file: Path) -> HalfBody:
+def _written(gmsh: Any, kept: Path, crank: FoundCrank, group: HalfGroup, bulk: Array, file: Path) -> HalfBody:
     """Write one half alone, in a model of its own, and return it."""
     gmsh.model.add(file.name)
     occ = gmsh.model.occ
-    cut = _cut(gmsh, occ.importShapes(str(kept)), crank, group.halves[0])
+    cut = _cut(occ, occ.importShapes(str(kept)), crank, group.halves[0], float(bulk[0] ** 3))
     occ.remove([pair for pair in occ.getEntities(3) if pair != cut[0]], recursive=True)
     occ.synchronize()
     properties = solid_properties(occ, cut)

@@ -62,26 +62,31 @@ class ReadWeb:
     scene_solid: Manifold
 
     @cached_property
+    def _common_and_missing(self) -> tuple[Manifold, Manifold]:
+        """What both have, and what the body alone has, in one pass of the boolean engine."""
+        common, missing = self.solid.split(self.scene_solid)
+        return common, missing
+
+    @cached_property
     def missing_mm3(self) -> float:
         """Volume that the body has and the scene lacks."""
-        return float((self.solid - self.scene_solid).volume())
+        return float(self._common_and_missing[1].volume())
 
     @cached_property
     def extra_mm3(self) -> float:
         """Volume that the scene has and the body lacks."""
-        return float((self.scene_solid - self.solid).volume())
+        return max(0.0, float(self.scene_solid.volume() - self._common_and_missing[0].volume()))
 
     @property
     def differences(self) -> Iterator[str]:
         """Volumes, in words, that one of body and scene lacks, each with the place of its largest part."""
-        for what, one, other in (
-            ("the design lacks", self.solid, self.scene_solid),
-            ("the design adds", self.scene_solid, self.solid),
+        for what, volume, one, other in (
+            ("the design lacks", self.missing_mm3, self.solid, self.scene_solid),
+            ("the design adds", self.extra_mm3, self.scene_solid, self.solid),
         ):
-            apart = one - other
-            if apart.volume() > _TOLD * self.solid.volume():
-                x, y, z = _largest_centre_mm(apart)
-                yield f"{what} {apart.volume():.4g} mm3, most of it near ({x:.4g}, {y:.4g}, {z:.4g}) mm"
+            if volume > _TOLD * self.solid.volume():
+                x, y, z = _largest_centre_mm(one - other)
+                yield f"{what} {volume:.4g} mm3, most of it near ({x:.4g}, {y:.4g}, {z:.4g}) mm"
 
     def differences_from(self, body: HalfBody) -> Iterator[str]:
         """Yield what `differences` does, or else the least difference that the exact volumes of both show."""

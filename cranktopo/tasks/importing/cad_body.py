@@ -49,9 +49,15 @@ def between_planes(occ: Any, body: DimTags, start_mm: float, end_mm: float, reac
         _volume_between(occ, body, *slab, reach_mm)
         for slab in zip((ends[0], end_mm), (start_mm, ends[1]), strict=True)
     )
-    kept = _slab(occ, body, start_mm, end_mm, reach_mm)
+    kept = slab(occ, body, start_mm, end_mm, reach_mm)
     check_parts(outside + volume_mm3(occ, kept), whole)
     return kept
+
+
+def slab(occ: Any, body: DimTags, start: float, end: float, reach: float) -> DimTags:
+    """Return what of a body lies between two heights, near the z axis; no volume is checked."""
+    box = occ.addBox(-reach, -reach, start, 2 * reach, 2 * reach, end - start)
+    return list(occ.intersect(body, [(3, box)])[0])
 
 
 def volumes_between(occ: Any, body: DimTags, planes_mm: tuple[float, float], reach_mm: float) -> Array:
@@ -126,15 +132,10 @@ def _part_mm3(
 
 
 def _volume_between(occ: Any, body: DimTags, start: float, end: float, reach: float) -> float:
-    part = _slab(occ, occ.copy(body), start, end, reach)
+    part = slab(occ, occ.copy(body), start, end, reach)
     volume = volume_mm3(occ, part)
     occ.remove(part, recursive=True)
     return volume
-
-
-def _slab(occ: Any, body: DimTags, start: float, end: float, reach: float) -> DimTags:
-    box = occ.addBox(-reach, -reach, start, 2 * reach, 2 * reach, end - start)
-    return list(occ.intersect(body, [(3, box)])[0])
 
 
 def _beyond(occ: Any, body: DimTags, reach: float) -> tuple[float, float]:

@@ -25,6 +25,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout
 from cranktopo.tasks.crank_import.crank_finder import find_crank
 from cranktopo.tasks.crank_import.design_text import crank_table
+from cranktopo.tasks.crank_import.kernel_halves import crank_by_kernel
 from cranktopo.tasks.crank_import.result import CrankImport
 from cranktopo.tasks.crank_import.stage import import_crank
 from cranktopo.tasks.crank_import.text import import_text
@@ -611,3 +612,24 @@ def test_a_folder_with_files_is_left_alone(tmp_path: Path) -> None:
     with pytest.raises(CranktopoError, match="is not empty") as raised:
         import_crank(block(tmp_path, bars=1), None, tmp_path / "out")
     assert raised.value.code == ExitCode.USAGE
+
+
+def test_a_body_is_cut_apart_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And once more for each distinct half; three cuts of the whole body a half made large bodies slow."""
+    import gmsh
+
+    calls: list[str] = []
+    for name in ("fragment", "intersect"):
+        own = getattr(gmsh.model.occ, name)
+
+        def counted(*args: Any, name: str = name, own: Any = own, **more: Any) -> Any:
+            calls.append(name)
+            return own(*args, **more)
+
+        monkeypatch.setattr(gmsh.model.occ, name, counted)
+    export_solid(load_scene("mikron-iiic-plain"), "throw", tmp_path / "throw.step")
+    calls.clear()
+    found = crank_by_kernel(tmp_path / "throw.step", None, "auto", None, tmp_path)
+    assert len(found.crank.halves) == 2
+    assert len(found.halves) == 1
+    assert calls == ["fragment", "intersect"]
