@@ -101,10 +101,15 @@ def check_one_body(count: int, half: FoundHalf) -> None:
 
 @dataclass(frozen=True)
 class HalfGroup:
-    """Halves of a crank that are alike, and those of them that are mirror images of the first."""
+    """Halves of a crank that are alike, and those of them that are mirror images of the first.
+
+    Attributes:
+        own_image: whether each is its own mirror image.
+    """
 
     halves: tuple[FoundHalf, ...]
     mirrored: tuple[FoundHalf, ...]
+    own_image: bool
 
 
 def alike_halves(halves: Sequence[FoundHalf], bulks: Sequence[Array], near: Closeness) -> list[HalfGroup]:
@@ -124,7 +129,11 @@ def alike_halves(halves: Sequence[FoundHalf], bulks: Sequence[Array], near: Clos
             groups.append([index])
     groups.sort(key=lambda group: -len(group))
     return [
-        HalfGroup(tuple(halves[i] for i in group), tuple(halves[i] for i in group if i in turned))
+        HalfGroup(
+            tuple(halves[i] for i in group),
+            tuple(halves[i] for i in group if i in turned),
+            _same(bulks[group[0]], bulks[group[0]] * _MIRRORED, near.bulk),
+        )
         for group in groups
     ]
 

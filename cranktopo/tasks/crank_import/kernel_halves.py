@@ -11,7 +11,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.notes import note
 from cranktopo.bodies.solid.checked import check_parts, solid_properties, volume_mm3
-from cranktopo.bodies.solid.step import kernel_surface
+from cranktopo.bodies.solid.step import STEP_SUFFIXES, kernel_surface
 from cranktopo.numerics.gmsh_session import DimTags, cad_session, quiet_stdout
 from cranktopo.tasks.crank_import.choices import EndJournals, Unit
 from cranktopo.tasks.crank_import.crank_finder import find_crank
@@ -26,6 +26,7 @@ from cranktopo.tasks.crank_import.half_body import (
     check_one_body,
     frame_of,
 )
+from cranktopo.tasks.crank_import.hand import hand_words, mirrored_by_file
 from cranktopo.tasks.crank_import.solids import read_crank
 from cranktopo.tasks.importing.cad_body import moved_rigidly, slab
 from cranktopo.tasks.importing.faces import exact_faces
@@ -46,6 +47,7 @@ def crank_by_kernel(
         kept = Path(scratch) / "crank.brep"
         gmsh.write(str(kept))
         bulks = _bulks(gmsh.model.occ, [taken.entity], crank)
+        groups = alike_halves(crank.halves, bulks, EXACT)
         halves = tuple(
             _written(
                 gmsh,
@@ -55,9 +57,11 @@ def crank_by_kernel(
                 bulks[crank.halves.index(group.halves[0])],
                 folder / f"half-{number}.step",
             )
-            for number, group in enumerate(alike_halves(crank.halves, bulks, EXACT), 1)
+            for number, group in enumerate(groups, 1)
         )
-    return FoundBody(solids, taken, crank, halves, count)
+    by_file = mirrored_by_file(path) if path.suffix.lower() in STEP_SUFFIXES else []
+    assumed = (*by_file, *hand_words(crank, groups))
+    return FoundBody(solids, taken, crank, halves, count, assumed=assumed)
 
 
 def _bulks(occ: Any, body: DimTags, crank: FoundCrank) -> list[Array]:

@@ -85,7 +85,7 @@ def bore_of(skin: Skin, region: Int64) -> CylinderFace | None:
     heights = points @ axis
     centre = found.centre @ frame
     on = found.radius * np.array([np.cos(middle), np.sin(middle)]) @ frame
-    out = (((skin.mesh.corners_mm[region].mean(axis=1) - centre) * normals).sum(axis=1) * areas).sum() > 0
+    out = (((skin.triangles(region).mean(axis=1) - centre) * normals).sum(axis=1) * areas).sum() > 0
     span = (float(heights.min()), float(heights.max()))
     at = centre + on + axis * sum(span) / 2
     return CylinderFace(centre, axis, found.radius, span, turn, bool(out), at, rms(found.off_mm))

@@ -109,7 +109,7 @@ def _lean(skin: Skin, region: Int64) -> tuple[Array, float]:
 
     An ellipse goes all the way round as well: corners must lie on the cylinder once its lean is taken off.
     """
-    points, weights = skin.mesh.corners_mm[region].reshape(-1, 3), skin.areas[region].repeat(3)
+    points, weights = skin.triangles(region).reshape(-1, 3), skin.areas[region].repeat(3)
     found, near = trimmed_circle(points[:, :2], weights, skin.near_mm)
     whole = covered_rad(points[near, :2], found.centre)[0] > FULL_RAD
     height = float(np.ptp(points[near, 2]))
@@ -177,9 +177,9 @@ def on_axes(found: Sequence[Wall], near_mm: float) -> list[Wall]:
 def _plane(skin: Skin, region: Int64) -> PlaneFace:
     """Return a face across the crank: its height is that of most of its corners."""
     areas = skin.areas[region]
-    heights = np.median(skin.mesh.corners_mm[region][:, :, 2], axis=1)
+    heights = np.median(skin.triangles(region)[:, :, 2], axis=1)
     middle = weighted_median(heights, areas)
-    x, y = np.average(skin.mesh.corners_mm[region].mean(axis=1)[:, :2], axis=0, weights=areas)
+    x, y = np.average(skin.triangles(region).mean(axis=1)[:, :2], axis=0, weights=areas)
     normal = (skin.normals[region] * areas[:, None]).sum(axis=0)
     normal /= np.linalg.norm(normal)
     if abs(normal[2]) > _SQUARE:

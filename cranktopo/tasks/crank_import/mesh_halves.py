@@ -36,6 +36,7 @@ from cranktopo.tasks.crank_import.half_body import (
     check_one_body,
     frame_of,
 )
+from cranktopo.tasks.crank_import.hand import hand_words
 from cranktopo.tasks.crank_import.mesh_faces import mesh_faces, turned_faces
 from cranktopo.tasks.crank_import.mesh_skin import Skin
 from cranktopo.tasks.crank_import.meshes import mesh_solids
@@ -98,7 +99,9 @@ def crank_of_mesh(
         for number, group in enumerate(groups, 1)
     )
     count = len(faces.cylinders) + len(faces.planes) + len(faces.tori) + len(faces.others)
-    return FoundBody(solids, taken, crank, halves, count, len(mesh.faces), tuple(assumed))
+    return FoundBody(
+        solids, taken, crank, halves, count, len(mesh.faces), (*assumed, *hand_words(crank, groups))
+    )
 
 
 def _check_order(skin: Skin, path: Path) -> None:

@@ -57,11 +57,11 @@ class Skin:
         yield from self._large(chosen, self.pairs[within])
 
     def _large(self, chosen: Mask, links: Int64) -> Iterator[Int64]:
-        numbers = np.flatnonzero(chosen)
+        numbers, least = np.flatnonzero(chosen), _SMALLEST * self.areas.sum()
         labels = connected(len(chosen), links)[numbers]
         order = np.argsort(labels, kind="stable")
         for region in np.split(numbers[order], np.flatnonzero(np.diff(labels[order])) + 1):
-            if self.areas[region].sum() > _SMALLEST * self.areas.sum():
+            if self.areas[region].sum() > least:
                 yield region
 
     def lonely_share(self, fold_rad: float) -> float:
@@ -86,6 +86,10 @@ class Skin:
             np.minimum.at(least, one, height)
             np.minimum.at(least, other, height)
         return weighted_quantile(least, self.areas, _TENTH) / _OF_SCATTER
+
+    def triangles(self, region: Int64) -> Array:
+        """Return the corners (n, 3, 3) of triangles, those of each its own."""
+        return np.asarray(self.mesh.vertices_mm[self.mesh.faces[region]])
 
     def corners(self, region: Int64) -> Array:
         """Return the corners (n, 3) of triangles, each once."""

@@ -109,7 +109,7 @@ class Wall:
 def walls(skin: Skin, region: Int64) -> Iterator[Wall]:
     """Yield the walls of a region of upright triangles, the largest first."""
     whole = _trimmed(skin, region)
-    on = (np.abs(whole.off(skin.mesh.corners_mm[region])) < skin.near_mm).all(axis=1)
+    on = (np.abs(whole.off(skin.triangles(region))) < skin.near_mm).all(axis=1)
     if whole.full and skin.areas[region][on].sum() > _WHOLE * skin.areas[region].sum():
         yield whole
         return
@@ -130,7 +130,7 @@ def walls(skin: Skin, region: Int64) -> Iterator[Wall]:
 
 def _trimmed(skin: Skin, region: Int64) -> Wall:
     """Return the cylinder of most area in a region, of the corners that lie on it closely."""
-    corners, areas = skin.mesh.corners_mm[region], skin.areas[region]
+    corners, areas = skin.triangles(region), skin.areas[region]
     found, on = trimmed_circle(corners[:, :, :2].reshape(-1, 2), areas.repeat(3), _CLOSE * skin.near_mm)
     own = on.reshape(-1, 3).all(axis=1)
     out = (corners.mean(axis=1)[:, :2] - found.centre) * skin.normals[region, :2]
@@ -141,7 +141,7 @@ def _trimmed(skin: Skin, region: Int64) -> Wall:
 
 def _largest(skin: Skin, left: Int64, draw: np.random.Generator) -> tuple[Wall | None, Mask]:
     """Return the wall with most area among circles and lines through corners drawn, and its triangles."""
-    corners = skin.mesh.corners_mm[left][:, :, :2]
+    corners = skin.triangles(left)[:, :, :2]
     normals, areas = skin.normals[left, :2], skin.areas[left]
     best, best_area = np.zeros(len(left), bool), 0.0
     is_plane = False
@@ -199,29 +199,34 @@ def _tried(
 
 def _in_one_piece(skin: Skin, left: Int64, on_it: Mask) -> tuple[Wall, Mask]:
     """Return the largest part of a cylinder without a gap along it: journals on one axis are several."""
-    heights = skin.mesh.corners_mm[left][:, :, 2]
+    heights = skin.triangles(left)[:, :, 2]
     low, high = heights.min(axis=1), heights.max(axis=1)
     own = np.flatnonzero(on_it)[np.argsort(low[on_it])]
     reached = np.maximum.accumulate(high[own])
     parts = np.split(own, np.flatnonzero(low[own][1:] > reached[:-1] + skin.near_mm) + 1)
     largest = max(parts, key=lambda part: float(skin.areas[left[part]].sum()))
-    chosen = np.zeros(len(left), bool)
-    chosen[largest] = True
+    chosen = _mask(len(left), largest)
     return _trimmed(skin, left[chosen]), chosen
 
 
 def _on_line(corners: Array, normals: Array, start: int, near: float) -> Mask:
     normal = normals[start] / max(float(np.linalg.norm(normals[start])), 1e-12)
-    off = np.abs((corners - corners[start, 0]) @ normal).max(axis=1)
-    return np.asarray((off < near) & (normals @ normal > _FACING))
+    facing = np.flatnonzero(normals @ normal > _FACING)
+    off = np.abs((corners[facing] - corners[start, 0]) @ normal).max(axis=1)
+    return _mask(len(corners), facing[off < near])
 
 
 def _on_circle(corners: Array, normals: Array, centre: Array, radius: float, near: float) -> Mask:
-    out = corners - centre
+    first = np.abs(np.linalg.norm(corners[:, 0] - centre, axis=1) - radius)
+    likely = np.flatnonzero(first < near)  # few: the other corners need a look only there
+    out = corners[likely] - centre
     away = np.linalg.norm(out, axis=2)
-    off = np.abs(away - radius).max(axis=1)
-    facing = (out.mean(axis=1) * normals).sum(axis=1) / np.maximum(away.mean(axis=1), 1e-12)
-    side = facing[off < near]
-    if not len(side):
-        return np.zeros(len(off), bool)
-    return np.asarray((off < near) & (facing * np.sign(side.sum()) > _FACING))
+    on = np.abs(away - radius).max(axis=1) < near
+    facing = (out.mean(axis=1) * normals[likely]).sum(axis=1) / np.maximum(away.mean(axis=1), 1e-12)
+    return _mask(len(corners), likely[on & (facing * np.sign(facing[on].sum()) > _FACING)])
+
+
+def _mask(count: int, chosen: Int64) -> Mask:
+    mask = np.zeros(count, bool)
+    mask[chosen] = True
+    return mask
