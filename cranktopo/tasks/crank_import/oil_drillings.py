@@ -20,6 +20,8 @@ _OBLIQUE = 6.0
 """Way from the outermost edge of an oblique outlet to the drilling's axis, over its radius."""
 _LARGEST_OUTLET = 1.0
 """Radius of an outlet over the diameter of its drilling."""
+_SQUARE_MM2 = 1e-6
+"""Accuracy of the square of an outlet's radius: below 1e-5 mm of a radius of 0.05 mm and more."""
 _LARGEST = 0.4
 """Diameter of a drilling over the pin's."""
 
@@ -49,14 +51,15 @@ def with_outlet_radius(body: HalfBody, scene: Scene) -> Scene | None:
         drilling = tuple(one.model_copy(update={"outlet_radius_mm": radius}) for one in scene.throw.drilling)
         return scene.with_drillings(drilling)
 
-    def excess(radius: float) -> float:
-        return half_throw_volume_mm3(rounded(radius)) - body.solid.volume_mm3
+    def excess(square: float) -> float:
+        return half_throw_volume_mm3(rounded(math.sqrt(square))) - body.solid.volume_mm3
 
-    most = _LARGEST_OUTLET * max(one.diameter_mm for one in scene.throw.drilling)
+    most = (_LARGEST_OUTLET * max(one.diameter_mm for one in scene.throw.drilling)) ** 2
     try:
         if excess(0.0) <= 0 or excess(most) >= 0:
             return None
-        return rounded(round(float(brentq(excess, 0.0, most, xtol=1e-6)), 3))
+        square = float(brentq(excess, 0.0, most, xtol=_SQUARE_MM2))  # nearly linear in the square: few rounds
+        return rounded(round(math.sqrt(square), 3))
     except CranktopoError:
         return None
 
