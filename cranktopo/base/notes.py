@@ -111,9 +111,8 @@ class Pace:
         self._done += 1
 
     def _where(self) -> str:
-        full = min(_BAR * self._done // self._parts, _BAR)
-        bar = f"[{'#' * full}{'-' * (_BAR - full)}]"
-        return f"{self._work}: {bar} {self._done + 1} of {self._most}{max(self._parts, self._done + 1)}"
+        parts = max(self._parts, self._done + 1)
+        return f"{self._work}: {bar(self._done, self._parts)} {self._done + 1} of {self._most}{parts}"
 
     def _left(self, now: float) -> list[str]:
         left = self._parts - self._done
@@ -122,11 +121,24 @@ class Pace:
         return [f"{self._most or 'about '}{duration_text(left * (now - self._began) / self._done)} left"]
 
 
+def bar(done: float, parts: float) -> str:
+    """Return a bar that shows how much of the work is done."""
+    full = int(min(_BAR * done // parts, _BAR))
+    return f"[{'#' * full}{'-' * (_BAR - full)}]"
+
+
 _PACE = re.compile(r"\[[#-]+\] (\d+) of (?:at most )?(\d+)(?:,.*?((?:about|at most) [\dhmins ]+) left)?")
+_BUDGET = re.compile(r"\[[#-]+\] (\d+) of ([\d.]+) s:")
 
 
 def pace_of(line: str) -> tuple[float, str] | None:
-    """Return the share that is done and the time left by a line of a `Pace`; None for any other line."""
+    """Return the share that is done and the time left by a line with a bar; None for any other line.
+
+    The line counts parts, as those of a `Pace` do, or the seconds of a budget.
+    """
+    if budget := _BUDGET.search(line):
+        spent_s, budget_s = map(float, budget.groups())
+        return min(spent_s / budget_s, 1.0), f"about {duration_text(max(budget_s - spent_s, 0.0))}"
     found = _PACE.search(line)
     return found and ((int(found[1]) - 1) / int(found[2]), found[3] or "")
 

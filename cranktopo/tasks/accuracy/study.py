@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.machine import Machine, forget_peak_memory, peak_memory_MiB, this_machine
-from cranktopo.base.notes import note
+from cranktopo.base.notes import bar, note
 from cranktopo.bodies.mesh.solid_mesh import serves_polynomials
 from cranktopo.design.halves import difference
 from cranktopo.design.schema import Scene
@@ -122,7 +122,8 @@ def run_studies(target: Target, budget_s: float) -> Study:
 
     def run(name: StudyName, planned: Sequence[PlannedLevel], share: float) -> None:
         def announce(text: str) -> None:
-            note(f"{spent_s():.0f} of {budget_s:g} s: {TITLES[name]}, {text}")
+            spent = spent_s()
+            note(f"{bar(spent, budget_s)} {spent:.0f} of {budget_s:g} s: {TITLES[name]}, {text}")
 
         if spent_s() < budget_s:
             for found in _solved(planned, share * (budget_s - spent_s()), announce):

@@ -13,6 +13,8 @@ KINDS: Mapping[str, tuple[str, ...]] = {
     "shape": _GOAL,
     "bound": (*_GOAL, "resolution-mm"),
     "fatigue": ("method",),
+    "iterate": ("steps", "web"),
+    "accuracy": ("budget",),
     "sweep": ("vary", "stage", "workers"),
     "evaluate": ("accuracy",),
     "shaft": ("bearings", "method"),
@@ -29,9 +31,12 @@ SEARCHES = {"lighter rod": "--lighter", "lighter balancer": "--redesign"}
 """Jobs of a command of another name, with its option that has the design it found written."""
 OF_RUN = ("remodel", "extract")
 """Those that take the run of another job in place of the design."""
-RESUMABLE = ("optimise", "shape", "sweep")
+RESUMABLE = ("optimise", "shape", "sweep", "iterate")
+KEPT_EARLY = {"accuracy": "accuracy.json"}
+"""Those that keep what is done when they are stopped, with the file in their run that tells it."""
 OUT, SURFACE, FOUND = "out", "surface.stl", "found.toml"
-_OUTPUT = dict.fromkeys(("optimise", "shape", "sweep", "remodel"), OUT) | {"extract": SURFACE}
+_WITH_RUN = ("optimise", "shape", "sweep", "remodel", "iterate", "accuracy")
+_OUTPUT = dict.fromkeys(_WITH_RUN, OUT) | {"extract": SURFACE}
 """Results that they write, in their own folder; the others print them."""
 
 

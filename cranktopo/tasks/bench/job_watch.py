@@ -12,7 +12,7 @@ from cranktopo.tasks.bench.answers import Answers, Tell
 from cranktopo.tasks.bench.jobs import BenchJob, Jobs, reap
 from cranktopo.tasks.bench.project import Project
 from cranktopo.tasks.bench.proof import Proof
-from cranktopo.tasks.bench.results import job_numbers, job_words, variant_of
+from cranktopo.tasks.bench.results import job_numbers, job_table, job_words, variant_of
 
 
 class JobWatch:
@@ -29,7 +29,7 @@ class JobWatch:
         jobs = jobs_of(project)
         found = jobs.all()
         for job in found:
-            if job.state == "done" and not job.known.variant:
+            if job.has_result and not job.known.variant:
                 await self._keep_result(job, project, answers)
         if [job for job in found if self.proof.gave_up(job)]:
             self._tell_state()
@@ -55,7 +55,7 @@ class JobWatch:
                 id_ = project.keep(name, gauges, text, "; ".join(found[:1]), outlines).id
         except (CranktopoError, OSError, subprocess.SubprocessError) as error:
             found = [f"its result cannot be kept: {error}"]
-        job.note_result(id_, found, numbers)
+        job.note_result(id_, found, numbers, job_table(job))
         self._tell_all({"type": "proof", "kind": job.known.kind})
         self._tell_state()
 

@@ -29,6 +29,7 @@ from cranktopo.base.notes import pace_of
 from cranktopo.base.result import Result
 from cranktopo.tasks.bench.job_kinds import (
     FOUND,
+    KEPT_EARLY,
     OF_RUN,
     OUT,
     RESUMABLE,
@@ -72,6 +73,7 @@ class _KnownJob(Result):
     step: str = ""
     variant: str = ""
     found: tuple[str, ...] = ()
+    table: tuple[tuple[str, ...], ...] = ()
     gauges: dict[str, float] = Field(default_factory=dict)
 
 
@@ -113,6 +115,13 @@ class BenchJob:
         return "done" if code in PARTLY else "stopped" if code in _INTERRUPTED else "failed"
 
     @property
+    def has_result(self) -> bool:
+        """True where it is done, or was stopped and keeps what was done by then."""
+        early = KEPT_EARLY.get(self.known.kind)
+        stopped = self.state == "stopped" and early is not None and (self.out / early).is_file()
+        return self.state == "done" or stopped
+
+    @property
     def command(self) -> str:
         """The command line that it is, in its own folder."""
         return shlex.join(["cranktopo", *self.known.words])
@@ -152,6 +161,7 @@ class BenchJob:
             "seconds": round(time.time() - self.known.started),
             "variant": self.known.variant,
             "found": list(self.known.found),
+            "table": self.known.table,
             "gauges": self.known.gauges,
             "step": self.known.step,
             "automatic": self.known.automatic,
@@ -195,18 +205,35 @@ class BenchJob:
                 os.killpg(self.known.pid, signal.SIGKILL)
         shutil.rmtree(self.place, ignore_errors=True)
 
-    def note_result(self, variant: str, lines: Sequence[str], gauges: Mapping[str, float]) -> None:
-        """Record that its result was kept as a variant, or `-`, and what it found, in words and numbers."""
-        kept = {"variant": variant, "found": tuple(lines), "gauges": dict(gauges)}
+    def note_result(
+        self,
+        variant: str,
+        lines: Sequence[str],
+        gauges: Mapping[str, float],
+        table: Sequence[Sequence[str]] = (),
+    ) -> None:
+        """Record that its result was kept as a variant, or `-`, and what it found, in words and numbers.
+
+        Args:
+            table: rows of cells, the heads first.
+        """
+        rows = tuple(map(tuple, table))
+        kept = {"variant": variant, "found": tuple(lines), "gauges": dict(gauges), "table": rows}
         self.known = self.known.model_copy(update=kept)
         write_json(self.place / _JOB, self.known.as_json())
 
     def _pace(self, lines: Sequence[str]) -> dict[str, Any] | None:
-        """Return the share that is done and the time left by its newest line of a pace."""
+        """Return the share that is done and the time left by its newest line of a pace.
+
+        Lines of a part of the work are indented: where the whole has a pace, theirs do not count.
+        """
         if self.state != "running":
             return None
-        found = next(filter(None, map(pace_of, reversed(lines))), None)
-        return found and {"share": found[0], "left": found[1]}
+        paces = [(line, found) for line in reversed(lines) if (found := pace_of(line))]
+        if not paces:
+            return None
+        share, left = min(paces, key=lambda pace: len(pace[0]) - len(pace[0].lstrip()))[1]
+        return {"share": share, "left": left}
 
     def _notes(self) -> list[str]:
         path = self.place / _NOTES

@@ -12,6 +12,7 @@ from cranktopo.runs.stored import unchanged
 from cranktopo.tasks.bench.job_kinds import FOUND, SEARCHES
 from cranktopo.tasks.bench.jobs import BenchJob, own_command
 from cranktopo.tasks.bench.part_words import PARTS, part_words
+from cranktopo.tasks.bench.study_words import STUDIES, loop_of
 from cranktopo.tasks.bound.result import BoundResult, ProvenBound
 from cranktopo.tasks.evaluate.result import EvaluationList
 from cranktopo.tasks.fatigue.criteria import shortfall_words
@@ -31,7 +32,7 @@ def job_numbers(job: BenchJob) -> dict[str, float]:
     A bound is called `bound_` and its quantity, its share of the design `bound_percent_` and its quantity.
     """
     reader = {"shape": _of_shape, "bound": _of_bound, "fatigue": _of_fatigue}
-    reader |= {"optimise": _of_optimise, "evaluate": _of_evaluation}
+    reader |= {"optimise": _of_optimise, "evaluate": _of_evaluation, "iterate": _of_loop}
     if job.known.kind not in reader:
         return {}
     try:
@@ -56,6 +57,8 @@ def job_words(job: BenchJob) -> list[str]:
             return _shaft_words(ShaftAssessment.of_json(job.printed(), _place(job)))
         if job.known.kind == "evaluate":
             return _evaluation_words(_evaluation(job))
+        if job.known.kind in STUDIES:
+            return STUDIES[job.known.kind].words(job.out)
         if job.known.kind in PARTS:
             return part_words(job.known.kind, job.printed(), _place(job))
         if job.known.kind == "extract":
@@ -63,6 +66,16 @@ def job_words(job: BenchJob) -> list[str]:
     except (CranktopoError, ValueError, IndexError):
         return []
     return _lines(job)[:1]
+
+
+def job_table(job: BenchJob) -> list[list[str]]:
+    """Return the table of a finished study, the heads first; empty for other jobs."""
+    if job.known.kind not in STUDIES:
+        return []
+    try:
+        return STUDIES[job.known.kind].table(job.out)
+    except (CranktopoError, ValueError, IndexError):
+        return []
 
 
 def _lines(job: BenchJob) -> list[str]:
@@ -155,6 +168,9 @@ def variant_of(job: BenchJob) -> str | None:
         return _design(job.place / "design.toml")
     if job.known.kind == "remodel":
         return next(_design(file) for file in sorted(job.out.glob("*.toml")))
+    if job.known.kind == "iterate":
+        best = loop_of(job.out).best
+        return _design(job.out / best.folder / "web.toml") if best else None
     if job.known.kind in SEARCHES:
         return _design(job.place / FOUND)
     if job.known.kind != "optimise":
@@ -187,6 +203,19 @@ def _evaluated(entry: EvaluationResult) -> dict[str, float]:
     }
     safety = entry.fatigue_safety
     return found if safety is None else {**found, "fatigue_safety": safety}
+
+
+def _of_loop(job: BenchJob) -> dict[str, float]:
+    best = loop_of(job.out).best
+    if best is None:
+        return {}
+    return {
+        "mass": best.throw_kg,
+        "torsion": best.torsion_Nm_per_rad,
+        "bending": best.bending_N_per_mm,
+        "torsion_per_mass": best.torsion_per_kg,
+        "bending_per_mass": best.bending_per_kg,
+    }
 
 
 def _of_evaluation(job: BenchJob) -> dict[str, float]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import write_json, write_text
 from cranktopo.base.near_ties import first_of_the_best
-from cranktopo.base.notes import note
+from cranktopo.base.notes import bar, duration_text, indented, note
 from cranktopo.design.assumed import assumptions, stored_assumptions
 from cranktopo.design.loading import stored_scene
 from cranktopo.design.named import DesignLike, as_scene
@@ -163,11 +163,13 @@ def _steps(
         left = settings.steps - number + 1
         web = finished_step(folder)
         if web is None:
-            guess = f", about {sum(durations) / len(durations) * left:.0f} s left" if durations else ""
-            note(f"step {number} of {settings.steps}{guess}")
+            mean_s = sum(durations) / max(len(durations), 1)
+            guess = f", about {duration_text(mean_s * left)} left" if durations else ""
+            note(f"step: {bar(number - 1, settings.steps)} {number} of {settings.steps}{guess}")
             began = time.monotonic()
             try:
-                web = make_step(run, folder, number, webs, settings)
+                with indented():
+                    web = make_step(run, folder, number, webs, settings)
             except CranktopoError as error:
                 if number == 1 or error.code == ExitCode.INTERRUPTED:
                     raise

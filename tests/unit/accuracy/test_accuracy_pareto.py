@@ -248,9 +248,9 @@ def test_a_study_ends_before_the_level_that_would_not_fit(
     assert [found.size_mm for found in short.levels] == [9.0]
     assert short.failures == ("body-fitted evaluation, level 1: no mesh.",)
     assert lines == [
-        "0 of 27 s: body-fitted evaluation, level 0",
-        "4 of 27 s: body-fitted evaluation, level 1, about 8 s",
-        "12 of 27 s: body-fitted evaluation, level 2 takes about 16 s, "
+        "[------------] 0 of 27 s: body-fitted evaluation, level 0",
+        "[#-----------] 4 of 27 s: body-fitted evaluation, level 1, about 8 s",
+        "[#####-------] 12 of 27 s: body-fitted evaluation, level 2 takes about 16 s, "
         "more than is left of its 27 s: give a larger budget",
     ]
     full, lines = run(monkeypatch, mikron, 28.0, [*three])

@@ -83,4 +83,6 @@ def test_a_line_of_a_pace_is_read_again() -> None:
         2 / 9,
         "about 3 h 20 min",
     )
+    assert pace_of("[##----------] 12 of 60 s: optimiser, cells 3 mm, about 9 s") == (0.2, "about 48 s")
+    assert pace_of("[############] 9 of 7.5 s: optimiser, cells 3 mm") == (1.0, "about 0 s")
     assert pace_of("solving, 423,852 unknowns: 7 s so far") is None

@@ -10,19 +10,23 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+import psutil
 import pytest
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.files import write_json
 from cranktopo.base.line_width import in_width
 from cranktopo.base.notes import pace_of
 from cranktopo.design.loading import design_text
 from cranktopo.tasks.balancer.result import BalancerStrength
 from cranktopo.tasks.bench.job_kinds import command_words
 from cranktopo.tasks.bench.jobs import BenchJob, Jobs, reap
-from cranktopo.tasks.bench.results import job_numbers, job_words, variant_of
+from cranktopo.tasks.bench.results import job_numbers, job_table, job_words, variant_of
 from cranktopo.tasks.bolts.result import BoltChecks
 from cranktopo.tasks.evaluate.result import EvaluationList
 from cranktopo.tasks.fatigue.result import FatigueResult
+from cranktopo.tasks.fea.studies import StudyResult
+from cranktopo.tasks.iterate.result import LoopResult, LoopStep, StepRow
 from cranktopo.tasks.shaft_safety.result import ShaftAssessment
 from cranktopo.tasks.shape.result import ShapeResult
 from tests.filled import filled
@@ -108,6 +112,16 @@ def test_a_note_that_goes_on_in_the_next_line_is_one(tmp_path: Path) -> None:
     assert pace_of(lines[-1]) == (0.25, "about 3 min")
 
 
+def test_the_pace_of_the_whole_goes_before_those_of_its_parts(tmp_path: Path) -> None:
+    lines = ["step: [##----------] 2 of 6, about 5 min left", "  fit: [######------] 3 of 5, about 3 s left"]
+    job = finished(tmp_path, "iterate", "")
+    (job.place / "notes.txt").write_text("\n".join(lines), encoding="utf-8")
+    (job.place / "code").unlink()
+    known = {"pid": os.getpid(), "born": psutil.Process().create_time()}
+    running = BenchJob(job.place, job.known.model_copy(update=known))
+    assert running.as_json()["pace"] == {"share": 1 / 6, "left": "about 5 min"}
+
+
 def finished(folder: Path, kind: str, printed: object, code: int = 0, words: Sequence[str] = ()) -> BenchJob:
     """A job as it is found when it has ended well."""
     place = folder / f"{1 + len(list(folder.glob('0*'))):03d}"
@@ -189,6 +203,57 @@ def test_the_words_of_jobs_on_parts_begin_with_what_fails_or_was_found(tmp_path:
     assert "NOT SAFE: least safety 0.5: groove" in told
     (job.place / "found.toml").write_text(TEXT, encoding="utf-8")
     assert variant_of(job) == TEXT
+
+
+STEP = {
+    "throw_kg": 2.0, "web_kg": 1.0, "torsion_Nm_per_rad": 2e5, "bending_N_per_mm": 3e5,
+    "torsion_error_percent": 0.1, "bending_error_percent": 0.1, "transition_mm": 9.0, "overlap_percent": None,
+    "removed_percent": None, "seconds": 1.0,
+}  # fmt: skip
+
+
+def test_a_loop_comes_back_as_its_best_web_and_a_table_of_its_steps(tmp_path: Path) -> None:
+    first = LoopStep(number=0, **STEP)
+    better = LoopStep(number=1, **(STEP | {"throw_kg": 1.6, "torsion_Nm_per_rad": 1.8e5}))
+    loop = LoopResult(
+        design="mine",
+        stop_reason="all 1 steps done",
+        least_transition_mm=7.0,
+        best_step=1,
+        steps=[StepRow.of(first, first, ""), StepRow.of(better, first, "")],
+    )
+    job = finished(tmp_path, "iterate", "")
+    (job.out / "step-01").mkdir(parents=True)
+    (job.out / "step-01" / "web.toml").write_text(TEXT, encoding="utf-8")
+    write_json(job.out / "iterate.json", loop.as_json())
+    assert variant_of(job) == TEXT
+    assert job_numbers(job)["torsion_per_mass"] == 1.8e5 / 1.6
+    assert job_words(job)[0].startswith("best: step 1, torsional stiffness per mass +12.5 %, mass -20.0 %")
+    heads, *rows = job_table(job)
+    assert heads[:3] == ["step", "mass %", "torsion %"]
+    assert [row[:3] for row in rows] == [["0", "100.0", "100.0"], ["1", "80.0", "90.0"]]
+    none = loop.model_copy(update={"best_step": None})
+    write_json(job.out / "iterate.json", none.as_json())
+    assert variant_of(job) is None
+    assert job_words(job)[0].startswith("no step beats the original web")
+
+
+def test_an_accuracy_study_that_is_stopped_keeps_what_is_solved(tmp_path: Path) -> None:
+    words = command_words("accuracy", "design.toml", {"budget": "60s"})
+    assert words == ("accuracy", "design.toml", "--budget=60s", "--out", "out")
+    job = finished(tmp_path, "accuracy", "", code=130)
+    assert (job.state, job.has_result, job.resumable) == ("stopped", False, False)
+    cheapest = {"ladder": "judge", "accuracy_percent": 2.0, "rung": "uniform 9.45 mm", "seconds": 4.25}
+    study = filled(StudyResult, {"rungs": [], "limits": {}, "recommendations": [cheapest], "failures": ["x"]})
+    job.out.mkdir()
+    write_json(job.out / "accuracy.json", study)
+    assert job.has_result
+    assert job_words(job)[-1] == "no answer: x"
+    row = ["2 %", "body-fitted evaluation", "uniform 9.45 mm", "4.2"]
+    assert job_table(job) == [["accuracy", "study", "cheapest level", "time s"], row]
+    assert variant_of(job) is None
+    job.note_result("-", job_words(job), {}, job_table(job))
+    assert Jobs(tmp_path).job(job.known.id).as_json()["table"][1] == tuple(row)
 
 
 def test_a_lighter_rod_is_a_command_with_a_file_of_its_own(tmp_path: Path) -> None:

@@ -4,24 +4,27 @@ import { state, valueAt } from "./state.js";
 import { say, status } from "./talk.js";
 import { showHistory } from "./variants.js";
 
-// Jobs: help, what is asked, and the command and options where they are not of the same name.
+// Jobs: help, the fields that are asked, and the command and options where they are not of the same name.
+const OF_GOAL = ["goal", "limit", "web"];
 const JOBS = {
-  shape: { goal: true, help: "Best dimensions of this web that can be made, judged on body-fitted elements: minutes. Comes back as a variant." },
-  optimise: { goal: true, help: "Topology in the design space, then a parametric web of it: about two minutes. Comes back as a variant.", left: "The fatigue safety is left to the evaluation." },
-  bound: { goal: true, help: "What no web of this design space can beat: half a minute. Comes back as a mark on the gauge.", left: "Stress and bearings are not part of the proof." },
+  shape: { fields: OF_GOAL, help: "Best dimensions of this web that can be made, judged on body-fitted elements: minutes. Comes back as a variant." },
+  optimise: { fields: OF_GOAL, help: "Topology in the design space, then a parametric web of it: about two minutes. Comes back as a variant.", left: "The fatigue safety is left to the evaluation." },
+  bound: { fields: OF_GOAL, help: "What no web of this design space can beat: half a minute. Comes back as a mark on the gauge.", left: "Stress and bearings are not part of the proof." },
   fatigue: { help: "Least safety by local stress analysis, with stress and strength there: half a minute. Comes back as a variant." },
   "UR M53": { kind: "fatigue", options: { method: "m53" }, help: "Both fillets by the rule's polynomials and by elements, and which governs: about a minute. Comes back as a variant." },
   evaluate: { help: "Mass and both stiffnesses on body-fitted elements, each with a bound of its error: seconds. Comes back as a variant." },
   "whole shaft": { kind: "shaft", help: "All throws together: stiffness, first natural frequency, forces on the main bearings: about a minute." },
   "safety of every web": { kind: "shaft", options: { method: "lsa" }, help: "Every fillet and outlet of every web in the shaft on all its bearings over the cycle: minutes." },
-  remodel: { run: true, help: "A web that a die or a mill can make, fitted to the body of a run: about a minute. Comes back as a variant." },
-  extract: { run: true, help: "The watertight surface of a run as STL: seconds." },
+  remodel: { fields: ["run"], help: "A web that a die or a mill can make, fitted to the body of a run: about a minute. Comes back as a variant." },
+  extract: { fields: ["run"], help: "The watertight surface of a run as STL: seconds." },
   rod: { help: "Connecting rod of [rod]: stresses over the cycle, buckling, fatigue, pin and bolts: seconds." },
   "lighter rod": { help: "A lighter rod at no less safety: seconds. Comes back as a variant." },
   bolts: { help: "Bolted joints by VDI 2230 and by Shigley: seconds." },
   balancer: { help: "Balancer shaft of [balancer]: bearing loads and life, deflection, fatigue of its notches: seconds." },
   "lighter balancer": { help: "The lightest balancer shaft within the ranges of the design: seconds. Comes back as a variant." },
-  sweep: { vary: true, help: "Many values of one dimension, each evaluated; a page of its own." },
+  iterate: { fields: ["steps", "web"], help: "Takes a little away, makes a web of what is left, evaluates it, and again; then the dimensions of the best web are searched: many minutes. A table of the steps; the best web comes back as a variant." },
+  accuracy: { fields: ["budget"], help: "What accuracy costs: evaluation, fillet stress and optimiser from coarse to fine, until the time is used. Comes back as a table; Stop keeps what is solved by then." },
+  sweep: { fields: ["vary"], help: "Many values of one dimension, each evaluated; a page of its own." },
 };
 
 // Files by what they are; those of a part only where the design has it.
@@ -51,7 +54,7 @@ function showGoals() {
 }
 
 function showHelp() {
-  const form = $("job").elements, { help, goal, left } = JOBS[form.kind.value];
+  const form = $("job").elements, { help, fields, left } = JOBS[form.kind.value], goal = fields === OF_GOAL;
   $("job-help").textContent = [help, goal && limitWords(form.goal.value), goal && left].filter(Boolean).join(" ");
 }
 
@@ -69,6 +72,12 @@ function progressOf({ state: at, pace }) {
   return [bar, make("span", { class: "left" }, pace ? `${Math.round(100 * pace.share)} %${pace.left ? `, ${pace.left} left` : ""}` : "")];
 }
 
+function tableOf({ kind, id, table: [head, ...rows] }) {
+  if (!rows.length) return [];
+  const line = (cells, tag) => make("tr", {}, ...cells.map((text, i) => make(i ? tag : "th", { scope: i ? (tag === "th" ? "col" : undefined) : tag === "th" ? "col" : "row" }, text)));
+  return [make("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Table of ${kind} ${id}` }, make("table", {}, make("thead", {}, line(head, "th")), make("tbody", {}, ...rows.map((row) => line(row, "td")))))];
+}
+
 export function showJobs() {
   const list = $("jobs").querySelector("ul");
   list.replaceChildren(...state.jobs.slice().reverse().map((job) => {
@@ -76,7 +85,7 @@ export function showJobs() {
     if (job.state === "running") buttons.append(make("button", { type: "button", onclick: () => say({ do: "stop", id: job.id }) }, "Stop"));
     if (job.resumable) buttons.append(make("button", { type: "button", onclick: () => say({ do: "resume", id: job.id }) }, "Continue"));
     if (job.page) buttons.append(make("a", { href: `job/${job.id}`, target: "_blank", rel: "noreferrer" }, "Report"));
-    return make("li", { "data-job": job.state }, make("strong", {}, `${job.kind} ${job.id}${job.automatic ? ", by itself" : ""}: ${job.state}`), ` ${job.state === "running" ? `${job.seconds} s` : ""} `, buttons, ...progressOf(job), ...(job.found.length ? job.found : job.notes.slice(-2)).map((text) => make("p", { class: /^(NOT|TOO|More than permitted)/.test(text) ? "missed" : "" }, text)));
+    return make("li", { "data-job": job.state }, make("strong", {}, `${job.kind} ${job.id}${job.automatic ? ", by itself" : ""}: ${job.state}`), ` ${job.state === "running" ? `${job.seconds} s` : ""} `, buttons, ...progressOf(job), ...(job.found.length ? job.found : job.notes.slice(-2)).map((text) => make("p", { class: /^(NOT|TOO|More than permitted)/.test(text) ? "missed" : "" }, text)), ...tableOf(job));
   }));
   const runs = state.jobs.filter((job) => job.kind === "optimise" && job.state === "done").map((job) => job.id), select = $("job").elements.run;
   if ([...select.options].map((one) => one.value).join() !== runs.join()) select.replaceChildren(...runs.map((id) => make("option", { value: id }, `optimise ${id}`)));
@@ -91,22 +100,21 @@ export function outForms() {
   const form = $("job");
   form.elements.kind.append(...Object.keys(JOBS).map((name) => make("option", {}, name)));
   const chosen = () => {
-    const { goal, vary, run } = JOBS[form.elements.kind.value];
+    const { fields = [] } = JOBS[form.elements.kind.value];
     showHelp();
-    for (const name of ["goal", "limit", "web"]) form.elements[name].parentElement.hidden = !goal;
-    form.elements.vary.parentElement.hidden = !vary;
-    form.elements.run.parentElement.hidden = !run;
+    for (const field of form.querySelectorAll("[name]:not([name=kind])")) field.disabled = field.parentElement.hidden = !fields.includes(field.name);
   };
   form.elements.kind.addEventListener("change", chosen);
   form.elements.goal.addEventListener("change", showHelp);
   chosen();
   form.addEventListener("submit", (event) => {
     event.preventDefault();
-    const name = form.elements.kind.value, { kind = name, goal, vary, run, options } = JOBS[name], asked = { ...options };
-    const limits = form.elements.limit.value.split(";").map((one) => one.trim()).filter(Boolean);
-    if (goal) Object.assign(asked, form.elements.goal.value === OWN_GOAL ? {} : Object.fromEntries([form.elements.goal.value.split("=")]), limits.length ? { limit: limits } : {}, form.elements.web.value ? { web: form.elements.web.value } : {});
-    if (vary) asked.vary = form.elements.vary.value.trim();
-    say({ do: "job", kind, options: asked, run: run ? form.elements.run.value : "" });
+    const name = form.elements.kind.value, { kind = name, options } = JOBS[name];
+    const value = (field) => (form.elements[field].disabled ? "" : form.elements[field].value.trim());
+    const plain = ["web", "steps", "budget", "vary"].map((field) => [field, value(field)]), goal = value("goal");
+    const limit = value("limit").split(";").map((one) => one.trim()).filter(Boolean);
+    const asked = { ...options, ...Object.fromEntries([...plain, goal === OWN_GOAL ? [] : goal.split("=")].filter(([, given]) => given)), ...(limit.length ? { limit } : {}) };
+    say({ do: "job", kind, options: asked, run: value("run") });
     status(`${name} starts`);
   });
   const button = ([kind, text]) => make("button", { type: "button", "data-kind": kind, onclick: () => write(kind) }, text);

@@ -1,0 +1,58 @@
+"""Studies as jobs on the page: progress, stop, and the table and the command that stay."""
+
+from __future__ import annotations
+
+import json
+import sys
+from typing import Any
+
+import pytest
+
+from cranktopo.tasks.fea.studies import StudyResult
+from tests.browser.bench_page import shown
+from tests.filled import filled
+
+pytest.importorskip("tornado")
+STAND_IN = """
+import pathlib, sys, time
+print("[##----------] 12 of 60 s: optimiser, cells 3 mm", file=sys.stderr, flush=True)
+try:
+    time.sleep(600)
+except KeyboardInterrupt:
+    pathlib.Path("out").mkdir()
+    pathlib.Path("out/accuracy.json").write_text(sys.argv[1])
+    sys.exit(130)
+"""
+BY_TERM = "import signal; signal.signal(signal.SIGTERM, signal.default_int_handler)"
+
+
+@pytest.mark.slow
+def test_an_accuracy_study_shows_its_progress_and_leaves_a_table_when_it_is_stopped(
+    quick: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cheapest = {"ladder": "judge", "accuracy_percent": 2.0, "rung": "uniform 9.45 mm", "seconds": 4.25}
+    study = filled(StudyResult, {"rungs": [], "limits": {}, "recommendations": [cheapest], "failures": []})
+    line = [sys.executable, "-c", BY_TERM + STAND_IN, json.dumps(study)]
+    monkeypatch.setattr("cranktopo.tasks.bench.jobs.own_command", lambda *words: line)
+    seen = quick("mikron-iiic-plain")
+    page = seen.page
+    shown(page)
+    form = page.locator("#job")
+    form.locator("[name=kind]").select_option("iterate")
+    assert form.locator("[name=steps]").is_visible()
+    form.locator("[name=kind]").select_option("accuracy")
+    for hidden in ("steps", "goal", "limit", "vary"):
+        assert form.locator(f"[name={hidden}]").is_hidden()
+    form.locator("[name=budget]").fill("60s")
+    form.get_by_role("button", name="Start").click()
+    page.wait_for_selector("#jobs progress[value='0.2']")
+    assert page.locator("#jobs .left").inner_text() == "20 %, about 48 s left"
+    page.locator("#jobs").get_by_role("button", name="Stop").click()
+    table = page.get_by_role("region", name="Table of accuracy 001")
+    table.wait_for()
+    assert table.locator("tbody td").all_inner_texts()[:2] == ["body-fitted evaluation", "uniform 9.45 mm"]
+    command = (
+        "cranktopo accuracy bench/mikron-iiic-plain/jobs/001/design.toml --budget=60s --out accuracy-001"
+    )
+    assert command in page.locator("#commands").text_content()
+    assert seen.complaints == []
