@@ -100,12 +100,18 @@ def check_depth(scene: ThrowView, key: str, depth_mm: float) -> None:
         raise invalid(key, depth_mm, allowed, "Reduce the pocket or thicken the web.")
 
 
+def uncut_half_width_mm(scene: ThrowView, y_mm: Array) -> Array:
+    """Return the half-width of the outline with its counterweight, nothing cut, at places along the throw."""
+    half = scene.web.half_width_mm(scene.throw.radius_mm, y_mm)
+    for part in scene.web.counterweight.parts(scene) if scene.web.counterweight is not None else ():
+        half = np.maximum(half, part.half_width_mm(y_mm))
+    return np.asarray(half)
+
+
 def check_cut(scene: ThrowView, body: Body) -> None:
     """Refuse a body that takes nothing from the web, or that cuts a bore."""
     y = np.linspace(*body.y_range_mm, 401)
-    half = scene.web.half_width_mm(scene.throw.radius_mm, y)
-    for part in scene.web.counterweight.parts(scene) if scene.web.counterweight is not None else ():
-        half = np.maximum(half, part.half_width_mm(y))
+    half = uncut_half_width_mm(scene, y)
     middle = sum(body.z_mm) / 2
     spans = body.spans(y, np.asarray(middle))
     if not any((np.minimum(end, half) - np.maximum(start, -half) > 0).any() for start, end in spans):

@@ -48,6 +48,7 @@
     }`;
   const WEB = [0.30, 0.52, 0.80], JOURNAL = [0.78, 0.79, 0.81], THIN = [1.0, 0.86, 0.5], GHOST = [0.62, 0.64, 0.68];
   const EVERYWHERE = [-1e9, 1e9], NEVER = 1e9, SHARP = Math.cos(35 * Math.PI / 180);
+  const PRESSED = 4; // way of a pointer that presses and does not turn, px
   const PLAIN = "="; // before a block that is not compressed
   const EDGE = [0.10, 0.16, 0.30], START = { yaw: 0.75, pitch: 0.39, zoom: 1 };
 
@@ -60,7 +61,7 @@
     step: steps ? steps.iterations.length : 0, cut: 0.25, whole: false };
   const SPOT = [0.85, 0.12, 0.08], SPOT_SHARE = 0.025; // of the largest length of the body
   let blocks = null, waiting = false, other = null, asked = 0, ghost = null, aimed = null, turns = null, section = null;
-  let spot = null, dot3 = null;
+  let spot = null, dot3 = null, lens = null;
 
   gl.enable(gl.DEPTH_TEST);
   controls();
@@ -92,6 +93,13 @@
   box.spot = (point) => {
     spot = point;
     redraw();
+  };
+  // The line of sight through a place of the window, in the frame of the first throw, mm, and what is shown of it.
+  box.sight = (clientX, clientY) => {
+    const { left, top, width, height } = canvas.getBoundingClientRect(), { right, up, out, target, scale, depth } = lens;
+    const across = (2 * (clientX - left) / width - 1) * width / height / scale, above = (1 - 2 * (clientY - top) / height) / scale;
+    const start = target.map((at, i) => at + across * right[i] + above * up[i] + depth * out[i]);
+    return { start, along: out.map((part) => -part), whole: state.whole, crank: Boolean(turns), section };
   };
   // Turns the view to a point of the throw, mm, as seen from outside of the body.
   box.lookAt = (point) => {
@@ -490,6 +498,7 @@
     }
     const radius = Math.hypot(...size) / 2;
     const scale = 1.06 * state.zoom * Math.min(aspect, 1) / radius; // parallel projection, as on a drawing
+    lens = { right, up, out, target, scale, depth: 2 * radius };
     gl.uniformMatrix3fv(uniforms.turn, false, turn);
     gl.uniform3fv(uniforms.target, target);
     gl.uniform3f(uniforms.scale, scale / aspect, scale, -1 / (1.2 * radius));
@@ -624,18 +633,24 @@
   }
 
   function pointer() {
-    let held = null;
+    let held = null, way = 0;
     canvas.addEventListener("pointerdown", (event) => {
       held = [event.clientX, event.clientY];
+      way = 0;
       canvas.setPointerCapture(event.pointerId);
       canvas.focus({ preventScroll: true });
     });
     canvas.addEventListener("pointermove", (event) => {
       if (!held) return;
+      way += Math.hypot(event.clientX - held[0], event.clientY - held[1]);
       turnBy(-(event.clientX - held[0]) * 0.01, (event.clientY - held[1]) * 0.01);
       held = [event.clientX, event.clientY];
     });
-    for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => (held = null));
+    for (const end of ["pointerup", "pointercancel"])
+      canvas.addEventListener(end, ({ type, clientX, clientY }) => {
+        if (held && type === "pointerup" && way < PRESSED) box.dispatchEvent(new CustomEvent("press", { detail: box.sight(clientX, clientY) }));
+        held = null;
+      });
     canvas.addEventListener(
       "wheel",
       (event) => {

@@ -100,6 +100,16 @@ class Answers:
         found: dict[str, Any] = await self._workers.live.ask(f"proposals.{name}", data, *arguments)
         return found
 
+    async def picked(self, data: Data, sight: dict[str, Any]) -> dict[str, Any]:
+        """Return what is seen of a design along a line of sight."""
+        found: dict[str, Any] = await self._workers.picture.ask("picking.picked", data, sight)
+        return found
+
+    async def placed(self, data: Data, kind: str, place: dict[str, Any]) -> dict[str, Any]:
+        """Return the change that adds a pocket or a hole at a place of a web face."""
+        found: dict[str, Any] = await self._workers.live.ask("placing.placed_pocket", data, kind, place)
+        return found
+
     async def exact(self, data: Data) -> dict[str, float]:
         """Return the exact numbers of a design; none where it is broken."""
         found = await self._workers.live.ask("live.live_numbers", data, self._factors)

@@ -33,7 +33,7 @@ def _shown(scene: Scene) -> dict[str, Any]:
     return {
         "picture": _picture(solids),
         "front": {**front_view(scene), "side": side_view(scene, solids[0][1])},
-        "turns_deg": _turns_deg(scene),
+        "turns_deg": turns_deg(scene),
     }
 
 
@@ -79,6 +79,6 @@ def _with_normals(body: Manifold) -> tuple[Array, Int64, Int64]:
     return table, faces, corner_of
 
 
-def _turns_deg(scene: Scene) -> list[float]:
+def turns_deg(scene: Scene) -> list[float]:
     """Return the angle of every throw about z, deg; one throw where there is no engine."""
     return [about_z_deg(angle) for angle in scene.shaft_angles_deg] if scene.engine else [0.0]

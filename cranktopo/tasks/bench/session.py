@@ -35,7 +35,7 @@ _WATCH_S = 1.0
 _UPLOADS = (".toml", ".csv", *BODIES)
 _GIVEN = (".toml", *ENDINGS)
 _ACTIONS = re.compile(
-    "hello|drag|edit|balance|rod|undo|redo|go|pin|keep|drop|take|compare|job|stop|resume|write|script|save|start|open|close"
+    "hello|drag|edit|pick|place|balance|rod|undo|redo|go|pin|keep|drop|take|compare|job|stop|resume|write|script|save|start|open|close"
 )
 
 
@@ -252,6 +252,24 @@ class Bench:
         """Add a connecting rod that fits engine and crankpin."""
         self._required.change(await self.answers.proposed("rod_changes", self._required.data()), "added rod")
         self._moved()
+
+    async def _pick(self, message: Mapping[str, Any], tell: Tell) -> None:
+        """Tell the page what it sees along a line of sight."""
+        sight = dict(message["sight"])
+        tell({"type": "picked", **await self.answers.picked(self._required.data(), sight)})
+
+    async def _place(self, message: Mapping[str, Any], tell: Tell) -> None:
+        """Add a pocket or a hole where the page picked a web face, and have its form opened."""
+        kind, place = message["kind"], dict(message["place"])
+        if kind not in ("hole", "pocket"):
+            raise CranktopoError("place: a hole or a pocket.")
+        changes = await self.answers.placed(self._required.data(), kind, place)
+        ((key, table),) = changes.items()
+        size = table.get("diameter_mm") or table["size_x_mm"]
+        where = f"x = {table['x_mm']:g}, y = {table['y_mm']:g} mm"
+        self._required.change(changes, f"added {kind}: {size:g} mm at {where}")
+        self._moved()
+        tell({"type": "picked", "key": key})
 
     def _undo(self, message: Mapping[str, Any], tell: Tell) -> None:
         self._required.move(-1)

@@ -4,6 +4,7 @@ import { beginForm, showBegin, showMaterials } from "./begin.js";
 import { filterForms, showBroken, showForms } from "./forms.js";
 import { showFront } from "./front.js";
 import { showGauges } from "./gauges.js";
+import { showPicked } from "./pick.js";
 import { showPlots } from "./plots.js";
 import { showPolars } from "./polar.js";
 import { OF_STIFFNESS, ofDesign, ofStep, pick, state } from "./state.js";
@@ -21,6 +22,7 @@ function hear(message) {
     },
     state: () => hearState(message),
     live: () => hearLive(message),
+    picked: () => showPicked(message),
     passed: () => answered(message.seq),
     original: () => hearOriginal(message),
     coarse: () => hearCoarse(message),

@@ -24,6 +24,12 @@ export function showForms() {
   $("tree").scrollTop = scroll;
   if (held) document.querySelector(`[data-key="${CSS.escape(held)}"]:not([type=range])`)?.focus({ preventScroll: true });
 }
+// The group of forms that the root table of a key is in.
+export function groupOf(key) {
+  const root = key.split(/[.[]/)[0], found = GROUPS.find(([, roots]) => roots.includes(root));
+  return found && document.querySelector(`#tree details[data-path="group:${found[0]}"]`);
+}
+
 const openTables = () => new Set([...document.querySelectorAll("#tree details[open]")].map((d) => d.dataset.path));
 
 // Forms of one table of the schema at a place of the design, and of the tables in it.

@@ -74,8 +74,11 @@ function progressOf({ state: at, pace }) {
 
 function tableOf({ kind, id, table: [head, ...rows] }) {
   if (!rows.length) return [];
-  const line = (cells, tag) => make("tr", {}, ...cells.map((text, i) => make(i ? tag : "th", { scope: i ? (tag === "th" ? "col" : undefined) : tag === "th" ? "col" : "row" }, text)));
-  return [make("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Table of ${kind} ${id}` }, make("table", {}, make("thead", {}, line(head, "th")), make("tbody", {}, ...rows.map((row) => line(row, "td")))))];
+  const side = head.map((_, i) => (rows.some((row) => /[a-z]/.test(row[i])) ? "words" : undefined));
+  const cell = (text, i) => (i ? make("td", { class: side[i] }, text) : make("th", { scope: "row" }, text));
+  const heads = make("thead", {}, make("tr", {}, ...head.map((text, i) => make("th", { scope: "col", class: side[i] }, text))));
+  const body = make("tbody", {}, ...rows.map((row) => make("tr", {}, ...row.map(cell))));
+  return [make("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Table of ${kind} ${id}` }, make("table", {}, heads, body))];
 }
 
 export function showJobs() {
