@@ -66,11 +66,12 @@ def own_dimension_mm(scene: Scene, name: DimensionName) -> float:
 
 def free_range_mm(scene: Scene, name: DimensionName) -> tuple[float, float] | None:
     """Least and greatest of a dimension in `[shape.free]`, mm or degrees; None where it is not free."""
-    found: tuple[float, float] | None = getattr(scene.shape.free, _free_key(name))
+    found: tuple[float, float] | None = getattr(scene.shape.free, free_key(name))
     return found
 
 
-def _free_key(name: DimensionName) -> str:
+def free_key(name: DimensionName) -> str:
+    """Key of its range in `[shape.free]`."""
     return f"{name}_{'deg' if name == 'counterweight_angle' else 'mm'}"
 
 
@@ -234,7 +235,7 @@ def _check_own(scene: Scene, name: DimensionName, found: tuple[float, float]) ->
             scene,
             name,
             f"the range must hold the design's own value, {key_of(name)} = {own:g}"
-            f" {_free_key(name).rpartition('_')[2]}",
+            f" {free_key(name).rpartition('_')[2]}",
             "Widen the range, or change the design.",
         )
 
@@ -328,4 +329,4 @@ def _check_thickness(scene: Scene, least: float) -> None:
 
 
 def _refused(scene: Scene, name: DimensionName, allowed: str, hint: str) -> CranktopoError:
-    return scene.invalid(f"shape.free.{_free_key(name)}", allowed, hint)
+    return scene.invalid(f"shape.free.{free_key(name)}", allowed, hint)

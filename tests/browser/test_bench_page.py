@@ -424,3 +424,21 @@ def test_a_use_fills_in_a_sound_beginning(quick: Any) -> None:
     page.get_by_role("button", name="Begin").click()
     shown(page)
     assert page.locator("#name").inner_text() == "my-engine"
+
+
+@pytest.mark.slow
+def test_a_lock_keeps_a_dimension_or_gives_shape_a_range_of_it(quick: Any) -> None:
+    seen = quick(PLAIN)
+    page = seen.page
+    shown(page)
+    lock = page.get_by_role("button", name="thickness: keep as it is")
+    assert lock.get_attribute("aria-pressed") == "true", "shape keeps what has no range"
+    assert page.get_by_role("button", name="width: keep as it is").count() == 0, "always free"
+    lock.click()
+    page.wait_for_selector("#history li.here:has-text('free for shape from 13.3 to 24.7')")
+    assert lock.get_attribute("aria-pressed") == "false"
+    assert "web_thickness_mm = [13.3, 24.7]" in page.locator("#diff").text_content()
+    lock.click()
+    page.wait_for_selector("#history li.here:has-text('thickness: stays as it is')")
+    assert lock.get_attribute("aria-pressed") == "true"
+    assert seen.complaints == []

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, get_args
 from cranktopo.base.errors import invalid
 from cranktopo.base.files import read_text_file
 from cranktopo.base.units import UNITS
+from cranktopo.design.free_dimensions import DIMENSIONS, free_key, key_of
 from cranktopo.design.loading import parse_scene
 from cranktopo.design.reference import scene_reference
 from cranktopo.design.starting_point import LayoutName
@@ -26,8 +27,12 @@ BODIES = (".step", ".stp", ".brep", ".stl", ".3mf", ".obj")
 
 
 def form_reference() -> dict[str, Any]:
-    """Return every table of a design with its keys, as `docs/pages/scene.md` has them, and all units."""
-    return {"tables": [asdict(table) for table in scene_reference()], "units": UNITS}
+    """Return every table of a design with its keys, as `docs/pages/scene.md` has them, and all units.
+
+    And of dimensions that `shape` keeps unless they have a range the key of that range.
+    """
+    ranges = {key_of(name): f"shape.free.{free_key(name)}" for name in DIMENSIONS}
+    return {"tables": [asdict(table) for table in scene_reference()], "units": UNITS, "ranges": ranges}
 
 
 class Begun(NamedTuple):

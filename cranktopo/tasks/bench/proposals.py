@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from itertools import product
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.edits import changed_data
+from cranktopo.design.free_dimensions import DIMENSIONS, free_key, journal_of, key_of
 from cranktopo.design.loading import scene_from_dict, value_at
 from cranktopo.design.pitch import lengths_at_pitch
 from cranktopo.design.starting_rod import starting_rod
@@ -16,6 +18,9 @@ from cranktopo.tasks.bench.live import violated_rules_of
 from cranktopo.throw.envelope import BoxEnvelope
 
 _HALVINGS, _STEPS = 12, 100
+_RANGES = (0.3, 0.2, 0.1, 0.0)
+"""Widths of a range below and above the design's own value that are tried, over that value; of a bore over
+the radius of its journal."""
 
 
 def counterweight_changes(data: dict[str, Any], percent: float) -> dict[str, Any]:
@@ -62,6 +67,27 @@ def rod_changes(data: dict[str, Any]) -> dict[str, Any]:
     changes = starting_rod(values)
     scene_from_dict(changed_data(data, changes), "design", whole=True)
     return changes
+
+
+def freed_changes(data: dict[str, Any], key: str) -> dict[str, Any]:
+    """Return the change that gives `shape` a dimension to change, in the widest range that the rules allow.
+
+    Raises:
+        CranktopoError: no such dimension, or the rules refuse every range: what is wrong with the narrowest.
+    """
+    scene = scene_from_dict(data, "design", whole=True)
+    names = {key_of(name): name for name in DIMENSIONS}
+    if key not in names:
+        raise CranktopoError("free: shape can be given no range of this dimension.")
+    name, own = names[key], float(value_at(data, key) or 0.0)
+    size = journal_of(scene, name).radius_mm if name.endswith("bore") else own
+    refused: list[dict[str, str]] = []
+    for below, above in [*product(_RANGES, _RANGES)][:-1]:  # the last has no width
+        least, most = max(0.0, own - below * size), own + above * size
+        changes = {f"shape.free.{free_key(name)}": [round(least, 2), round(most, 2)]}
+        if not (refused := violated_rules_of(changed_data(data, changes))):
+            return changes
+    raise CranktopoError(refused[0]["message"])
 
 
 def trace_changes(data: dict[str, Any], path: str) -> dict[str, Any]:

@@ -35,7 +35,7 @@ _WATCH_S = 1.0
 _UPLOADS = (".toml", ".csv", *BODIES)
 _GIVEN = (".toml", *ENDINGS)
 _ACTIONS = re.compile(
-    "hello|drag|edit|pick|place|balance|rod|undo|redo|go|pin|keep|drop|take|compare|job|stop|resume|write|script|save|start|open|close"
+    "hello|drag|edit|pick|place|free|balance|rod|undo|redo|go|pin|keep|drop|take|compare|job|stop|resume|write|script|save|start|open|close"
 )
 
 
@@ -246,6 +246,14 @@ class Bench:
         percent = float(message["percent"])
         changes = await self.answers.proposed("counterweight_changes", self._required.data(), percent)
         self._required.change(changes, f"counterweight for a balance factor of {percent:g} %")
+        self._moved()
+
+    async def _free(self, message: Mapping[str, Any], tell: Tell) -> None:
+        """Give `shape` a range of a dimension that it keeps otherwise."""
+        key = str(message["key"])
+        changes = await self.answers.proposed("freed_changes", self._required.data(), key)
+        ((low, high),) = changes.values()
+        self._required.change(changes, f"{key}: free for shape from {low:g} to {high:g}")
         self._moved()
 
     async def _rod(self, message: Mapping[str, Any], tell: Tell) -> None:

@@ -16,6 +16,7 @@ from cranktopo.tasks.bench.forms import new_design
 from cranktopo.tasks.bench.live import violated_rules_of
 from cranktopo.tasks.bench.proposals import (
     counterweight_changes,
+    freed_changes,
     nearest_sound,
     rod_changes,
     trace_changes,
@@ -82,3 +83,18 @@ def test_the_nearest_value_that_keeps_the_rules_is_sound_and_the_next_is_not() -
     assert violated_rules_of(changed_data(data, {key: found})) == []
     assert violated_rules_of(changed_data(data, {key: found - 0.02})) != []
     assert nearest_sound(changed_data(data, {key: found}), wanted) == {}, "at the rule already"
+
+
+def test_a_dimension_is_freed_in_a_range_that_the_rules_allow_or_it_is_said_why_not() -> None:
+    """The fillet of 2 mm may not fall below 0.03 of the pin's 48 mm, 1.44 mm (IACS UR M53): 20 %, no more."""
+    diesel = parse_toml(design_text("car-diesel"), "design")
+    assert diesel["throw"]["crankpin"]["fillet_mm"] == 2.0
+    changes = freed_changes(diesel, "throw.crankpin.fillet_mm")
+    assert changes == {"shape.free.pin_fillet_mm": [1.6, 2.6]}
+    assert violated_rules_of(changed_data(diesel, changes)) == []
+    assert freed_changes(diesel, "throw.crankpin.bore_diameter_mm")["shape.free.pin_bore_mm"][0] == 0
+    gas = parse_toml(design_text("industrial-gas"), "design")
+    with pytest.raises(CranktopoError, match="rounded outlets, which cannot move with the journals"):
+        freed_changes(gas, "throw.crankpin.fillet_mm")
+    with pytest.raises(CranktopoError, match="no range of this dimension"):
+        freed_changes(gas, "web.width_mm")

@@ -17,6 +17,7 @@ function hear(message) {
   const act = {
     reference: () => {
       state.reference = message.tables;
+      state.ranges = message.ranges;
       takeUnits(message.units);
       showMaterials(message.materials);
     },

@@ -32,7 +32,7 @@ export const OF_STIFFNESS = new Set(["m53_pin", "m53_journal", "natural_frequenc
 export const ofStep = () => ({ fresh: false, settledPicture: null, colours: [], dragging: false, place: null, point: null, spot: false, missing: null, coarse: {}, tooFar: false, safety: { gauges: {}, error_percent: {} }, settledParts: [], settledWarnings: [] });
 export const ofDesign = () => ({ ...ofStep(), live: {}, rings: {}, marks: {}, stiffness: "", originalStiffness: "", warnings: [], loadWarnings: [], notes: [], settled: {}, errors: {}, original: {}, polars: [], originalPolars: [], plots: [], originalPlots: [], shaftPlots: [], originalShaftPlots: [], madeWarnings: "", picture: null, ghostPicture: null, broken: [], refit: true });
 
-export const state = { reference: null, project: null, jobs: [], turns: [0], front: null, ghostFront: null, keepPitch: false, ...ofDesign() };
+export const state = { reference: null, ranges: {}, project: null, jobs: [], turns: [0], front: null, ghostFront: null, keepPitch: false, ...ofDesign() };
 
 // No change is told between a stiffness in closed form and a settled one.
 export const comparable = (name) => !OF_STIFFNESS.has(name) || [state.stiffness, state.originalStiffness].sort().join() !== "closed form,settled";
