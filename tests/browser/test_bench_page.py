@@ -13,7 +13,7 @@ from cranktopo.design.loading import design_text, scene_from_dict
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.tasks.bench.access import Password
 from cranktopo.tasks.bench.forms import new_design
-from tests.browser.bench_page import gauge, quick_bench, set_slider, shown, stays_shown
+from tests.browser.bench_page import gauge, quick_bench, reads, set_slider, shown, stays_shown
 from tests.browser.conftest import QUICK_MS
 
 pytest.importorskip("tornado")
@@ -441,4 +441,23 @@ def test_a_lock_keeps_a_dimension_or_gives_shape_a_range_of_it(quick: Any) -> No
     lock.click()
     page.wait_for_selector("#history li.here:has-text('thickness: stays as it is')")
     assert lock.get_attribute("aria-pressed") == "true"
+    assert seen.complaints == []
+
+
+@pytest.mark.slow
+def test_a_cylinder_misfires_and_the_torque_follows(quick: Any) -> None:
+    """Of four equal cylinders the work of one is lost, and its compression is given back."""
+    seen = quick("car-diesel")
+    page = seen.page
+    shown(page)
+    firing = gauge(page, "mean_torque")
+    boxes = page.get_by_role("group", name="Cylinders that misfire").get_by_role("checkbox")
+    assert boxes.count() == 4
+    boxes.nth(1).check()
+    page.wait_for_selector("#history li.here:has-text('misfire: cylinder 2')")
+    assert "misfire = [2]" in page.locator("#diff").text_content()
+    reads(page, "mean_torque", 0.75 * firing, 0.02)
+    boxes.nth(1).uncheck()
+    page.wait_for_selector("#history li.here:has-text('all cylinders fire')")
+    reads(page, "mean_torque", firing, 1e-3)
     assert seen.complaints == []

@@ -5,7 +5,7 @@ import { filterForms, showBroken, showForms } from "./forms.js";
 import { showFront } from "./front.js";
 import { showGauges } from "./gauges.js";
 import { showPicked } from "./pick.js";
-import { showPlots } from "./plots.js";
+import { showMisfire, showPlots } from "./plots.js";
 import { showPolars } from "./polar.js";
 import { OF_STIFFNESS, ofDesign, ofStep, pick, state } from "./state.js";
 import { answered, complain, connect, line, say, status } from "./talk.js";
@@ -67,6 +67,7 @@ function hearState(message) {
     status("Solving");
   }
   showForms();
+  showMisfire();
   showHistory();
   showMade();
   showVariants();

@@ -1,9 +1,25 @@
 // Plots that follow: loads over the cycle, free forces by order, the vibrating shaft; the original's behind them.
 import { $, make, plain } from "./base.js";
-import { state } from "./state.js";
+import { state, valueAt } from "./state.js";
+import { edit } from "./talk.js";
 
 const WIDE = 320, HIGH = 120, EDGE = 4, LETTER = 11;
 let told = "";
+
+// Which cylinders misfire: one box for each, of an engine with more than one.
+export function showMisfire() {
+  const cylinders = [...(valueAt("engine.firing_order") ?? [])].sort((a, b) => a - b), out = valueAt("engine.misfire") ?? [], field = $("misfire");
+  const text = JSON.stringify([cylinders, out]);
+  field.hidden = cylinders.length < 2;
+  if (field.dataset.shown === text) return;
+  field.dataset.shown = text;
+  const turned = (number, on) => cylinders.filter((one) => (one === number ? on : out.includes(one)));
+  const box = (number) => make("label", {}, make("input", { type: "checkbox", checked: out.includes(number), onchange: (event) => {
+    const now = turned(number, event.target.checked);
+    edit({ "engine.misfire": now.length ? now : null }, now.length ? `misfire: cylinder ${now.join(", ")}` : "all cylinders fire");
+  } }), ` ${number}`);
+  field.replaceChildren(make("legend", {}, "Cylinders that misfire"), ...cylinders.map(box));
+}
 
 export function showPlots() {
   const shown = [...state.plots, ...state.shaftPlots], before = [...state.originalPlots, ...state.originalShaftPlots];
