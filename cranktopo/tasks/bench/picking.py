@@ -1,4 +1,4 @@
-"""What of a design lies under the pointer: the ray meets the shown bodies, the rules of the features name it.
+"""Name what of a design lies under the pointer: the ray meets the shown bodies, the features say whose it is.
 
 A body of the web holds the point just inside of the surface, or the one just outside, and says itself whether
 it does; pixels and colours are not asked.
@@ -34,7 +34,7 @@ _JOURNALS = ("throw.main_journal", "throw.crankpin")
 
 @dataclass(frozen=True)
 class Sight:
-    """Where a page looks, in the frame of the first throw, mm.
+    """Line of sight of a page, in the frame of the first throw, mm.
 
     Attributes:
         start: point before everything that is shown.
