@@ -179,7 +179,7 @@ def with_counterweight_ranges(scene: Scene, of: Scene) -> Scene:
     ranges = {name: found for name in _COUNTERWEIGHT if (found := free_range_mm(of, name))}
     if not ranges:
         return scene
-    sound = {_free_key(name): (_sound_least(scene, name, found), found[1]) for name, found in ranges.items()}
+    sound = {free_key(name): (_sound_least(scene, name, found), found[1]) for name, found in ranges.items()}
     free = scene.shape.free.model_copy(update=sound)
     return scene.model_copy(update={"shape": scene.shape.model_copy(update={"free": free})})
 
@@ -187,14 +187,14 @@ def with_counterweight_ranges(scene: Scene, of: Scene) -> Scene:
 def moved_ranges_text(scene: Scene, before: Scene) -> str:
     """Say which free ranges of the counterweight begin later than before, and why; empty for none."""
     found = [
-        f"shape.free.{_free_key(name)} begins at {now[0]:g} instead of {then[0]:g}"
+        f"shape.free.{free_key(name)} begins at {now[0]:g} instead of {then[0]:g}"
         for name in _COUNTERWEIGHT
         if (now := free_range_mm(scene, name)) and (then := free_range_mm(before, name)) and now != then
     ]
     return f"{'; '.join(found)}: below, the new web leaves the counterweight nothing" if found else ""
 
 
-COUNTERWEIGHT_RANGES = {_free_key(name) for name in _COUNTERWEIGHT}
+COUNTERWEIGHT_RANGES = {free_key(name) for name in _COUNTERWEIGHT}
 """Keys of `[shape.free]` for the counterweight."""
 
 
