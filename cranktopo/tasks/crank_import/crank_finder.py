@@ -14,7 +14,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.tasks.crank_import.choices import EndJournals
 from cranktopo.tasks.crank_import.end_steps import EndFinder
-from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf, FoundJournal, FoundStep
+from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf, FoundJournal, FoundStep, meet
 from cranktopo.tasks.crank_import.no_crank import PIN_SHARE, check_parallel, no_crank, splines_words
 from cranktopo.tasks.importing.faces import (
     CylinderFace,
@@ -95,11 +95,23 @@ def find_crank(faces: Faces, name: str, ends: EndJournals = "auto") -> FoundCran
 
 
 def _flying_words(crank: FoundCrank) -> list[str]:
-    return [
+    flying = [
         f"crankpins {number} and {number + 1} have no main journal between them: their flying web, and ends "
         "and main journals of the crank, are in no design"
         for number in crank.flying
+        if number not in crank.split
     ]
+    return [*flying, *([_split_words(crank)] if crank.split else [])]
+
+
+def _split_words(crank: FoundCrank) -> str:
+    pairs = ", ".join(f"{number} and {number + 1}" for number in crank.split)
+    apart = ", ".join(dict.fromkeys(f"{abs(crank.splay_deg(number)):.4g}" for number in crank.split))
+    return (
+        f"crankpins {pairs} meet without a web, {apart} deg apart: split pins. A design has its half throw, "
+        "with a straight pin of twice the half pin's length. The splay is among the lines of the engine; "
+        "ends and main journals of the crank are in no design"
+    )
 
 
 def _step_words(step: FoundStep) -> tuple[str, str]:
@@ -301,14 +313,16 @@ def _halves(
         above = min(
             (j for j in journals if j.middle_mm > pin.middle_mm), key=lambda j: j.middle_mm, default=None
         )
-        pins_free = (below is None, above is None)
+        beside = pins[max(number - 2, 0) : number - 1], pins[number : number + 1]
+        halved = any(meet(one, pin) for one in beside[0]) or any(meet(pin, one) for one in beside[1])
+        one_sided = below is None or above is None or halved
         for main, side in ((below, 0), (above, 1)):
             if main is None or _pin_between(main, pin, pins) or not _web_between(main, pin):
                 continue
             plane = main.middle_mm
             if any(main.free) and cut:
                 plane = main.faces_mm[0] if main.free[0] else main.faces_mm[1]
-            middle = pin.middle_mm if not any(pins_free) else pin.faces_mm[1 - side]
+            middle = pin.faces_mm[1 - side] if one_sided else pin.middle_mm
             halves.append(
                 FoundHalf(number, main, pin, plane, middle, (main.faces_mm[1 - side], pin.faces_mm[side]))
             )

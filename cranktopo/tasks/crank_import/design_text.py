@@ -166,6 +166,7 @@ def _engine_lines(scene: Scene, crank: FoundCrank) -> str:
     angles = [round(crank.angle_deg(pin), 3) for pin in crank.pins]
     stroke = 2 * scene.throw.radius_mm
     several = len(crank.pins) > 1
+    arranged = _split_arrangement(crank) or f"throw_angles_deg = {angles}"
     return "\n".join(
         [
             "# CAD does not tell the engine either: fill in the values, and take away the '# ' of each line.",
@@ -176,7 +177,7 @@ def _engine_lines(scene: Scene, crank: FoundCrank) -> str:
             "# speed_rpm =          # speed at which the loads are taken",
             f"# cylinders = {len(crank.pins)}",
             *(["# firing_order = []    # cylinder numbers in the order of firing"] if several else []),
-            *([f"# arrangement = {{ throw_angles_deg = {angles} }}"] if several else []),
+            *([f"# arrangement = {{ {arranged} }}"] if several else []),
             "# [engine.gas]",
             "# peak_pressure_MPa =",
             "# peak_angle_deg =     # after firing top dead centre",
@@ -187,3 +188,13 @@ def _engine_lines(scene: Scene, crank: FoundCrank) -> str:
             "",
         ]
     )
+
+
+def _split_arrangement(crank: FoundCrank) -> str:
+    """Return the arrangement of a V whose pins are all split; empty for others."""
+    if list(crank.split) != list(range(1, len(crank.pins), 2)):
+        return ""
+    splays = [crank.splay_deg(number) for number in crank.split]
+    middles = [crank.angle_deg(crank.pins[n - 1]) + s / 2 for n, s in zip(crank.split, splays, strict=True)]
+    angles = [round((middle - middles[0]) % 360, 3) % 360 for middle in middles]
+    return f'layout = "V", pin_splay_deg = {round(splays[0], 3)}, throw_angles_deg = {angles}'

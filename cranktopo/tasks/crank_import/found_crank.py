@@ -39,6 +39,15 @@ class FoundJournal:
         return sum(self.faces_mm) / 2
 
 
+_MEET = 1e-3
+"""Gap over the radius with which two half pins meet."""
+
+
+def meet(low: FoundJournal, high: FoundJournal) -> bool:
+    """Tell whether two crankpins meet without a web between them."""
+    return abs(high.faces_mm[0] - low.faces_mm[1]) < _MEET * low.radius_mm
+
+
 @dataclass(frozen=True)
 class FoundKeyway:
     """A keyway along a whole step: its width, its depth below the cylinder, and the way that it opens."""
@@ -146,6 +155,11 @@ class FoundCrank:
             if not any(low < place < high for place in mains)
         )
 
+    @property
+    def split(self) -> tuple[int, ...]:
+        """Numbers of the pins that meet the next one without a web between: both are one split pin."""
+        return tuple(n for n in self.flying if meet(self.pins[n - 1], self.pins[n]))
+
     def throw_radius_mm(self, pin: FoundJournal) -> float:
         """Return the distance of a pin from the crank axis."""
         return from_line_mm(pin.centre_mm, self.origin_mm, self.axis)
@@ -162,6 +176,11 @@ class FoundCrank:
         That is left-handed about the axis, which runs from the free end.
         """
         return self.turn_deg(self.direction(pin))
+
+    def splay_deg(self, number: int) -> float:
+        """Return by how much the half pin after a number is ahead of that one, -180 to 180."""
+        low, high = (self.angle_deg(self.pins[place]) for place in (number - 1, number))
+        return round((high - low + 180) % 360 - 180, 6)
 
     def turn_deg(self, own: Array) -> float:
         """Return the angle of a direction across the axis from the first throw, as `angle_deg`."""

@@ -79,3 +79,23 @@ def test_throws_have_one_angle_in_design_and_words() -> None:
     assert "3 throws at 0, 120, 240 deg" in crank.words
     text = design_text(load_scene("mikron-iiic-plain"), crank, ("half-1.step", None), ("x.step",))
     assert "throw_angles_deg = [0.0, 120.0, 240.0]" in text
+
+
+def test_split_pins_of_a_six_are_those_of_three_throws() -> None:
+    """Half pins at 0, 330, 240, 210, 120 and 90 deg; designs had six throws of these to fill in."""
+    pins, journals = [], [FoundJournal(21.0, 0.0, (0.0, 20.0), (True, False), np.zeros(3))]
+    for throw in range(3):
+        at = 114.0 * throw + 39.0
+        for half, turn in enumerate((0.0, 330.0)):
+            angle = np.radians(about_z_deg(turn - 120.0 * throw))
+            centre = 48.0 * np.array([-np.sin(angle), np.cos(angle), 0.0])
+            span = at + 18.0 * half, at + 18.0 * (half + 1)
+            pins.append(FoundJournal(21.0, 0.0, span, (False, False), centre))
+        journals.append(FoundJournal(21.0, 0.0, (at + 55.0, at + 95.0), (False, throw == 2), np.zeros(3)))
+    axis = np.array([0.0, 0.0, 1.0])
+    crank = FoundCrank(np.zeros(3), axis, tuple(journals), tuple(pins), (), (None, None), (), ())
+    assert crank.split == (1, 3, 5)
+    assert [crank.splay_deg(number) for number in crank.split] == [-30.0] * 3
+    text = design_text(load_scene("mikron-iiic-plain"), crank, ("half-1.step", None), ("x.step",))
+    assert 'layout = "V", pin_splay_deg = -30.0, throw_angles_deg = [0.0, 240.0, 120.0]' in text
+    assert found((40.0, 40.0, 40.0)).split == ()

@@ -10,9 +10,12 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid.files import export_solid, surface_of
-from cranktopo.design.loading import scene_from_dict
+from cranktopo.bodies.volume import throw_volume_mm3
+from cranktopo.design.crank_throws import straightened
+from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import solid_of
+from cranktopo.tasks.crank_import.stage import import_crank
 from cranktopo.tasks.drawing.sheet import throw_sheets
 from tests.physics.throw.test_crossing_drillings import drilled_twin
 from tests.physics.throw.test_whole_crank import check_step_file
@@ -84,3 +87,19 @@ def test_other_parts_are_refused(part: Any) -> None:
 def test_the_drawing_of_one_throw_is_refused() -> None:
     with pytest.raises(CranktopoError, match=r"split pins are not modelled here"):
         throw_sheets(split(SPLAY))
+
+
+@pytest.mark.slow
+def test_a_split_pin_from_cad_has_its_whole_half_throw_and_its_splay(tmp_path: Path) -> None:
+    """Half pins were told as pins beside a flying web, each with a throw of half the pin's length."""
+    scene = split(SPLAY)
+    export_solid(scene, "crankshaft", tmp_path / "crank.step")
+    found = import_crank(tmp_path / "crank.step", out=tmp_path / "found")
+    told = " ".join(lack.what for lack in found.unread)
+    assert "crankpins 1 and 2 meet without a web, 30 deg apart: split pins" in told
+    assert "flying" not in told
+    text = (tmp_path / "found" / "crank.toml").read_text(encoding="utf-8")
+    assert f'layout = "V", pin_splay_deg = {SPLAY}, throw_angles_deg = [0.0]' in text
+    half = load_scene(str(tmp_path / "found" / "crank.toml"))
+    assert half.throw.crankpin.length_mm == pytest.approx(scene.throw.crankpin.length_mm, abs=1e-6)
+    assert throw_volume_mm3(half) == pytest.approx(throw_volume_mm3(straightened(scene)), rel=1e-6)
