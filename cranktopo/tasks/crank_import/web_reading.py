@@ -62,20 +62,19 @@ class ReadWeb:
     scene_solid: Manifold
 
     @cached_property
-    def _common_and_missing(self) -> tuple[Manifold, Manifold]:
-        """What both have, and what the body alone has, in one pass of the boolean engine."""
-        common, missing = self.solid.split(self.scene_solid)
-        return common, missing
+    def _common_mm3(self) -> float:
+        """Volume that both have: one pass of the boolean engine tells what either lacks."""
+        return float((self.solid ^ self.scene_solid).volume())
 
-    @cached_property
+    @property
     def missing_mm3(self) -> float:
         """Volume that the body has and the scene lacks."""
-        return float(self._common_and_missing[1].volume())
+        return max(0.0, float(self.solid.volume()) - self._common_mm3)
 
-    @cached_property
+    @property
     def extra_mm3(self) -> float:
         """Volume that the scene has and the body lacks."""
-        return max(0.0, float(self.scene_solid.volume() - self._common_and_missing[0].volume()))
+        return max(0.0, float(self.scene_solid.volume()) - self._common_mm3)
 
     @property
     def differences(self) -> Iterator[str]:
