@@ -1,4 +1,4 @@
-"""Whether a crank is its own mirror image, and what a file tells of its hand.
+"""The hand of a crank: told where its mirror image is another crank, and what a file says of it.
 
 A mirrored body is as good a body as the other: faces and triangles of both are alike but for signs of places.
 """

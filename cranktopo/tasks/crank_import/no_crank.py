@@ -1,4 +1,4 @@
-"""Why the faces of a body show no crank."""
+"""Refusals of bodies whose faces show no crank."""
 
 from __future__ import annotations
 
