@@ -19,6 +19,8 @@ TABLES = {
     "throw.drilling.from": {"drilling"},
     "throw.drilling.to": {"drilling"},
 }
+TOLERANCES = {"run_out_mm"}
+"""What stands on the drawing and is no size of the body."""
 ELSEWHERE = {"second_main_journal_length_mm", "second_crankpin_length_mm", "thickness_mm"}
 """A sketch shows half a throw; the thickness of the web is on that of the throw."""
 
@@ -31,7 +33,7 @@ def dimensions(part: str) -> set[str]:
         if part in TABLES.get(table.path, ())
         for key in table.keys
         if key.unit in ("mm", "deg")
-    } - (ELSEWHERE if part in ("throw", "web") else set())
+    } - (TOLERANCES | ELSEWHERE if part in ("throw", "web") else TOLERANCES)
 
 
 @pytest.mark.parametrize(

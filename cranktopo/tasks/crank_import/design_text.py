@@ -192,7 +192,7 @@ def _engine_lines(scene: Scene, crank: FoundCrank) -> str:
 
 def _split_arrangement(crank: FoundCrank) -> str:
     """Return the arrangement of a V whose pins are all split; empty for others."""
-    if list(crank.split) != list(range(1, len(crank.pins), 2)):
+    if not crank.split or list(crank.split) != list(range(1, len(crank.pins), 2)):
         return ""
     splays = [crank.splay_deg(number) for number in crank.split]
     middles = [crank.angle_deg(crank.pins[n - 1]) + s / 2 for n, s in zip(crank.split, splays, strict=True)]

@@ -99,3 +99,12 @@ def test_split_pins_of_a_six_are_those_of_three_throws() -> None:
     text = design_text(load_scene("mikron-iiic-plain"), crank, ("half-1.step", None), ("x.step",))
     assert 'layout = "V", pin_splay_deg = -30.0, throw_angles_deg = [0.0, 240.0, 120.0]' in text
     assert found((40.0, 40.0, 40.0)).split == ()
+
+
+def test_a_single_throw_is_no_split_pin() -> None:
+    """It ended in an internal error."""
+    text = design_text(
+        load_scene("mikron-iiic-plain"), found((40.0, 40.0)), ("half-1.step", None), ("x.step",)
+    )
+    assert "# cylinders = 1" in text
+    assert "arrangement" not in text
