@@ -66,9 +66,16 @@ def test_elements_are_told_beside_the_closed_form(capsys, tmp_path):
         assert f"{places[name]['yield_safety']:.2f}" in text
     assert found["yield_safety"] == min(place["yield_safety"] for place in places.values())
     worst = min(places.values(), key=lambda place: place["fatigue_safety"])
+    fails = min(found["yield_safety"], found["fatigue_safety"]) < 1
     told = next(line for line in text.splitlines() if "least safety: " in line)
-    assert (told == text.splitlines()[0]) == told.startswith("NOT SAFE: ") == (worst["fatigue_safety"] < 1)
+    assert (told == text.splitlines()[0]) == told.startswith("NOT SAFE: ") == fails
     assert f"fatigue by lsa {worst['fatigue_safety']:.2f} ({worst['place']}, by elements)" in told
+    preload = found["preload"]
+    assert (
+        preload["least_N"] < preload["mean_N"] < preload["largest_N"] == data["bolt"]["vdi_2230"]["preload_N"]
+    )
+    assert f"The mean preload, {preload['mean_N']:,.0f} N in each bolt" in text
+    assert ("THE SPLIT OPENS" in text) == (preload["least_pressure_MPa"] <= 0)
     surface = meshio.read(out / "rod-mikron-iiic-rod.vtu")
     assert np.abs(surface.points).max(axis=0) == pytest.approx([35.95, 185.3, 15.0], abs=0.1)
     judged = surface.point_data["judged"] > 0

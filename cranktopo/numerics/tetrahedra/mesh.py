@@ -116,10 +116,13 @@ def shape_gradients(barycentric: Array, edges: tuple[tuple[int, int], ...] = EDG
     return np.concatenate([corner, np.stack(edge, axis=1)], axis=1)
 
 
-def shape_values(barycentric: Array) -> Array:
-    """Return the quadratic shape functions of the ten nodes at points (points, 4), shape (points, 10)."""
-    edges = [4 * barycentric[:, a] * barycentric[:, b] for a, b in EDGES]
-    return np.column_stack([barycentric * (2 * barycentric - 1), *edges])
+def shape_values(barycentric: Array, edges: tuple[tuple[int, int], ...] = EDGES) -> Array:
+    """Return the quadratic shape functions at points (points, 4) of a tetrahedron, shape (points, 10).
+
+    Or, with the edges of one, at points (points, 3) of a triangle, shape (points, 6).
+    """
+    middles = [4 * barycentric[:, a] * barycentric[:, b] for a, b in edges]
+    return np.column_stack([barycentric * (2 * barycentric - 1), *middles])
 
 
 @dataclass(frozen=True)

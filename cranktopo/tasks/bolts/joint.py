@@ -79,6 +79,16 @@ def assembly_preload_N(bolt: Bolt) -> float:
     return bolt.stressed_area_mm2 * limit / math.sqrt(1 + 3 * torsion**2)
 
 
+def largest_preload_N(bolt: Bolt) -> float:
+    """Return the largest preload that tightening may leave: that given, or the one by the yield."""
+    return bolt.preload_N or assembly_preload_N(bolt)
+
+
+def mean_preload_N(bolt: Bolt) -> float:
+    """Return the middle of the preloads that tightening may leave, before settling."""
+    return largest_preload_N(bolt) * (1 + 1 / bolt.tightening_factor) / 2
+
+
 def tightening_torque_Nm(bolt: Bolt, preload_N: float) -> float:
     """Return the torque that makes a preload."""
     below_head = (bolt.head_mm + bolt.hole_mm) / 4 * bolt.head_friction
@@ -130,7 +140,7 @@ def vdi_2230(bolt: Bolt, loads: JointLoads, material: Material, permitted_MPa: f
     E = material.E_GPa * MPA_PER_GPA
     own, parts = bolt_compliance_mm_per_N(bolt, E), part_compliance_mm_per_N(bolt, E)
     factor = bolt.load_introduction * parts / (own + parts)
-    preload = bolt.preload_N or assembly_preload_N(bolt)
+    preload = largest_preload_N(bolt)
     lost = bolt.embedding_um / MM_PER_M / (own + parts)
     least = preload / bolt.tightening_factor - lost
     needed = loads.clamp_N + (1 - factor) * loads.max_N

@@ -29,7 +29,7 @@ from cranktopo.tasks.fatigue.plane_field import histories, least_safety
 from cranktopo.tasks.fatigue.result import CriticalPoint, HardenedFillet, JudgedAs, PartLife, PointScatter
 from cranktopo.tasks.fatigue.scatter import counts_scatter, point_scatter
 from cranktopo.tasks.fatigue.stress_model import StressModel
-from cranktopo.tasks.fatigue.superposition import SignedVonMisesRange, signed_von_mises_ranges
+from cranktopo.tasks.fatigue.superposition import StressRange, signed_von_mises_ranges
 from cranktopo.tasks.fea.unit_fields import FieldKind
 
 _UNIT_OF: dict[FieldKind, Callable[[LoadHistory], Array]] = {
@@ -126,7 +126,7 @@ def _safety(
     model: StressModel,
     method: str,
     cycles: list[Array],
-    ranges: list[SignedVonMisesRange],
+    ranges: list[StressRange],
     webs: list[NDArray[np.bool_]],
 ) -> Array:
     """Return the safety of every node of every image."""
@@ -157,7 +157,7 @@ def judge(scene: Scene, method: str) -> Judge:
 
 
 def _hardening(
-    model: StressModel, method: str, ranges: list[SignedVonMisesRange], safety: Array
+    model: StressModel, method: str, ranges: list[StressRange], safety: Array
 ) -> dict[str, HardenedFillet]:
     """Return the treated fillets of a model, each at its point of least safety."""
     by_fillet: dict[str, HardenedFillet] = {}
@@ -209,7 +209,7 @@ class _Judged:
     method: str
     labels: tuple[str, ...]
     cycles: list[Array]
-    ranges: list[SignedVonMisesRange]
+    ranges: list[StressRange]
     safety: Array
 
     def critical(self, among: NDArray[np.bool_]) -> CriticalPoint:

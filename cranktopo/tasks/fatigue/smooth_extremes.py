@@ -17,12 +17,7 @@ from cranktopo.base.arrays import Array, Index
 from cranktopo.numerics.optimisers.gradient_search import central_difference
 from cranktopo.numerics.tetrahedra.stress import DEVIATOR, SurfaceStress, von_mises
 from cranktopo.tasks.fatigue.criterion import Judge, larger_end_MPa
-from cranktopo.tasks.fatigue.superposition import (
-    SignedVonMisesRange,
-    extreme_stresses,
-    local_stress,
-    signed_von_mises_ranges,
-)
+from cranktopo.tasks.fatigue.superposition import SIGNED, Measure, StressRange, extreme_stresses
 
 _POWER = 40.0
 _NEGLIGIBLE = 1e-8
@@ -43,17 +38,19 @@ class JudgedSurface:
         nodes: those that are judged.
         load_slopes: derivatives of the states by parameters, (parameters, states, fields), for every image;
             none where no parameter changes the loads.
+        measure: what of a cycle is judged.
     """
 
     stress: SurfaceStress
     states: tuple[Array, ...]
     nodes: Index
     load_slopes: tuple[Array, ...] = ()
+    measure: Measure = SIGNED
 
     @cached_property
-    def ranges(self) -> list[SignedVonMisesRange]:
+    def ranges(self) -> list[StressRange]:
         """Range of every image over its states at the judged nodes."""
-        return signed_von_mises_ranges(self.at(self.nodes), self.states)
+        return self.measure.ranges(self.at(self.nodes), self.states)
 
     def at(self, nodes: Index) -> SurfaceStress:
         """Return the stress at some nodes of the surface."""
@@ -125,14 +122,18 @@ def least_safety(judged: JudgedSurface, judge_of: JudgeOf) -> SmoothValue:
             continue
         heavy, states = judged.nodes[many], np.stack([found.highest[many], found.lowest[many]])
         stress = judged.at(heavy)
-        by_extremes = -slope[many, None] / norm**2 * _slopes_of_used(judge_of(heavy), stress, loads[states])
+        by_extremes = (
+            -slope[many, None]
+            / norm**2
+            * _slopes_of_used(judge_of(heavy), judged.measure, stress, loads[states])
+        )
         adjoint[:, :, heavy] += np.einsum("ksnc,snf->kfnc", by_extremes, loads[states])
         fields = np.stack([stress.stress_MPa, stress.depth_MPa_per_mm])
         by_loads += np.einsum("ksnc,psnf,kfnc->p", by_extremes, move[:, states], fields, optimize=True)
     return SmoothValue(1 / largest, 1 / norm, (adjoint[0], adjoint[1]), by_loads)
 
 
-def _slopes_of_used(judge: Judge, stress: SurfaceStress, loads: Array) -> Array:
+def _slopes_of_used(judge: Judge, measure: Measure, stress: SurfaceStress, loads: Array) -> Array:
     """Return derivatives of nodes' used strength by stress and depth slope in both states, (2, 2, n, 6).
 
     The states of a node stay: another one takes over where both are equal.
@@ -144,7 +145,7 @@ def _slopes_of_used(judge: Judge, stress: SurfaceStress, loads: Array) -> Array:
         def used(component: Array, place: tuple[int, ...] = place) -> Array:
             moved = both.copy()
             moved[place] += component
-            return 1 / judge(local_stress(*moved))
+            return 1 / judge(measure.local(*moved))
 
         size = max(np.abs(both[place[0]]).max(), np.finfo(float).tiny)
         result[place] = central_difference(used, np.zeros(6), _STEP * size)

@@ -1,12 +1,13 @@
-"""Signed equivalent stress over all load states of a cycle, from unit stresses: no state costs a solve.
+"""Cyclic stress over all load states, from unit stresses: no state costs a solve.
 
 Squared von Mises stress is a quadratic form of the loads at each node, the first invariant a linear one, so
-the states of a cycle are two matrix products.
+the states of a cycle are two matrix products. A cycle is measured by the signed von Mises stress of its
+states, or by the tensors between two of them: these feel nothing of a stress that stands still.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,14 +18,16 @@ from cranktopo.tasks.fatigue.criterion import LocalStress
 
 _VALUES = 2**18
 """Values of nodes in states at a time: they stay in the cache of a core."""
+_TURNS = 20
+"""Most steps from a state to the farthest from it; three or four are enough."""
 
 
 @dataclass(frozen=True)
-class SignedVonMisesRange:
-    """Signed von Mises stress in its two extreme states at every node.
+class StressRange:
+    """The cycle of every node between its two extreme states.
 
     Attributes:
-        highest, lowest: state of the largest and of the smallest value, shape (n,).
+        highest, lowest: state of the largest and of the smallest value, shape (n,); of tensors in any order.
     """
 
     local: LocalStress
@@ -32,7 +35,21 @@ class SignedVonMisesRange:
     lowest: Index
 
 
-def signed_von_mises_range(stress: SurfaceStress, loads: Array) -> SignedVonMisesRange:
+@dataclass(frozen=True)
+class Measure:
+    """A reading of cycles: their extreme states, and the stress between these.
+
+    Attributes:
+        ranges: extreme states of cycles, (states, fields) each, on a surface.
+        local: cyclic stress of nodes between two states, from stresses and their derivatives into the depth
+            in both, (2, n, 6) each.
+    """
+
+    ranges: Callable[[SurfaceStress, Sequence[Array]], list[StressRange]]
+    local: Callable[[Array, Array], LocalStress]
+
+
+def signed_von_mises_range(stress: SurfaceStress, loads: Array) -> StressRange:
     """Return the extreme signed von Mises stresses over load states at every surface node.
 
     On a surface free of traction the dominating principal stress has the sign of the first invariant.
@@ -43,9 +60,7 @@ def signed_von_mises_range(stress: SurfaceStress, loads: Array) -> SignedVonMise
     return signed_von_mises_ranges(stress, (loads,))[0]
 
 
-def signed_von_mises_ranges(
-    surface_stress: SurfaceStress, cycles: Sequence[Array]
-) -> list[SignedVonMisesRange]:
+def signed_von_mises_ranges(surface_stress: SurfaceStress, cycles: Sequence[Array]) -> list[StressRange]:
     """Return what `signed_von_mises_range` does of each of several cycles, (states, fields) each."""
     count = surface_stress.stress_MPa.shape[1]
     extreme = np.empty((len(cycles), 2, count), dtype=np.intp)
@@ -63,9 +78,9 @@ def signed_von_mises_ranges(
     return [_range(surface_stress, loads, *states) for loads, states in zip(cycles, extreme, strict=True)]
 
 
-def _range(stress: SurfaceStress, loads: Array, high: Index, low: Index) -> SignedVonMisesRange:
+def _range(stress: SurfaceStress, loads: Array, high: Index, low: Index) -> StressRange:
     """Return the range between the states of the largest and the smallest value of every node."""
-    return SignedVonMisesRange(local_stress(*extreme_stresses(stress, loads[high], loads[low])), high, low)
+    return StressRange(local_stress(*extreme_stresses(stress, loads[high], loads[low])), high, low)
 
 
 def extreme_stresses(stress: SurfaceStress, high: Array, low: Array) -> tuple[Array, Array]:
@@ -86,6 +101,59 @@ def local_stress(stress_MPa: Array, depth_MPa_per_mm: Array) -> LocalStress:
     worst, below = (np.where(first, both[0], both[1]) for both in (stress_MPa, depth_MPa_per_mm))
     gradient = _related_gradient(worst, below)
     return LocalStress((top - bottom) / 2, (top + bottom) / 2, gradient)
+
+
+def tensor_ranges(surface_stress: SurfaceStress, cycles: Sequence[Array]) -> list[StressRange]:
+    """Return the range of the stress tensor over each of several cycles, (states, fields) each.
+
+    Its ends are two states that are each the farthest from the other, by the von Mises stress of the
+    difference: no other pair is noticeably farther.
+    """
+    count = surface_stress.stress_MPa.shape[1]
+    found = []
+    for loads in cycles:
+        swinging = loads - loads.mean(axis=0)  # without what stands still
+        step = max(_VALUES // len(loads), 1)
+        products, ends = _products(swinging), np.empty((2, count), dtype=np.intp)
+        for start in range(0, count, step):
+            stress = surface_stress.stress_MPa[:, start : start + step]
+            ends[:, start : start + step] = _farthest_pair(stress, swinging, _form(stress) @ products)
+        found.append(StressRange(tensor_stress(*extreme_stresses(surface_stress, *loads[ends])), *ends))
+    return found
+
+
+def _farthest_pair(stress: Array, loads: Array, squares: Array) -> tuple[Index, Index]:
+    """Return two states of every node; squares are those of the von Mises stress, (n, states)."""
+
+    def farthest(states: Index) -> Index:
+        weighted = _at(stress, loads[states]) @ DEVIATOR
+        shared = np.einsum("fnc,nc->nf", stress, weighted) @ loads.T
+        return np.asarray((squares - 2 * shared).argmax(axis=1))
+
+    before = squares.argmax(axis=1)
+    here = farthest(before)
+    for _ in range(_TURNS):
+        ahead = farthest(here)
+        if (ahead == before).all():
+            break
+        before, here = here, ahead
+    return before, here
+
+
+def tensor_stress(stress_MPa: Array, depth_MPa_per_mm: Array) -> LocalStress:
+    """Return the cyclic stress of nodes by the tensors of its two ends, (2, n, 6) each.
+
+    The amplitude is the von Mises stress of half their difference, whose gradient counts (FKM guideline:
+    amplitudes of the components first, then their equivalent stress). The mean is the first invariant of the
+    tensor midway, at most its von Mises stress: the signed one, but that it falls to zero where the principal
+    stresses have different signs, in place of a jump. A mean shear hardly counts: G. Sines, NACA TN 3495,
+    1955.
+    """
+    half, below = (stress_MPa[0] - stress_MPa[1]) / 2, (depth_MPa_per_mm[0] - depth_MPa_per_mm[1]) / 2
+    middle = stress_MPa.mean(axis=0)
+    most = von_mises(middle)
+    mean = np.clip(middle[:, :3].sum(axis=1), -most, most)
+    return LocalStress(von_mises(half), mean, _related_gradient(half, below))
 
 
 def _pairs(fields: int) -> list[tuple[int, int]]:
@@ -121,3 +189,7 @@ def _related_gradient(stress: Array, depth: Array) -> Array:
     squared = np.einsum("ni,ij,nj->n", stress, DEVIATOR, stress)
     gradient = -np.einsum("ni,ij,nj->n", stress, DEVIATOR, depth)
     return np.asarray(np.maximum(gradient / np.maximum(squared, 1e-30), 0.0))
+
+
+SIGNED = Measure(signed_von_mises_ranges, local_stress)
+TENSOR = Measure(tensor_ranges, tensor_stress)

@@ -24,19 +24,19 @@ from cranktopo.numerics.tetrahedra.node_gradients import moments, sums_of_work_s
 from cranktopo.tasks.fatigue.criteria import criterion
 from cranktopo.tasks.fatigue.criterion import Judge, LocalStress, larger_end_MPa
 from cranktopo.tasks.fatigue.smooth_extremes import JudgedSurface, least_safety
+from cranktopo.tasks.fatigue.superposition import SIGNED, TENSOR
 from cranktopo.tasks.rod.element_stress import (
     PLACES,
     ElementStress,
     cycle_states,
     image_cycles,
     place_of,
-    unit_stress,
 )
 from cranktopo.tasks.rod.elements import diameter_rows, eye_shapes
 from cranktopo.tasks.rod.faces import moved_rod
 from cranktopo.tasks.rod.lighter import resized
 from cranktopo.tasks.rod.unit_fields import RodFields
-from cranktopo.tasks.rod.unit_loads import ALONG, PRESSED, RodLoads, copies, is_quarter, rod_material
+from cranktopo.tasks.rod.unit_loads import PRESSED, SHAPING, RodLoads, copies, is_quarter, rod_material
 
 Kind = Literal["yield_safety", "fatigue_safety", "margin of ovalisation"]
 """Safeties are of a place, the margin is of a bore."""
@@ -82,7 +82,7 @@ class RodGradients:
         mesh = TetMesh(model.mesh.doflocs, model.mesh.dofs.element_dofs, is_quarter(model))
         self.moved = moved_rod(mesh, scene, names)
         self._names, self._motion = tuple(names), self.moved.velocities(self.moved.mesh, self.moved.values)
-        self._unit = replace(unit_stress(self._fields), at_once=0)  # stresses in elements are taken often
+        self._unit = replace(stress.unit, at_once=0)  # stresses in elements are taken often
         self._states = cycle_states(self._fields, motions)
         self._load_slopes = self._slopes_of_loads(motions)
         self._judges: dict[Kind, Judge] = {
@@ -95,9 +95,8 @@ class RodGradients:
         """Return the derivatives of the logarithms of some quantities by the dimensions, (names,), 1/mm."""
         found: dict[Quantity, _Sensitivity] = {}
         for place in dict.fromkeys(name for name, kind in quantities if kind in SAFETIES):
-            surface = self._surface_of(place)
             kinds = [kind for name, kind in quantities if name == place and kind in SAFETIES]
-            found |= {(place, kind): self._of_safety(surface, kind) for kind in kinds}
+            found |= {(place, kind): self._of_safety(place, kind) for kind in kinds}
         for eye in EYES:
             if (key := (f"{eye} end", MARGIN)) in quantities:
                 found[key] = self._of_margin(eye)
@@ -130,17 +129,18 @@ class RodGradients:
         small = first_y / self._fields.length_mm
         return density * np.stack([small, volume - small], axis=1)
 
-    def _of_safety(self, surface: JudgedSurface, kind: Kind) -> _Sensitivity:
-        smooth = least_safety(surface, lambda _: self._judges[kind])
+    def _of_safety(self, place: str, kind: Kind) -> _Sensitivity:
+        smooth = least_safety(self._surface_of(place, kind), lambda _: self._judges[kind])
         by_stress, by_depth = (one / smooth.value for one in smooth.adjoint)
         return _Sensitivity(*self._unit.adjoint((by_stress, by_depth)), smooth.by_loads / smooth.value)
 
-    def _surface_of(self, place: str) -> JudgedSurface:
+    def _surface_of(self, place: str, kind: Kind) -> JudgedSurface:
         stress = self._stress
         at = place_of(self._fields, stress.surface.points_mm)
         nodes = np.flatnonzero(stress.judged & (at == PLACES.index(place)))
         states, slopes = image_cycles(self._states), image_cycles(self._load_slopes)
-        return JudgedSurface(self._unit.stress, states, nodes, slopes)
+        measure = TENSOR if kind == "fatigue_safety" else SIGNED
+        return JudgedSurface(self._unit.stress, states, nodes, slopes, measure)
 
     def _of_margin(self, eye: Eye) -> _Sensitivity:
         """Of the load that changes a bore most, of those that a limit is for; its bore stands still."""
@@ -150,10 +150,10 @@ class RodGradients:
         number = max(own, key=lambda k: shapes[k].ovalisation_um)
         assert PRESSED[number][0] == eye
         state, rows = int(loads[:, number].argmax()), diameter_rows(fields, eye)
-        factors = np.where(np.arange(loads.shape[1]) < len(ALONG), loads[state], 0.0)
+        factors = np.where(SHAPING, loads[state], 0.0)
         changes = rows @ (factors @ fields.displacement_mm)
         row, change = rows[np.abs(changes).argmax()], changes[np.abs(changes).argmax()]
-        moved = self._load_slopes[:, state] * (np.arange(loads.shape[1]) < len(ALONG))
+        moved = self._load_slopes[:, state] * SHAPING
         return _Sensitivity(
             -factors[:, None] * row / change,
             np.zeros(fields.model.nodes_mm.shape),

@@ -71,7 +71,14 @@ def rod_on_elements(scene: Scene, method: str, element_size_mm: float | None, co
     """Do as `check_rod_elements`, with the stresses, and write nothing."""
     loaded = loaded_rod(scene, method)
     found = strength_of(scene, loaded)
-    elements, stress = rod_elements(loaded.scene, loaded.motions, method, element_size_mm, contact=contact)
+    elements, stress = rod_elements(
+        loaded.scene,
+        loaded.motions,
+        method,
+        element_size_mm,
+        contact=contact,
+        least_preload_N=max(found.bolt.vdi_2230.least_preload_N, 0.0) if found.bolt else 0.0,
+    )
     return RodOnElements(found.model_copy(update={"elements": elements}), stress, loaded.motions)
 
 

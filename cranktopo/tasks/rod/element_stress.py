@@ -18,7 +18,9 @@ from cranktopo.numerics.tetrahedra.sharp_edges import from_sharp_edges_mm
 from cranktopo.numerics.tetrahedra.stress import Surface
 from cranktopo.numerics.tetrahedra.unit_stress import UnitStress
 from cranktopo.tasks.fatigue.criteria import criterion
-from cranktopo.tasks.fatigue.superposition import signed_von_mises_ranges
+from cranktopo.tasks.fatigue.criterion import LocalStress
+from cranktopo.tasks.fatigue.superposition import SIGNED, TENSOR
+from cranktopo.tasks.rod.bolt_load import near_bolts, preload_N
 from cranktopo.tasks.rod.eye import bush_pressure_MPa
 from cranktopo.tasks.rod.unit_fields import RodFields
 from cranktopo.tasks.rod.unit_loads import ACROSS, ALONG, is_quarter, rod_material
@@ -34,15 +36,18 @@ _BEYOND = 1 + 1e-6
 
 @dataclass(frozen=True)
 class WorstPoint:
-    """A point of the surface: its signed von Mises stress over the cycle, and its safety.
+    """A point of the surface: its stress over the cycle, and its safety.
 
     Attributes:
-        high_MPa, low_MPa: with the sign of the first invariant.
+        high_MPa, low_MPa: von Mises stress with the sign of the first invariant.
+        amplitude_MPa, mean_MPa, gradient_per_mm: of the tensors between the ends of the swing.
     """
 
     point_mm: tuple[float, float, float]
     high_MPa: float
     low_MPa: float
+    amplitude_MPa: float
+    mean_MPa: float
     gradient_per_mm: float
     fatigue_safety: float
 
@@ -87,6 +92,7 @@ def _loads(fields: RodFields, mass: RodMass, motion: RodMotion, bush_pressure_MP
         "small inertia": motion.small_along_m_s2,
         "big inertia": motion.big_along_m_s2,
         "press fit": np.full_like(small, bush_pressure_MPa),
+        "preload": np.full_like(small, preload_N(fields.rod)),
         "small whip": motion.small_m_s2,
         "big whip": motion.big_m_s2,
     }
@@ -102,14 +108,17 @@ class ElementStress:
     of a half in the rod mounted the other way round.
 
     Attributes:
-        edge_distance_mm: distance from sharp inner edges from which nodes are judged.
+        unit: stresses of the unit loads.
+        high_MPa, low_MPa: signed von Mises stress.
+        swing: stress that fatigue is judged by, of either row.
+        edge_distance_mm: distance from sharp inner edges and bolts from which nodes are judged.
     """
 
     fields: RodFields
-    surface: Surface
+    unit: UnitStress
     high_MPa: Array
     low_MPa: Array
-    gradient_per_mm: Array
+    swing: tuple[LocalStress, LocalStress]
     fatigue_safety: Array
     edge_distance_mm: float
 
@@ -118,10 +127,21 @@ class ElementStress:
         """Return the largest von Mises stress of every node."""
         return np.maximum(np.abs(self.high_MPa), np.abs(self.low_MPa))
 
+    @property
+    def surface(self) -> Surface:
+        """Return the surface of the model."""
+        return self.unit.surface
+
     @cached_property
     def judged(self) -> NDArray[np.bool_]:
-        """Nodes (n,) far enough from sharp inner edges, where the mesh decides the stress."""
-        return from_sharp_edges_mm(self.surface) >= self.edge_distance_mm
+        """Nodes (n,) far enough from sharp edges and from the seats and threads of bolts."""
+        at_bolts = near_bolts(self.fields.rod, self.surface.points_mm, self.edge_distance_mm)
+        return np.asarray(~self._at_sharp & ~at_bolts)
+
+    @cached_property
+    def _at_sharp(self) -> NDArray[np.bool_]:
+        """Nodes (n,) near sharp inner edges, where the mesh decides the stress."""
+        return from_sharp_edges_mm(self.surface) < self.edge_distance_mm
 
     def worst(self) -> Iterator[tuple[str, WorstPoint, WorstPoint]]:
         """Yield each place with its point of largest stress and its point of least fatigue safety."""
@@ -132,30 +152,36 @@ class ElementStress:
                 yield name, self._point(-self.largest_MPa, here), self._point(self.fatigue_safety, here)
 
     def at_sharp_edges(self) -> WorstPoint | None:
-        """Return the point of largest stress of those that are not judged; None where all are."""
-        return None if self.judged.all() else self._point(-self.largest_MPa, ~self.judged)
+        """Return the point of largest stress near sharp inner edges; None where there is none."""
+        return self._point(-self.largest_MPa, self._at_sharp) if self._at_sharp.any() else None
 
     def _point(self, values: Array, among: NDArray[np.bool_]) -> WorstPoint:
         row, node = np.unravel_index(int(np.where(among, values, np.inf).argmin()), values.shape)
         x, y, z = (float(c) for c in self.surface.points_mm[:, node])
-        found = (self.high_MPa, self.low_MPa, self.gradient_per_mm, self.fatigue_safety)
+        extremes, swing = (self.high_MPa[row], self.low_MPa[row]), self.swing[row]
+        found = (
+            *extremes,
+            swing.amplitude_MPa,
+            swing.mean_MPa,
+            swing.gradient_per_mm,
+            self.fatigue_safety[row],
+        )
         image = row and is_quarter(self.fields.model)
-        return WorstPoint((-x if image else x, y, z), *(float(values[row, node]) for values in found))
+        return WorstPoint((-x if image else x, y, z), *(float(values[node]) for values in found))
 
 
 def element_stress(fields: RodFields, loads: Array, method: str, edge_distance_mm: float) -> ElementStress:
     """Return the stresses of a rod over the states of its cycle, and their safety by a fatigue method."""
-    found = unit_stress(fields)
-    ranges = signed_von_mises_ranges(found.stress, image_cycles(loads))
-    local = [one.local for one in ranges]
-    safety = [criterion(method).point_safety(fields.scene, one).safety for one in local]
+    found, cycles = unit_stress(fields), image_cycles(loads)
+    signed = [one.local for one in SIGNED.ranges(found.stress, cycles)]
+    first, second = (one.local for one in TENSOR.ranges(found.stress, cycles))
     return ElementStress(
         fields,
-        found.surface,
-        np.stack([one.mean_MPa + one.amplitude_MPa for one in local]),
-        np.stack([one.mean_MPa - one.amplitude_MPa for one in local]),
-        np.stack([one.gradient_per_mm for one in local]),
-        np.stack(safety),
+        found,
+        np.stack([one.mean_MPa + one.amplitude_MPa for one in signed]),
+        np.stack([one.mean_MPa - one.amplitude_MPa for one in signed]),
+        (first, second),
+        np.stack([criterion(method).point_safety(fields.scene, one).safety for one in (first, second)]),
         edge_distance_mm,
     )
 

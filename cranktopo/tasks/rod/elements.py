@@ -15,14 +15,24 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.rod_forces import RodMotion
 from cranktopo.numerics.tetrahedra.mesh import RATIO
 from cranktopo.numerics.tetrahedra.surface_loads import from_faces
+from cranktopo.tasks.bolts.joint import largest_preload_N
+from cranktopo.tasks.rod.bolt_load import at_split, preload_N, split_stress
 from cranktopo.tasks.rod.contact import contact_deg, cosine
-from cranktopo.tasks.rod.element_stress import ElementStress, WorstPoint, cycle_states, element_stress
+from cranktopo.tasks.rod.element_stress import (
+    ElementStress,
+    WorstPoint,
+    cycle_states,
+    element_stress,
+    image_cycles,
+)
 from cranktopo.tasks.rod.ovalisation import DIAMETERS_RAD, eye_shape
-from cranktopo.tasks.rod.result import EyeShape, RodElements, RodPlace, SharpEdge
+from cranktopo.tasks.rod.result import EyeShape, RodElements, RodPlace, RodPreload, SharpEdge
 from cranktopo.tasks.rod.unit_fields import RodFields, contact_pressures, rod_model, solve_rod
 from cranktopo.tasks.rod.unit_loads import (
     ALONG,
+    PRELOAD,
     PRESSED,
+    SHAPING,
     Pressures,
     bore_of,
     copies,
@@ -32,6 +42,8 @@ from cranktopo.tasks.rod.unit_loads import (
 
 _EDGE_ELEMENTS = 2.0
 """Elements of the default size around sharp inner edges in which nothing is judged: they spoil them."""
+_NEAR_SPLIT = 0.5
+"""Distance from the split of nodes that are at it, in elements."""
 _HARMONICS = 12
 """Waves around a bore that its shape is told by."""
 _STEPS = ("coarse mesh", "fine mesh")
@@ -44,12 +56,14 @@ def rod_elements(
     element_size_mm: float | None = None,
     *,
     contact: bool = False,
+    least_preload_N: float = 0.0,
 ) -> tuple[RodElements, ElementStress]:
     """Return the rod of a scene by finite elements on two meshes, and the stresses on the finer one.
 
     Args:
         scene: its material is that of the rod.
         contact: pressure where rigid pins touch, found on the coarse mesh, in place of the cosine.
+        least_preload_N: of each bolt of the cap, at which the split is looked at; strength has the mean.
 
     Raises:
         CranktopoError: no valid mesh, or a failed solve.
@@ -69,7 +83,29 @@ def rod_elements(
         loads = cycle_states(fields, motions)
         found.append(element_stress(fields, loads, method, away))
     coarse, fine = found
-    return _elements_result(coarse, fine, loads, size), fine
+    result = _elements_result(coarse, fine, loads, size)
+    return result.model_copy(update={"preload": _preload(fine, loads, least_preload_N, size)}), fine
+
+
+def _preload(stress: ElementStress, loads: Array, least_N: float, size: float) -> RodPreload | None:
+    """The preload, and the least pressure between rod and cap over the cycle; None without bolts."""
+    rod = stress.fields.rod
+    if rod.bolt is None:
+        return None
+    points = stress.surface.points_mm
+    near = np.flatnonzero(at_split(rod, points, _NEAR_SPLIT * size) & stress.judged)
+    across = split_stress(rod, stress.unit.stress.stress_MPa[:, near])
+    least = np.where(PRELOAD, least_N, loads)
+    cycles = np.stack([states @ across for states in image_cycles(least)])
+    _, _, worst = np.unravel_index(int(cycles.argmax()), cycles.shape)
+    x, y, z = (float(place) for place in points[:, near[worst]])
+    return RodPreload(
+        mean_N=preload_N(rod),
+        largest_N=largest_preload_N(rod.bolt),
+        least_N=least_N,
+        least_pressure_MPa=float(-cycles.max()),
+        point_mm=(x, y, z),
+    )
 
 
 def _elements_result(coarse: ElementStress, fine: ElementStress, loads: Array, size: float) -> RodElements:
@@ -119,8 +155,8 @@ def _place(
         fatigue_safety=fatigue.fatigue_safety,
         fatigue_error_percent=safety_change,
         fatigue_point_mm=fatigue.point_mm,
-        amplitude_MPa=(fatigue.high_MPa - fatigue.low_MPa) / 2,
-        mean_MPa=(fatigue.high_MPa + fatigue.low_MPa) / 2,
+        amplitude_MPa=fatigue.amplitude_MPa,
+        mean_MPa=fatigue.mean_MPa,
         gradient_per_mm=fatigue.gradient_per_mm,
     )
 
@@ -142,8 +178,7 @@ def _diameters_um(fields: RodFields, loads: Array, rows: Array) -> tuple[float, 
 
     The third is the largest of all directions, on a half; a quarter has none.
     """
-    along = len(ALONG)
-    moved = loads[:along] @ fields.displacement_mm[:along]
+    moved = loads[SHAPING] @ fields.displacement_mm[SHAPING]
     changes = MM_PER_M * rows @ moved
     most = 0.0 if is_quarter(fields.model) else float(np.abs(changes).max())
     return float(changes[0]), float(changes[1]), most

@@ -24,7 +24,8 @@ from cranktopo.numerics.optimisers.gradient_search import central_difference
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.moved_mesh import MovedMesh
 from cranktopo.numerics.tetrahedra.moving_faces import STEP, Contact, MovingFace, contact_of
-from cranktopo.tasks.rod.unit_loads import in_cap_hole, on_bore
+from cranktopo.tasks.rod.bolt_load import in_cap_hole
+from cranktopo.tasks.rod.unit_loads import on_bore
 
 _Distance = Callable[[Rod, float, Array], Array]
 """Of a rod of a length and points (3, n), mm; zero on the face."""

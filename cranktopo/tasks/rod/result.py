@@ -124,11 +124,12 @@ class RodPlace(Result):
     """Change of it from a mesh 1.5 times coarser; null where that has none here."""
     fatigue_point_mm: tuple[float, float, float]
     amplitude_MPa: float
-    """At the point of least fatigue safety."""
+    """At the point of least fatigue safety: von Mises stress of half the range of the stress tensor."""
     mean_MPa: float
-    """At the point of least fatigue safety."""
+    """At the point of least fatigue safety: first invariant of the tensor midway, at most its von Mises
+    stress."""
     gradient_per_mm: float
-    """Related stress gradient at the point of least fatigue safety."""
+    """Related gradient of the amplitude at the point of least fatigue safety."""
 
 
 class EyeShape(Result):
@@ -161,9 +162,24 @@ class SharpEdge(Result):
     von_mises_MPa: float
 
 
+class RodPreload(Result):
+    """Preload of each bolt of the cap, and the least pressure that it leaves between rod and cap."""
+
+    mean_N: float
+    """Middle of what tightening may leave: it is in the stresses throughout the cycle."""
+    largest_N: float
+    least_N: float
+    """After settling."""
+    least_pressure_MPa: float
+    """Over the cycle on the edges of the split and in its holes, with the least preload. Negative where the
+    split opens: there rod and cap are not the one body that elements make of them."""
+    point_mm: tuple[float, float, float]
+    """Point of the least pressure."""
+
+
 class RodElements(Result):
-    """The rod by finite elements under pressure in both eyes, inertia and press fit: a quarter, or a half
-    where the split is oblique."""
+    """The rod by finite elements under pressure in both eyes, inertia, press fit and preload: a quarter, or a
+    half where the split is oblique."""
 
     contact: bool
     """Pressure of the pins where they touch as rigid ones, in place of the cosine over half of each bore."""
@@ -174,7 +190,10 @@ class RodElements(Result):
     volume_error_percent: float
     """Volume of the mesh against that of the rod."""
     edge_distance_mm: float
-    """Distance from sharp inner edges from which stresses are judged."""
+    """Distance from sharp inner edges, and from heads, nuts and threads of bolts, from which stresses are
+    judged."""
+    preload: RodPreload | None = UNLESS_NONE
+    """Null without bolts."""
     yield_safety: float
     """Least of all places."""
     fatigue_safety: float

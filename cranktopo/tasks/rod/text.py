@@ -8,15 +8,13 @@ from cranktopo.base.units import N_PER_KN, change_text
 from cranktopo.report.result_table import Column, labelled, tabulate, terminal
 from cranktopo.tasks.bolts.result import BoltChecks
 from cranktopo.tasks.bolts.text import bolts_text
+from cranktopo.tasks.rod.element_text import EYES, elements_text, opening
 from cranktopo.tasks.rod.pin import PinCheck
 from cranktopo.tasks.rod.result import (
     Buckling,
-    EyeShape,
     FreeDimension,
     LighterRod,
     ObliqueSplit,
-    RodElements,
-    RodPlace,
     RodSectionCheck,
     RodStrength,
     SplitForce,
@@ -42,15 +40,6 @@ _BUCKLING: tuple[Column[Buckling], ...] = (
     Column("rankine_kN", 1, lambda b: b.rankine_N / N_PER_KN),
     Column("stress_MPa", 1, lambda b: b.stress_MPa),
     Column("yield", 2, lambda b: b.yield_safety),
-)
-_EYES: tuple[Column[EyeShape], ...] = (
-    Column("bore", 0, lambda e: e.eye),
-    Column("under the largest", 0, lambda e: e.load),
-    Column("force_N", 0, lambda e: e.force_N),
-    Column("pressed_deg", 0, lambda e: e.contact_deg),
-    Column("across_um", 1, lambda e: e.across_um),
-    Column("along_um", 1, lambda e: e.along_um),
-    Column("permitted_um", 1, lambda e: e.permitted_um),
 )
 _FREE: tuple[Column[FreeDimension], ...] = (
     Column("dimension", 0, lambda d: d.name.removesuffix("_mm").replace("_", " ")),
@@ -85,9 +74,9 @@ def rod_text(rod: RodStrength) -> str:
         "Shank under the largest push, by Navier and Rankine",
         terminal(tabulate(_BUCKLING, rod.buckling)),
         "Change of the bores' diameters, pressed by the cosine",
-        terminal(tabulate(_EYES, rod.eyes)),
+        terminal(tabulate(EYES, rod.eyes)),
     ]
-    parts += [_elements(rod.elements, rod)] if rod.elements else []
+    parts += [elements_text(rod.elements, rod)] if rod.elements else []
     parts += [_pin(rod.pin)] if rod.pin else []
     if rod.bolt:
         parts.append(bolts_text(BoltChecks(design=rod.design, joints=(rod.bolt,), assumed=rod.assumed)))
@@ -99,6 +88,7 @@ def verdicts(rod: RodStrength) -> tuple[list[str], list[str]]:
     told = [
         (_is_safe(_least_safeties(rod)), least_safety(rod)),
         *((False, line) for line in _too_oval(rod)),
+        *((False, line) for line in opening(rod.elements.preload if rod.elements else None)),
         *_way_through(rod),
     ]
     return [line for holds, line in told if not holds], [line for holds, line in told if holds]
@@ -179,36 +169,6 @@ def _split(split: ObliqueSplit) -> str:
         )
     else:
         lines.append(f"friction of {split.friction:g} alone holds {split.sliding_safety:.2f} times the shear")
-    return "\n\n".join(lines)
-
-
-def _elements(elements: RodElements, rod: RodStrength) -> str:
-    columns: tuple[Column[RodPlace], ...] = (
-        Column("place", 0, lambda p: p.place),
-        Column("x_mm", 1, lambda p: p.point_mm[0]),
-        Column("y_mm", 1, lambda p: p.point_mm[1]),
-        Column("z_mm", 1, lambda p: p.point_mm[2]),
-        Column("highest_MPa", 1, lambda p: p.max_MPa),
-        Column("lowest_MPa", 1, lambda p: p.min_MPa),
-        Column("error_percent", 1, lambda p: p.error_percent),
-        Column("yield", 2, lambda p: p.yield_safety),
-        Column("fatigue", 2, lambda p: p.fatigue_safety),
-        Column("closed form yield", 2, lambda p: rod.section_of(p.place).yield_safety),
-        Column("closed form fatigue", 2, lambda p: rod.section_of(p.place).fatigue_safety),
-    )
-    size = f"{elements.nodes:,} nodes, elements of {elements.element_size_mm:.3g} mm"
-    pins = "rigid pins touch" if elements.contact else "pressure by the cosine"
-    part = "half" if rod.oblique_split else "quarter"
-    lines = [f"By finite elements on a {part}, {pins}: {size}; von Mises stress, positive in tension"]
-    lines.append(terminal(tabulate(columns, elements.places)))
-    if elements.at_sharp_edges is not None:
-        x, y, z = elements.at_sharp_edges.point_mm
-        lines.append(
-            f"Nearer than {elements.edge_distance_mm:.2g} mm to sharp inner edges the mesh decides: "
-            f"{elements.at_sharp_edges.von_mises_MPa:.0f} MPa at ({x:.1f}, {y:.1f}, {z:.1f}) mm, not judged."
-        )
-    lines.append("Change of the bores' diameters by finite elements")
-    lines.append(terminal(tabulate(_EYES, elements.eyes)))
     return "\n\n".join(lines)
 
 

@@ -1,4 +1,4 @@
-"""Unit loads of the rod on elements: pressures on both bores, inertia of its own mass, press fit of the bush.
+"""Unit loads of the rod on elements: pressures on both bores, inertia of its mass, press fit, preload.
 
 The model is a quarter, x >= 0 and z >= 0, or the half z >= 0 of a rod with an oblique split. Each load is
 closed in itself, by even acceleration along the rod and by both eyes across it: supports carry nothing.
@@ -15,25 +15,38 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array, Index
-from cranktopo.base.units import KG_PER_TONNE, MM_PER_M, density_tonne_per_mm3
+from cranktopo.base.units import MM_PER_M, density_tonne_per_mm3
 from cranktopo.design.checks.rod import rod_of
 from cranktopo.design.material import Material
-from cranktopo.design.rod import EYES, Eye, Rod
-from cranktopo.design.rod_fitted import bolts_kg
-from cranktopo.design.rod_split import in_split
+from cranktopo.design.rod import EYES, Eye
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mass_matrix
 from cranktopo.numerics.tetrahedra.node_gradients import integral_slopes
-from cranktopo.numerics.tetrahedra.surface_loads import face_shares, faces_where, pressure_force
+from cranktopo.numerics.tetrahedra.surface_loads import faces_where, pressure_force
+from cranktopo.tasks.rod.bolt_load import bolt_masses, preload_tractions
 from cranktopo.tasks.rod.contact import Pressure, cosine, strips
 
-ALONG = ("small push", "small pull", "big push", "big pull", "small inertia", "big inertia", "press fit")
+ALONG = (
+    "small push",
+    "small pull",
+    "big push",
+    "big pull",
+    "small inertia",
+    "big inertia",
+    "press fit",
+    "preload",
+)
 """Loads that the mirror x -> -x keeps where it is one: 1 N on the lower or upper half of the small end's bore
 and on the upper or lower half of the big end's, by the cosine; the inertia where one end accelerates by
-1 m/s2 toward the big end along the rod and the other does not; 1 MPa in the small end's bore."""
+1 m/s2 toward the big end along the rod and the other does not; 1 MPa in the small end's bore; 1 N in each
+bolt of the cap."""
 ACROSS = ("small whip", "big whip")
 """Loads that the mirror x -> -x turns around: the inertia where one end accelerates by 1 m/s2 across the rod
 and the other does not, carried by both eyes."""
+PRELOAD = np.array([name == "preload" for name in (*ALONG, *ACROSS)])
+"""The preload among all loads."""
+SHAPING = np.array([name in ALONG for name in (*ALONG, *ACROSS)]) & ~PRELOAD
+"""Those of all loads that change the diameters of bores: these are finished with the bolts tightened."""
 PRESSED: tuple[tuple[Eye, int], ...] = (("small", -1), ("small", 1), ("big", 1), ("big", -1))
 """Eyes and sides of the first loads of `ALONG`."""
 Pressures = Mapping[tuple[Eye, int], Pressure]
@@ -163,7 +176,8 @@ class RodLoads:
         self._pressures = pressures
         self._density = density_tonne_per_mm3(rod_material(scene).density_kg_m3)
         self._mass = mass_matrix(model, self._density)
-        self._bolts = _bolt_masses(model, rod)
+        self._bolts = bolt_masses(rod, model) / copies(model)
+        self._preload = preload_tractions(rod, model)
         self._share = model.nodes_mm[1] / self._length
 
     def _inertia(self, acceleration_m_s2: Array, axis: int) -> Array:
@@ -206,6 +220,8 @@ class RodLoads:
                 start, growth = _ACCELERATED[name]
                 even += start * field
                 linear += growth / self._length * field
+            if name == "preload":
+                moments += sum(size * one.slopes(free[:, column]) for size, one in self._preload)
         by_place = np.stack([0 * linear, linear, 0 * linear])
         factor = self._density * MM_PER_M
         return np.asarray(factor * integral_slopes(self._model, even, by_place) + moments)
@@ -222,7 +238,9 @@ class RodLoads:
         pressed = [
             self._bores[eye].unit(side, self._pressures.get((eye, side), cosine)) for eye, side in PRESSED
         ]
-        along = np.column_stack([*pressed, *self._of_both_ends(1), self._bores["small"].even()])
+        ends, fit = self._of_both_ends(1), self._bores["small"].even()
+        preload = sum((size * one.forces() for size, one in self._preload), np.zeros_like(fit))
+        along = np.column_stack([*pressed, *ends, fit, preload])
         across = np.column_stack(self._of_both_ends(0))
         even, eyes = self._inertia(np.ones_like(self._share), 1)[:, None], self._across()
         if is_quarter(self._model):
@@ -269,21 +287,3 @@ class RodLoads:
         mirrors = {"along": [3 * middle], "across": [3 * middle + 1, 3 * middle + 2], "whole": []}[motion]
         supports = {"along": ends[:1] + 1, "across": ends, "whole": np.append(ends, ends[0] + 1)}[motion]
         return np.unique(np.concatenate([across, *mirrors])), supports
-
-
-def _bolt_masses(model: Elasticity, rod: Rod) -> Array:
-    """Mass of the bolts on the nodes of their holes, (nodes,), tonne, of the model.
-
-    It is given to the cap alone: with their heads below it, bolts have their centre of mass there.
-    """
-    if rod.bolt is None:
-        return np.zeros(model.nodes_mm.shape[1])
-    cap = faces_where(model, partial(in_cap_hole, rod))
-    return face_shares(model, cap) * bolts_kg(rod) / KG_PER_TONNE / copies(model)
-
-
-def in_cap_hole(rod: Rod, points_mm: Array) -> NDArray[np.bool_]:
-    """Tell which points (3, n) lie on the holes of the bolts in the cap."""
-    u, v = in_split(rod, points_mm[0], points_mm[1])
-    away = np.hypot(np.abs(u) - rod.bolt_distance_mm / 2, points_mm[2]) / (rod.bolt_hole_mm / 2) - 1
-    return np.asarray((v <= 0) & (np.abs(away) < _ON_BORE))

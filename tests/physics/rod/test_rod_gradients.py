@@ -14,6 +14,7 @@ from cranktopo.engine.rod_forces import rod_motions
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.tasks.fatigue.criteria import criterion
 from cranktopo.tasks.fatigue.smooth_extremes import JudgedSurface, least_safety
+from cranktopo.tasks.fatigue.superposition import SIGNED, TENSOR
 from cranktopo.tasks.rod.element_gradients import MARGIN, RodGradients
 from cranktopo.tasks.rod.element_stress import (
     PLACES,
@@ -37,7 +38,7 @@ RODS = {
     "oblique": lambda: with_values(load_scene("mikron-iiic-rod"), {"rod.split_angle_deg": 45.0}),
 }
 SLOW = ("H", "oblique")
-SIZE_MM, EDGE_MM = 7.0, 4.0
+SIZE_MM, EDGE_MM, STEP_MM = 7.0, 4.0, 2e-3
 
 
 @dataclass(frozen=True)
@@ -87,7 +88,8 @@ def logarithms(case: Case, values) -> dict:
             worst = max(s.ovalisation_um for s in shapes if s.eye == name and s.permitted_um)
             found[name, kind] = -np.log(worst)
             continue
-        judged = JudgedSurface(stress, image_cycles(loads), case.nodes[name])
+        measure = TENSOR if kind == "fatigue_safety" else SIGNED
+        judged = JudgedSurface(stress, image_cycles(loads), case.nodes[name], (), measure)
         found[name, kind] = np.log(least_safety(judged, lambda _, kind=kind: judges[kind]).value)
     return found
 
@@ -97,7 +99,10 @@ def agrees(case: Case, direction, step_mm: float, names: str) -> None:
     above, below = (logarithms(case, own + sign * step_mm * direction) for sign in (1, -1))
     for key, slopes in case.slopes.items():
         measured = (above[key] - below[key]) / (2 * step_mm)
-        assert slopes @ direction == pytest.approx(measured, rel=1e-3, abs=2e-6), f"{key} by {names}"
+        # the next state of a cycle takes over as the highest: a corner of the largest stress
+        within = 2e-4 if key[1] == "yield_safety" else 1e-4
+        least = max(2e-6, within * np.abs(slopes).max())
+        assert slopes @ direction == pytest.approx(measured, rel=within, abs=least), f"{key} by {names}"
 
 
 def free(case: Case) -> list[int]:
@@ -108,13 +113,13 @@ def free(case: Case) -> list[int]:
 def test_slopes_are_those_of_the_moved_mesh(case: Case) -> None:
     direction = np.zeros(len(case.names))
     direction[free(case)] = np.random.default_rng(7).standard_normal(len(free(case)))
-    agrees(case, direction, 1e-3, "all dimensions")
+    agrees(case, direction, STEP_MM, "all dimensions")
 
 
 @pytest.mark.slow
 def test_slopes_by_each_dimension_are_those_of_the_moved_mesh(case: Case) -> None:
     for k in free(case):
-        agrees(case, np.eye(len(case.names))[k], 1e-3, case.names[k])
+        agrees(case, np.eye(len(case.names))[k], STEP_MM, case.names[k])
 
 
 def test_nodes_follow_the_faces_of_the_rod_to_second_order(case: Case) -> None:

@@ -11,6 +11,7 @@ import pytest
 from cranktopo.numerics.tetrahedra.stress import SurfaceStress, von_mises
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.smooth_extremes import JudgedSurface, SmoothValue, largest_stress, least_safety
+from cranktopo.tasks.fatigue.superposition import SIGNED, TENSOR, Measure
 
 
 def judged(stress: np.ndarray, states: tuple[np.ndarray, ...], nodes: list[int]) -> JudgedSurface:
@@ -73,7 +74,10 @@ def used(local: LocalStress) -> np.ndarray:
     )
 
 
-def test_slopes_of_the_least_safety_by_stresses_depths_and_loads_are_those_of_differences() -> None:
+@pytest.mark.parametrize("measure", [SIGNED, TENSOR], ids=["signed", "tensor"])
+def test_slopes_of_the_least_safety_by_stresses_depths_and_loads_are_those_of_differences(
+    measure: Measure,
+) -> None:
     """All of them move at once; each of two images has loads that three parameters change."""
     random = np.random.default_rng(5)
     stress, depth = random.normal(0, 1, (2, 3, 12, 6))
@@ -84,7 +88,7 @@ def test_slopes_of_the_least_safety_by_stresses_depths_and_loads_are_those_of_di
     def least(step: float) -> SmoothValue:
         found = SurfaceStress(stress + step * ways[0], depth + step * ways[1], np.zeros(stress.shape[:2]))
         loads = tuple(s + step * np.einsum("p,psf->sf", by, d) for s, d in zip(states, slopes, strict=True))
-        surface = JudgedSurface(found, loads, np.array([0, 1, 4, 7, 9]), slopes)
+        surface = JudgedSurface(found, loads, np.array([0, 1, 4, 7, 9]), slopes, measure)
         return least_safety(surface, lambda _: lambda local: 1 / used(local))
 
     own, step = least(0.0), 1e-6
