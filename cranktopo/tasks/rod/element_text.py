@@ -1,4 +1,4 @@
-"""What finite elements found of the rod, as tables and text."""
+"""Tables and text of the rod by finite elements."""
 
 from __future__ import annotations
 
