@@ -139,7 +139,9 @@ def minimise(
     evaluations: int,
     flat: float = 0.0,
 ) -> Array:
-    """Minimise an objective under constraints; what rounding stops ends at the start, clipped to the bounds.
+    """Minimise an objective under constraints; a search that gets stuck ends at the start, in the bounds.
+
+    Rounding stops it, or slopes of which the method's least squares make nothing: who asks keeps the best.
 
     A change of a parameter by `step`, or of the objective by its share `flat`, ends the search. Values and
     slopes are rounded, so that it goes the same way where their last bits differ.
@@ -167,7 +169,7 @@ def minimise(
     optimiser.set_xtol_abs(step)
     optimiser.set_ftol_rel(flat)
     optimiser.set_maxeval(max(evaluations, 1))
-    with suppress(nlopt.RoundoffLimited):
+    with suppress(nlopt.RoundoffLimited, nlopt.runtime_error):  # errors of the functions are of other kinds
         return np.asarray(optimiser.optimize(first))
     return first
 

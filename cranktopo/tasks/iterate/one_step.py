@@ -220,8 +220,7 @@ def make_step(
     note("re-modelling")
     fitted = fit_web(surface, bounded, fit_limits(bounded, settings.limits))
     near = shape_error(fitted.scene, surface)
-    own = {"web": fitted.scene.web, "name": f"{design.name}-step-{number}"}
-    scene = design.model_copy(update={**own, "published": None, "original": None})
+    scene = step_scene(design, fitted.scene, number)
     write_text(folder / "web.toml", toml_text(scene, f"Step {number} of the loop over {design.name}"))
     solids = write_solids(scene, folder, run.started())
     note("evaluating")
@@ -230,6 +229,12 @@ def make_step(
     undercuts = shaped_undercuts(solids.half, scene)
     step = step_of(number, found, thickness, 100 * near.web_iou, removed, time.monotonic() - began, undercuts)
     return _kept(StepWeb(step, scene, solids), folder)
+
+
+def step_scene(design: Scene, fitted: Scene, number: int) -> Scene:
+    """Return the design with the web of a step, and the ranges that this web leaves `shape`."""
+    own = {"web": fitted.web, "shape": fitted.shape, "name": f"{design.name}-step-{number}"}
+    return design.model_copy(update={**own, "published": None, "original": None})
 
 
 def _bounded(folder: Path, number: int, webs: Sequence[StepWeb], settings: Settings) -> tuple[Scene, float]:

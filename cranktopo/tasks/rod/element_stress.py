@@ -28,6 +28,8 @@ from cranktopo.tasks.rod.unit_loads import ACROSS, ALONG, is_quarter, rod_materi
 PLACES = ("small end", "eye to shank", "mid-shank", "shank to big end", "big end", "cap")
 _AT_ONCE = 3
 """Fields whose stresses are held in all elements at a time."""
+_FROM_BOLTS = 1.5
+"""Distance from seats and threads of bolts over that from edges; nearer, stresses depend on the mesh."""
 _STEP_DEG = 1.0
 """Crank angle between the states that are judged: half of it off its peak, a pressure is 1e-4 lower."""
 _BEYOND = 1 + 1e-6
@@ -135,7 +137,8 @@ class ElementStress:
     @cached_property
     def judged(self) -> NDArray[np.bool_]:
         """Nodes (n,) far enough from sharp edges and from the seats and threads of bolts."""
-        at_bolts = near_bolts(self.fields.rod, self.surface.points_mm, self.edge_distance_mm)
+        away = _FROM_BOLTS * self.edge_distance_mm
+        at_bolts = near_bolts(self.fields.rod, self.surface.points_mm, away)
         return np.asarray(~self._at_sharp & ~at_bolts)
 
     @cached_property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,9 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.envelope_file import envelope_from_file, mirror_difference
 from cranktopo.bodies.volume import web_volume_mm3
+from cranktopo.design.loading import load_scene, parse_scene
 from cranktopo.design.schema import Scene
+from cranktopo.design.writing import toml_text
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.runs.directories import RunStore
 from cranktopo.tasks.extraction.result import ShapedUndercuts
@@ -23,11 +26,13 @@ from cranktopo.tasks.iterate.one_step import (
     StepWeb,
     make_step,
     read_solids,
+    step_scene,
     transition_mm,
     write_envelope,
     write_solids,
 )
 from cranktopo.tasks.iterate.result import LoopStep, best_step, loop_settings, verdict
+from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.throw.envelope import StlEnvelope
 from cranktopo.throw.manufacturing_limits import ProcessLimits
 from tests.unit.extraction.surface_cases import scene_with
@@ -137,6 +142,21 @@ def test_a_step_is_fitted_within_what_its_process_allows(
     assert forged.opens == "sides"
     assert forged.min_draft_deg == 4.0
     assert milled.pocket_radius_mm == 8.0
+
+
+def test_the_design_of_a_step_can_be_read_where_its_web_is_wider_than_a_free_counterweight() -> None:
+    """`iterate car-diesel` wrote a step that nothing could read: its web holds the least of the range."""
+    design = load_scene("car-diesel")
+    web: dict[str, Any] = {
+        "thickness_mm": 18.0,
+        "outline": "tapered",
+        "main_radius_mm": 48.0,
+        "pin_radius_mm": 35.0,
+    }
+    web["counterweight"] = {"outer_radius_mm": 66.0, "half_angle_deg": 65.0}
+    scene = step_scene(design, scene_with_web(design, web), 1)
+    assert scene.shape.free.counterweight_radius_mm[0] > 48.0
+    assert parse_scene(toml_text(scene, "step")).web == scene.web
 
 
 def test_a_symmetric_mesh_is_the_box_it_shows(tmp_path: Path, mikron: Scene) -> None:

@@ -74,3 +74,27 @@ def _bending_valley(noise: np.random.Generator | None) -> tuple[Objective, Const
         return seen(np.array([at @ at - 4.0])), seen(2 * at[None])
 
     return height, ball
+
+
+def test_slopes_that_least_squares_cannot_take_end_a_search_where_it_began() -> None:
+    """Slopes that differ by eleven powers of ten: `iterate` of a diesel ended so in an internal error."""
+    slopes = np.array([[-0.00011], [54000.0], [-47.0], [-14.0], [-2.5e6], [-0.0009]])
+    offsets = np.array([-2.5e-06, 35000.0, -0.11, 28.0, -52.0, -3800.0])
+
+    def squares(values: Array) -> tuple[float, Array]:
+        return float(1e3 * (values**2).sum()), 2e3 * values
+
+    def rules(values: Array) -> tuple[Array, Array]:
+        return slopes @ values + offsets, slopes
+
+    bounds = np.full(1, -5.0), np.full(1, 5.0)
+    assert minimise(squares, rules, bounds, np.full(1, 2.0), 1e-3, 50).tolist() == [2.0]
+
+
+def test_errors_of_the_functions_end_a_search() -> None:
+    def broken(values: Array) -> tuple[float, Array]:
+        raise RuntimeError("no memory")
+
+    bounds = np.zeros(1), np.ones(1)
+    with pytest.raises(RuntimeError, match="no memory"):
+        minimise(broken, lambda v: (v - 1, np.eye(1)), bounds, np.zeros(1), 1e-3, 5)
