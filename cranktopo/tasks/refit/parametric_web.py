@@ -198,6 +198,10 @@ class _Outline:
         return [name for name, values in rules for _ in values]
 
 
+_Known = dict[tuple[Hashable, ...], tuple[Rule, ...]]
+"""Rules of features by feature, values and surroundings."""
+
+
 class ParametricWeb:
     """A web of the family on a grid of cells, as functions of its parameters, with their bounds."""
 
@@ -209,7 +213,6 @@ class ParametricWeb:
         self._own_added = added_mm(scene, axes)
         self._outline = _Outline(layout, scene, limits)
         self._last: tuple[bytes, MovedFillet | None] = b"", None
-        self._found = dict[tuple[Hashable, ...], tuple[Rule, ...]]()
 
     def points(self, values: Array) -> tuple[Array, Array]:
         """Return points of the outline's right half, (n, 2), mm, and derivatives by its values, (n, 2, m)."""
@@ -275,10 +278,11 @@ class ParametricWeb:
     def gradients(self, values: Array) -> Array:
         """Return the gradients of the constraints (constraints, parameters)."""
         shape, n = self._outline.at(values), self.layout.stations
-        self._found.clear()
+        known: _Known = {}
 
         def parts(step: Array) -> Array:
-            return self._part_constraints(shape.points + shape.point_gradients @ step[:n], values + step)
+            points = shape.points + shape.point_gradients @ step[:n]
+            return self._part_constraints(points, values + step, known)
 
         steps = _DIFFERENCE * np.eye(len(values))
         below = np.stack([(parts(step) - parts(-step)) / (2 * _DIFFERENCE) for step in steps], axis=1)
@@ -289,21 +293,25 @@ class ParametricWeb:
     def _parts(self, values: Array) -> Array:
         return values[self.layout.stations :]
 
-    def _part_constraints(self, points: Array, values: Array) -> Array:
-        rules = self._part_rules(points, values)
+    def _part_constraints(self, points: Array, values: Array, known: _Known | None = None) -> Array:
+        rules = self._part_rules(points, values, known)
         return np.hstack([np.zeros(0), *(value for _, value in rules)])
 
-    def _part_rules(self, points: Array, values: Array) -> list[Rule]:
-        """Return the rules of the features and of the dimensions of the throw."""
+    def _part_rules(self, points: Array, values: Array, known: _Known | None = None) -> list[Rule]:
+        """Return the rules of the features and of the dimensions of the throw.
+
+        Args:
+            known: rules of features found before, which a step of another one's parameter leaves as they are.
+        """
         scene = scene_at(self._scene, self.layout, values)
         outline = points.tobytes(), self.layout.sizes(values).tobytes()
+        found: _Known = {} if known is None else known
 
         def rules_of(part: FittedFeature, own: Named, around: Surroundings) -> tuple[Rule, ...]:
-            """Find a feature's rules once: a step of another one's parameter leaves them as they are."""
             key = part, own, around.arcs, outline
-            if key not in self._found:
-                self._found[key] = tuple(part.rules(own, around))
-            return self._found[key]
+            if key not in found:
+                found[key] = tuple(part.rules(own, around))
+            return found[key]
 
         parts = part_rules(self.layout.parts, points, self._parts(values), scene, self._limits, rules_of)
         sizes = size_rules(self.layout, values, self._scene, self._limits)
