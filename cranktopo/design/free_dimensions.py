@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, Literal, get_args
 
 from cranktopo.base.errors import CranktopoError
@@ -171,17 +171,27 @@ _STEP = 0.01
 """To which the ranges of another web are found, mm or degrees."""
 
 
-def with_counterweight_ranges(scene: Scene, of: Scene) -> Scene:
+def with_counterweight_ranges(scene: Scene, of: Scene, webs: Sequence[Scene] = ()) -> Scene:
     """Return a scene with the free ranges of another's counterweight, each begun where it is sound here.
 
     Another web of the same throw may be so wide that a counterweight of the least radius lies within it.
+
+    Args:
+        webs: scenes of the webs that the scene has; by default its own. What does not serve all is left out.
     """
     ranges = {name: found for name in _COUNTERWEIGHT if (found := free_range_mm(of, name))}
     if not ranges:
         return scene
-    sound = {free_key(name): (_sound_least(scene, name, found), found[1]) for name, found in ranges.items()}
+    sound = {free_key(name): _sound_range(webs or (scene,), name, found) for name, found in ranges.items()}
     free = scene.shape.free.model_copy(update=sound)
     return scene.model_copy(update={"shape": scene.shape.model_copy(update={"free": free})})
+
+
+def _sound_range(
+    webs: Sequence[Scene], name: DimensionName, free: tuple[float, float]
+) -> tuple[float, float] | None:
+    least = max(_sound_least(web, name, free) for web in webs)
+    return (least, free[1]) if least <= min(own_dimension_mm(web, name) for web in webs) else None
 
 
 def moved_ranges_text(scene: Scene, before: Scene) -> str:

@@ -11,6 +11,7 @@ from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.halves import halves
 from cranktopo.design.loading import load_scene
 from cranktopo.design.named import with_values
+from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.shape.each_web.crank_files import MAIN, write_crank
 from cranktopo.tasks.shape.each_web.groups import is_mirrored, web_groups
 
@@ -68,6 +69,22 @@ def test_one_web_for_all_is_one_file(tmp_path: Path) -> None:
     scene = load_scene("mikron-iiic")
     assert write_crank(scene, dict.fromkeys(range(1, 9), scene.web), tmp_path, "The same.") == (MAIN,)
     assert load_scene(str(tmp_path / MAIN)).web == scene.web
+
+
+def test_a_crank_of_wider_webs_than_a_free_counterweight_can_be_read(tmp_path: Path) -> None:
+    """It was refused when it was written: its webs hold a counterweight of the least radius."""
+    scene = load_scene("car-diesel")
+    weight = {"outer_radius_mm": 66.0, "half_angle_deg": 65.0}
+    wide = {"thickness_mm": 18.0, "outline": "tapered", "main_radius_mm": 48.0, "pin_radius_mm": 35.0}
+    web = scene_with_web(scene, {**wide, "counterweight": weight}).web
+    write_crank(scene, {place: web if place % 2 else scene.web for place in range(1, 9)}, tmp_path, "Wide.")
+    free = load_scene(str(tmp_path / MAIN), whole=True).shape.free
+    assert free.counterweight_radius_mm[0] > 48.0
+    assert free.counterweight_angle_deg == scene.shape.free.counterweight_angle_deg
+    smaller = scene.web.counterweight.model_copy(update={"outer_radius_mm": 46.0})
+    narrow = scene.web.model_copy(update={"counterweight": smaller})
+    write_crank(scene, {place: web if place % 2 else narrow for place in range(1, 9)}, tmp_path, "No range.")
+    assert load_scene(str(tmp_path / MAIN), whole=True).shape.free.counterweight_radius_mm is None
 
 
 @pytest.mark.parametrize(

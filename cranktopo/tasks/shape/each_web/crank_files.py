@@ -7,6 +7,7 @@ from pathlib import Path
 
 from cranktopo.design.crank import OWN_THROW, Crank
 from cranktopo.design.crank_throws import throw_count
+from cranktopo.design.free_dimensions import with_counterweight_ranges
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
@@ -24,6 +25,8 @@ def write_crank(scene: Scene, webs: Mapping[int, WebTable], folder: Path, headin
     Raises:
         CranktopoError: webs that do not go together on a crank.
     """
+    every = [_with_webs(scene, web, web) for web in dict.fromkeys(webs.values())]
+    scene = with_counterweight_ranges(scene, scene, every)
     throws = [(webs[2 * index + 1], webs[2 * index + 2]) for index in range(throw_count(scene))]
     different = list(dict.fromkeys(throws))
     names = [OWN_THROW, *(f"throw-{throws.index(pair) + 1}.toml" for pair in different[1:])]

@@ -14,7 +14,12 @@ from cranktopo.base.notes import Pace, indented, note
 from cranktopo.base.progress import Json, resumable_memory
 from cranktopo.design.assumed import assumptions, stored_assumptions
 from cranktopo.design.crank_throws import throw_count
-from cranktopo.design.free_dimensions import DIMENSIONS, free_range_mm, is_of_counterweight
+from cranktopo.design.free_dimensions import (
+    COUNTERWEIGHT_RANGES,
+    DIMENSIONS,
+    free_range_mm,
+    is_of_counterweight,
+)
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.outcome import GoalWords
 from cranktopo.design.halves import require_equal_halves
@@ -168,7 +173,7 @@ def _without_free_journals(scene: Scene) -> Scene:
     if not free:
         return scene
     note(f"{scene.name}: {', '.join(free)} not free here: webs of their own share their journals")
-    free_web = scene.shape.free.model_dump(include={"counterweight_radius_mm", "counterweight_angle_deg"})
+    free_web = scene.shape.free.model_dump(include=COUNTERWEIGHT_RANGES)
     shape = scene.shape.model_copy(update={"free": FreeDimensions(**free_web)})
     return scene.model_copy(update={"shape": shape})
 
