@@ -21,3 +21,8 @@ Span = Literal["symmetric", "antisymmetric", "whole"]
 def about_z_deg(crank_angle_deg: float) -> float:
     """Return the right-handed rotation about z, deg, that turns a throw by an angle in the crank's sense."""
     return -crank_angle_deg
+
+
+def shortest_turn_deg(angle_deg: float) -> float:
+    """Return the turn to the same direction as an angle's, from -180 up to 180 deg."""
+    return (angle_deg + 180.0) % 360.0 - 180.0

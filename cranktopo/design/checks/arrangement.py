@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 from cranktopo.base.errors import invalid
+from cranktopo.base.frames import shortest_turn_deg
 from cranktopo.design.arrangement import Arrangement, BalancerShaft
 from cranktopo.design.engine import Engine
 from cranktopo.design.schema import Scene
@@ -112,7 +113,7 @@ def _check_even_firing(scene: Scene, engine: Engine) -> None:
     splay = f", split pins ({_PATH}.pin_splay_deg)" if engine.arranged.layout == "V" else ""
     for cylinder in range(1, engine.cylinders + 1):
         first = engine.throw_of(cylinder) + 1
-        gap = (engine.even_angle_deg(cylinder) - engine.even_angle_deg(first) + 180.0) % 360.0 - 180.0
+        gap = shortest_turn_deg(engine.even_angle_deg(cylinder) - engine.even_angle_deg(first))
         if abs(gap) > 1e-6:
             raise scene.invalid(
                 "engine.firing_order",

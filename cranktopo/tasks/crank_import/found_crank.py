@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.frames import shortest_turn_deg
 from cranktopo.tasks.importing.faces import from_line_mm
 
 
@@ -180,7 +181,7 @@ class FoundCrank:
     def splay_deg(self, number: int) -> float:
         """Return by how much the half pin after a number is ahead of that one, -180 to 180."""
         low, high = (self.angle_deg(self.pins[place]) for place in (number - 1, number))
-        return round((high - low + 180) % 360 - 180, 6)
+        return round(shortest_turn_deg(high - low), 6)
 
     def turn_deg(self, own: Array) -> float:
         """Return the angle of a direction across the axis from the first throw, as `angle_deg`."""

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from cranktopo.base.frames import shortest_turn_deg
 from cranktopo.tasks.crank_import.found_crank import FoundCrank
 from cranktopo.tasks.crank_import.half_body import HalfGroup
 
@@ -54,7 +55,7 @@ def _same(one: Sequence[_Half], other: Sequence[_Half]) -> bool:
     """Tell whether two cranks are alike but for a turn about their axis."""
     turn = one[0][0] - other[0][0]
     return all(
-        abs((a[0] - b[0] - turn + 180) % 360 - 180) < _SAME_DEG and a[1:] == b[1:]
+        abs(shortest_turn_deg(a[0] - b[0] - turn)) < _SAME_DEG and a[1:] == b[1:]
         for a, b in zip(one, other, strict=True)
     )
 

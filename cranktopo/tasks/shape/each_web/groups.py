@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from cranktopo.base.frames import shortest_turn_deg
+
 ALIKE_PERCENT = 2.0
 """Difference of least safeties, %, below which webs are to be equal; meshes scatter them by 0.5 %."""
 _SAME_DEG = 1e-6
@@ -67,7 +69,7 @@ def is_mirrored(angles_deg: Sequence[float]) -> bool:
     """Tell whether a shaft is its own image in its middle: mirrored, or turned about an axis across it."""
     pairs = list(zip(angles_deg, reversed(angles_deg), strict=True))
     return any(
-        all(abs((one + sign * other - begin + 180) % 360 - 180) < _SAME_DEG for one, other in pairs)
+        all(abs(shortest_turn_deg(one + sign * other - begin)) < _SAME_DEG for one, other in pairs)
         for sign in (-1, 1)
         for begin in [pairs[0][0] + sign * pairs[0][1]]
     )
