@@ -43,8 +43,8 @@ FITTED: tuple[type[FittedFeature], ...] = (FittedBevel, FittedSlot, *FITTED_TO_R
 """Kinds that a table of the web can be read back as."""
 
 
-_INWARD = 1 - 1e-6
-"""Factor on points that lie on an edge."""
+_INWARD, _INWARD_OF_FACETS = 1 - 1e-6, 1 - 2e-3
+"""Factor on the distance of points that lie on an edge from the middle of what it bounds."""
 
 
 class WebTable(SceneTable, ABC):
@@ -151,21 +151,30 @@ def kept_holes(scene: ThrowView) -> tuple[Body, ...]:
     return tuple(body for body in _feature_bodies(scene) if body.kept and not body.adds)
 
 
-def check_inside(scene: ThrowView, section: Section, z_mm: float | None = None) -> None:
-    """Check that a section of the design space, at a height or any, holds what no optimiser takes away."""
+def check_inside(
+    scene: ThrowView, section: Section, z_mm: float | None = None, of_facets: bool = False
+) -> None:
+    """Check that a section of the design space, at a height or any, holds what no optimiser takes away.
+
+    Args:
+        of_facets: the design space is a body of flat facets, which lie inside the round faces they stand for.
+    """
     for key, feature in scene.web.features():
         for body in feature.occupied(scene, key):
             if z_mm is None or body.z_mm[0] < z_mm < body.z_mm[1]:
-                _check_body_inside(body, section, sum(body.z_mm) / 2 if z_mm is None else z_mm)
+                at_mm = sum(body.z_mm) / 2 if z_mm is None else z_mm
+                _check_body_inside(body, section, at_mm, _INWARD_OF_FACETS if of_facets else _INWARD)
 
 
-def _check_body_inside(body: Body, section: Section, z_mm: float) -> None:
-    left, right, y = (_INWARD * ends for ends in body.ends_mm())
-    spans = section(y, np.full_like(y, z_mm))
-    outside = ~(holds(spans, right) & holds(spans, left))
+def _check_body_inside(body: Body, section: Section, z_mm: float, inward: float) -> None:
+    left, right, y = body.ends_mm()
+    across, along = (left.min() + right.max()) / 2, (y.min() + y.max()) / 2
+    within = along + inward * (y - along)
+    spans = section(within, np.full_like(y, z_mm))
+    outside = ~np.logical_and(*(holds(spans, across + inward * (ends - across)) for ends in (left, right)))
     if outside.any():
         at = int(np.flatnonzero(outside)[0])
-        x, place = right[at] / _INWARD, y[at] / _INWARD
+        x, place = right[at], y[at]
         raise invalid(
             *body.outer_dimension,
             f"reaches beyond the design space [envelope] at x = {x:.4g}, y = {place:.4g} mm",

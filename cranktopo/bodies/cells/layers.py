@@ -132,8 +132,9 @@ def _design_layers(scene: Scene, z_mm: tuple[float, float], bores: Sequence[Sect
             if body.z_mm[0] < middle < body.z_mm[1] and not isinstance(body, DrilledBody)
         ]
 
-    outline = _turning_free(scene, envelope_section(design_envelope(scene), middle))
-    check_inside(scene, outline, middle)
+    envelope = design_envelope(scene)
+    outline = _turning_free(scene, envelope_section(envelope, middle))
+    check_inside(scene, outline, middle, of_facets=envelope.stl_file is not None)
     kept = here(kept_bodies(scene))
     cuts = [*bores, *(hole.spans for hole in here(kept_holes(scene)))]
     web = section_difference(outline, *cuts, *frozen_at(scene, middle))

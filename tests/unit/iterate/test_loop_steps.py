@@ -214,3 +214,17 @@ def test_the_solid_of_a_step_is_the_next_envelope(tmp_path: Path, mikron: Scene)
         (domain.design_fraction * domain.volume_mm3).sum()
     ) / domain.symmetry_fraction / 2 == pytest.approx(exact, rel=4e-3)
     assert transition_mm(read_solids(tmp_path).web, mikron) == pytest.approx(19.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("name", ["car-diesel", pytest.param("industrial-gas", marks=pytest.mark.slow)])
+def test_the_next_envelope_holds_the_counterweight(name: str, tmp_path: Path) -> None:
+    """Its facets lie inside the rim, and its flanks are rounded to single precision."""
+    scene = load_scene(name)
+    path = write_envelope(write_solids(scene, tmp_path).web, tmp_path)
+    inside = scene.model_copy(update={"envelope": StlEnvelope(shape="stl", file=str(path), symmetric=True)})
+    assert build_domain(inside, 4.0).design_fraction.sum() > 0
+    heavy = inside.web.counterweight
+    wider = heavy.model_copy(update={"outer_radius_mm": 1.005 * heavy.outer_radius_mm})
+    larger = inside.model_copy(update={"web": inside.web.model_copy(update={"counterweight": wider})})
+    with pytest.raises(CranktopoError, match="reaches beyond the design space"):
+        build_domain(larger, 4.0)
