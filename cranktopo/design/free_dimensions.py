@@ -262,6 +262,7 @@ def _check_fillet(scene: Scene, name: DimensionName, found: tuple[float, float])
             "pin's diameter (IACS UR M53)",
             "Narrow the range.",
         )
+    _check_recess(scene, name, found)
     journal, room = _shortest_journal(scene, name)
     if found[1] >= room / 2 and (is_axial(name) or _stays_round(scene, name)):
         raise _refused(
@@ -271,6 +272,18 @@ def _check_fillet(scene: Scene, name: DimensionName, found: tuple[float, float])
             f"{room:g} mm",
             "Narrow this range" + (" or that of the thickness." if journal == "main_journal" else "."),
         )
+
+
+def _check_recess(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
+    """The arc of an undercut fillet is that of a circle, and goes deeper than the web's face."""
+    recess = journal_of(scene, name).recess_mm
+    if recess is None:
+        return
+    key = f"{key_of(_fillet_of(name)).removesuffix('fillet_mm')}recess_mm = {recess:g} mm"
+    if is_axial(name):
+        raise _refused(scene, name, f"{key}: an ellipse has no recess", "Leave one of them out.")
+    if found[0] <= recess:
+        raise _refused(scene, name, f"the least must be larger than {key}", "Narrow the range.")
 
 
 def _stays_round(scene: Scene, name: DimensionName) -> bool:
@@ -303,7 +316,7 @@ def _check_clear(scene: Scene, name: DimensionName) -> None:
     if _fillet_of(name) not in (bore, fillet):
         bore, fillet = ("journal_bore", "pin_fillet")
     bored, other = journal_of(scene, bore), journal_of(scene, fillet)
-    reach = bored.bore_radius_mm + other.radius_mm + other.fillet_mm
+    reach = bored.bore_radius_mm + other.clear_radius_mm
     if bored.bore_radius_mm and reach >= scene.throw.radius_mm:
         raise _refused(
             scene,

@@ -317,9 +317,11 @@ class FittedBevel(FittedToSections):
         nearer = arc.start_mm - arc.outward * axis - _rounded_off_mm(arc, axis) if self.draft_deg else 0.0
         yield shoulder_rule(name.replace("_", " ")), shoulder + nearer - arc.start_mm
         yield f"least length of the {self.title}, {least:.3g} mm", least + arc.start_mm - arc.end_mm
-        wall = around.scene.web.thickness_mm - least
+        recess = other.recess_mm or 0.0
+        wall = around.scene.web.thickness_mm - least - recess
         edge = f"under the edge of the {under.replace('_', ' ')}"
-        yield wall_rule(edge, least), -_least_off_mm(arc, wall, arc.outward * far, other.radius_mm)
+        rim = other.clear_radius_mm if recess else other.radius_mm
+        yield wall_rule(edge, least), -_least_off_mm(arc, wall, arc.outward * far, rim)
         most = 0.95 * _twice_tangent(arc.end_mm - arc.start_mm, arc.depth_mm)
         yield f"the arc of the {self.title} does not turn back", 4 * arc.crown_mm - most
         draft_deg = around.limits.workshop.draft_deg

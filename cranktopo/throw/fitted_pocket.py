@@ -155,9 +155,13 @@ class FittedPocket(FittedFloor):
             beside = wall_rule(f"between the {self.title} and the bore of the {name}", least)
             yield beside, journal.bore_radius_mm + wall - gap
             if self.face in (face, "through"):
+                yield shoulder_rule(name), journal.clear_radius_mm + least_shoulder_mm(throw) - gap
+            elif journal.recess_mm:
+                under = named.depth + journal.recess_mm + wall - around.scene.web.thickness_mm
+                away = journal.clear_radius_mm + wall - gap
                 yield (
-                    shoulder_rule(name),
-                    journal.radius_mm + journal.fillet_mm + least_shoulder_mm(throw) - gap,
+                    wall_rule(f"between the {self.title} and the recess of the {name}", least),
+                    (np.minimum(under, away)),
                 )
 
     @override

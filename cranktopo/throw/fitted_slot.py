@@ -142,7 +142,8 @@ class FittedSlot(FittedFloor, FittedToSections):
         least, own = around.limits.min_wall_mm, f"between the {self.title} and"
         rounding, shallowest = self.rounding(named), self.shallowest_mm(named.draft)
         yield f"least depth of the {self.title}, {shallowest:.3g} mm", shallowest - deep
-        flange = tall + np.abs(offset) + wall - scene.web.thickness_mm / 2
+        recess = max(journal.recess_mm or 0.0 for journal, _ in scene.throw.journals)
+        flange = tall + np.abs(offset) + recess + wall - scene.web.thickness_mm / 2
         yield wall_rule(f"beside the {self.title}", least), flange
         if not self.through and scene.web.counterweight is not None:
             low = named.y - named.length / 2 - slope * (deep + BEYOND_MM)

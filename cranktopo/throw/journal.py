@@ -44,6 +44,11 @@ class FilletSection:
         return math.acos(1 - self.recess_mm / self.radial_mm) if self.recess_mm else 0.0
 
     @property
+    def arc_rad(self) -> float:
+        """Angle from where it leaves the journal to where it meets the web's face."""
+        return math.pi / 2 + self.start_rad
+
+    @property
     def round(self) -> bool:
         """True if it is a circle."""
         return self.radial_mm == self.axial_mm

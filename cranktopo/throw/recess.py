@@ -9,7 +9,6 @@ import numpy as np
 from typing_extensions import override
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError
 from cranktopo.base.spans import Span
 from cranktopo.throw.feature import Body, ThrowView
 from cranktopo.throw.journal import FilletSection
@@ -98,16 +97,6 @@ def recesses(scene: ThrowView) -> Iterator[FilletRecess]:
             low, high = sorted((face, face + into * fillet.recess_mm))
             centre = journal.radius_mm + fillet.radial_mm
             yield FilletRecess(f"throw.{name}.recess_mm", (low, high), fillet, axis, centre, face, into)
-
-
-def require_no_recess(scene: ThrowView) -> None:
-    """Refuse recesses of fillets, for what moves or fills the web around them."""
-    found = next(recesses(scene), None)
-    if found is not None:
-        raise CranktopoError(
-            f"{found.key} = {found.fillet.recess_mm:g}: this command or stage knows no recesses of fillets.",
-            hint="Leave it out here; evaluate, compare, fatigue, loads, balance, export and drawing have it.",
-        )
 
 
 def check_recesses_apart(scene: ThrowView) -> None:

@@ -36,7 +36,6 @@ from cranktopo.design.checks.scene import check_envelope_reach
 from cranktopo.design.crank_throws import refuse_flying_web, refuse_split_pins
 from cranktopo.design.halves import envelope_asymmetry, may_mirror, require_equal_halves, web_asymmetry
 from cranktopo.design.schema import Scene
-from cranktopo.throw.recess import require_no_recess
 from cranktopo.throw.web import web_bodies
 
 
@@ -101,7 +100,7 @@ def build_domain(
     grid: CellGrid | None = None,
     tolerance: FillTolerance = EXACT,
 ) -> Domain:
-    """Return grid and cell fractions of a scene.
+    """Return grid and cell fractions of a scene, without fillets and their recesses.
 
     Args:
         target: "envelope" makes the design space designable, "web" makes the scene's own web fixed solid.
@@ -114,7 +113,6 @@ def build_domain(
     require_equal_halves(scene)
     refuse_flying_web(scene)
     refuse_split_pins(scene)
-    require_no_recess(scene)
     if extent is None:
         extent = "quarter" if laterally_symmetric(scene, target) else "half"
     layers = half_throw_layers(scene, target)

@@ -26,6 +26,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.throw.envelope import Envelope
 from cranktopo.throw.feature import Body, DrilledBody
 from cranktopo.throw.journal import Journal
+from cranktopo.throw.recess import FilletRecess
 from cranktopo.throw.web import check_inside, kept_bodies, kept_holes, web_bodies, web_spans
 
 ORIGINAL_KEY = "original.file"
@@ -78,7 +79,7 @@ def _annulus(journal: Journal, y_mm: float) -> Section:
 def _own_web(scene: Scene) -> list[AxialLayer]:
     if scene.original is not None:
         return _body_from_file(scene, envelope_from_file(Path(scene.original.file), key=ORIGINAL_KEY))
-    bodies = [body for body in web_bodies(scene) if not isinstance(body, DrilledBody)]
+    bodies = [body for body in web_bodies(scene) if not isinstance(body, (DrilledBody, FilletRecess))]
     section, changing = _section(bodies), [ends for body in bodies for ends in body.changing_z_mm]
     cuts = [z for ends in (*changing, *(body.z_mm for body in bodies)) for z in ends]
     return [

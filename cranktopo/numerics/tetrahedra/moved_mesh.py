@@ -7,7 +7,7 @@ shorter they are.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -128,8 +128,7 @@ class MovedMesh:
         """Return the motion of the nodes per mm or degree of each parameter, (3, nodes, parameters)."""
         contacts, at = self._contacts(mesh.points_mm, values), mesh.points_mm[:, self._surface]
         normal_motions = [-face.gradients(at[:, nodes], values) / c.steepness for nodes, face, c in contacts]
-        here, there = self._led(values), [self._led(values + unit) for unit in np.eye(len(values))]
-        led = [np.stack([w[k] - here[k] for w in there], axis=-1) for k in range(len(here))]
+        led = [face.velocities(start, self.values, values) for face, start in self._leading()]
         return self._spread(self._rules(contacts, normal_motions, led))
 
     def _contacts(self, points_mm: Array, values: Array) -> list[tuple[Index, MovingFace, Contact]]:
@@ -139,13 +138,14 @@ class MovedMesh:
         return [(nodes, face, face.contact(at[:, nodes], values)) for nodes, face in pairs]
 
     def _led(self, values: Array) -> list[Array]:
-        """Return the motion of the nodes of leading faces from the first mesh, (n, 3), linear in values."""
-        ways = []
+        """Return the motion of the nodes of leading faces from the first mesh, (n, 3)."""
+        return [(face.moved(start, self.values, values) - start).T for face, start in self._leading()]
+
+    def _leading(self) -> Iterator[tuple[LeadingFace, Array]]:
+        """Yield the leading faces and the places of their nodes in the first mesh, (3, n)."""
         for on, face in zip(self._on, self._faces, strict=True):
             if isinstance(face, LeadingFace):
-                start = self.mesh.points_mm[:, self._surface[on]]
-                ways.append((face.moved(start, self.values, values) - start).T)
-        return ways
+                yield face, self.mesh.points_mm[:, self._surface[on]]
 
     def _rules(
         self, contacts: list[tuple[Index, MovingFace, Contact]], normal_motions: list[Array], led: list[Array]

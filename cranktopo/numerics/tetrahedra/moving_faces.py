@@ -55,7 +55,16 @@ class LeadingFace(MovingFace):
 
     @abstractmethod
     def moved(self, points_mm: Array, start: Array, values: Array) -> Array:
-        """Return where points (3, n) of the face come to from some values to others: linear in these."""
+        """Return where points (3, n) of the face come to from some values to others."""
+
+    def velocities(self, points_mm: Array, start: Array, values: Array) -> Array:
+        """Return its motion per mm or degree of each parameter, (n, 3, parameters); here of a linear one."""
+
+        def motion(values: Array) -> Array:
+            return (self.moved(points_mm, start, values) - points_mm).T
+
+        here = motion(values)
+        return np.stack([motion(values + unit) - here for unit in np.eye(len(values))], axis=-1)
 
 
 def contact_of(distance_mm: Callable[[Array], Array], points_mm: Array) -> Contact:

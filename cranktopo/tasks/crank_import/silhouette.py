@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 _STEP_MM = 0.25
 """Way between points of an edge whose distance from another is looked at."""
+_CORNERS = 6
+"""Corners nearest to a point, at whose sides the nearest place of an edge is looked for."""
 
 
 def drawn_outline(scene: Scene) -> CrossSection:
@@ -59,17 +61,22 @@ def _dense(section: CrossSection) -> Array:
 
 
 def _from(points: Array, edge: Array) -> Array:
-    """Distances of points from a closed polygon of short sides."""
+    """Distances of points from a closed polygon of short sides.
+
+    Of the sides at several corners: where the silhouette of triangles folds by a hair, those of the nearest
+    corner need not be the nearest.
+    """
     from scipy.spatial import cKDTree
 
-    _, nearest = cKDTree(edge).query(points)
-    distances = []
-    for step in (-1, 0):
-        a, b = edge[(nearest + step) % len(edge)], edge[(nearest + step + 1) % len(edge)]
-        along = b - a
-        share = np.clip(((points - a) * along).sum(1) / np.maximum((along**2).sum(1), 1e-30), 0, 1)
-        distances.append(np.linalg.norm(a + share[:, None] * along - points, axis=1))
-    return np.asarray(np.min(distances, axis=0))
+    _, near = cKDTree(edge).query(points, k=min(_CORNERS, len(edge)))
+    found = np.full(len(points), np.inf)
+    for corner in near.T:
+        for step in (-1, 0):
+            a, b = edge[(corner + step) % len(edge)], edge[(corner + step + 1) % len(edge)]
+            along = b - a
+            share = np.clip(((points - a) * along).sum(1) / np.maximum((along**2).sum(1), 1e-30), 0, 1)
+            found = np.minimum(found, np.linalg.norm(a + share[:, None] * along - points, axis=1))
+    return found
 
 
 def half_width_mm(points: Array, y: float) -> float:

@@ -233,7 +233,7 @@ def _bore_rules(scene: Scene, wall_mm: float) -> Iterator[Rule]:
         bore = journal.bore_radius_mm
         if bore:
             yield wall_rule(f"of the bored {name}", wall_mm), bore + wall - journal.radius_mm
-            away = bore + other.radius_mm + other.fillet_mm + shoulder - throw
+            away = bore + other.clear_radius_mm + shoulder - throw
             yield f"the bore of the {name} stays clear of the other journal's fillet", away
     if main.bore_radius_mm and pin.bore_radius_mm:
         both = main.bore_radius_mm + pin.bore_radius_mm + wall - throw

@@ -67,7 +67,7 @@ def _reach_names(scene: Scene, limits: ManufacturingLimits) -> list[str]:
     least = least_shoulder_mm(scene.throw)
     return [
         wall_rule(f"between the outline and the bore of the {name}", limits.min_wall_mm)
-        if journal.bore_radius_mm + limits.min_wall_mm > journal.radius_mm + journal.fillet_mm + least
+        if journal.bore_radius_mm + limits.min_wall_mm > journal.clear_radius_mm + least
         else shoulder_rule(name)
         for name, (journal, _) in zip(JOURNALS, scene.throw.journals, strict=True)
     ]
@@ -130,7 +130,7 @@ def reaches_mm(scene: Scene, limits: ManufacturingLimits) -> list[tuple[float, f
     """Return the axes along the throw and the outline's minimum distance from each: bore wall, fillet."""
     least = least_shoulder_mm(scene.throw)
     return [
-        (y, max(j.bore_radius_mm + limits.min_wall_mm, j.radius_mm + j.fillet_mm + least) + CLEAR_MM)
+        (y, max(j.bore_radius_mm + limits.min_wall_mm, j.clear_radius_mm + least) + CLEAR_MM)
         for j, y in scene.throw.journals
     ]
 

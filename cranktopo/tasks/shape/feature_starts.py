@@ -54,7 +54,7 @@ def bevel_start(scene: Scene, bevel: FittedBevel) -> Array:
     on_journal_face = bevel.face == "journal"
     journal, axis = scene.throw.journals[0 if on_journal_face else 1]
     outward = 1.0 if on_journal_face else -1.0
-    clear = journal.radius_mm + journal.fillet_mm + 1.0
+    clear = journal.clear_radius_mm + 1.0
     values = np.array([axis + outward * clear, _BEVEL_SHARE * scene.web.thickness_mm, 0.0])
     ends = np.array(scene.web.y_range_mm(scene.throw.radius_mm))
     for _ in range(_PASSES if bevel.draft_deg else 0):

@@ -46,7 +46,6 @@ from cranktopo.tasks.shape.search_goal import Quantities
 from cranktopo.tasks.shape.shaft_frequency import NAME, frequency_of, needed_for, slope_of
 from cranktopo.tasks.shape.web_faces import moved_web
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
-from cranktopo.throw.recess import require_no_recess
 
 _RESIDUAL = 1e-4
 """Accepted in a search: errors far below those of its mesh; solves aim at a hundredth of it.
@@ -102,7 +101,6 @@ class MeshModel:
             loads: over which load states these are found.
         """
         require_equal_halves(scene)
-        require_no_recess(scene)
         sized = scene_at(scene, layout, values)
         self.scene = scene_with_web(sized, exact_web_of(layout, values, sized))
         meshed = mesh_throw(self.scene, element_size_mm, fillet_fraction=fillet_fraction)

@@ -49,7 +49,10 @@ class ThrowFace(MovingFace):
 
 @dataclass(frozen=True)
 class FilletFace(ThrowFace, LeadingFace):
-    """A fillet, at the main journal or the pin, whose nodes keep their angles around it and along its arc."""
+    """A fillet, at the main journal or the pin, whose nodes keep their angles around it and along its arc.
+
+    Of a fillet with a recess they keep their share of the arc, which is longer the less its radius.
+    """
 
     number: int
 
@@ -61,16 +64,30 @@ class FilletFace(ThrowFace, LeadingFace):
         far = np.hypot(*across)
         out, up = (far - distance) / section.radial_mm, (points_mm[2] - height) / section.axial_mm
         out, up = np.stack([out, up]) / np.hypot(out, up)  # the kernel's edges are off an ellipse by 1e-8 mm
-        section, distance, height = self._centre(values)
+        before, (section, distance, height) = section, self._centre(values)
+        if section.recess_mm:
+            along = np.arctan2(-self._side * up, -out) * (section.arc_rad / before.arc_rad)
+            out, up = -np.cos(along), -self._side * np.sin(along)
         x_mm, y_mm = (distance + section.radial_mm * out) * (across / far)
         return np.stack([x_mm, y + y_mm, height + section.axial_mm * up])
+
+    @override
+    def velocities(self, points_mm: Array, start: Array, values: Array) -> Array:
+        if not self.scene.throw.journals[self.number][0].recess_mm:
+            return super().velocities(points_mm, start, values)
+        sizes = range(len(values) - len(self.layout.dimensions), len(values))
+        return central_difference(lambda to: self.moved(points_mm, start, to).T, values, STEP, sizes)
+
+    @property
+    def _side(self) -> float:
+        return 1.0 if self.number else -1.0
 
     def _centre(self, values: Array) -> tuple[FilletSection, float, float]:
         """Return the fillet's section, and radius and height of its centre circle."""
         scene = scene_at(self.scene, self.layout, values)
         journal, _ = scene.throw.journals[self.number]
-        section, side = journal.fillet, 1.0 if self.number else -1.0
-        height = scene.web_z_mm[self.number] + side * section.axial_mm
+        section = journal.fillet
+        height = scene.web_z_mm[self.number] + self._side * section.reach_mm
         return section, journal.radius_mm + section.radial_mm, height
 
 
@@ -146,10 +163,10 @@ def _off_drilling(number: int, scene: Scene, at: Array) -> Array:
 
 
 def off_fillet(number: int, scene: Scene, at: Array) -> Array:
-    """Return the distance from the quarter of the ring that is the fillet; far from the rest."""
+    """Return the distance from the part of the ring that is the fillet; far from the rest."""
     journal, y = scene.throw.journals[number]
     section, side = journal.fillet, 1.0 if number else -1.0
     across = np.hypot(at[0], at[1] - y) - journal.radius_mm - section.radial_mm
-    height = side * (at[2] - scene.web_z_mm[number]) - section.axial_mm
-    beyond = (across > _BESIDE_MM) | (height > _BESIDE_MM)
+    height = side * (at[2] - scene.web_z_mm[number]) - section.reach_mm
+    beyond = (across > section.half_mouth_mm + _BESIDE_MM) | (height > _BESIDE_MM)
     return np.asarray(section.off_mm(across, height) + np.where(beyond, section.radial_mm, 0.0))

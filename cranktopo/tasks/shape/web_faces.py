@@ -153,7 +153,7 @@ def web_faces(scene: Scene, layout: Layout, *, mirrored: bool) -> list[MovingFac
     fillets = [
         FilletFace(scene, layout, partial(off_fillet, k), k)
         for k, (journal, _) in enumerate(scene.throw.journals)
-        if moving and journal.fillet_mm
+        if (moving and journal.fillet_mm) or journal.recess_mm  # the rest lies beyond the web
     ]
     flanks = [_FilletedFlank(scene, layout)] if weight is not None and weight.fillet_mm else []
     return [*throw, *fillets, *flanks, _OutlineFace(layout), *_feature_faces(scene, layout)]

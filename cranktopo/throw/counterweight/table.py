@@ -164,7 +164,7 @@ class Counterweight(Feature):
         if self.thickness_mm is not None and self.thickness_mm > web.thickness_mm:
             allowed = f"must be at most web.thickness_mm = {web.thickness_mm:g} mm"
             raise scene.invalid(f"{key}.thickness_mm", allowed, "Leave it out for all of it.")
-        least = journal.radius_mm + journal.fillet_mm + least_shoulder_mm(scene.throw)
+        least = journal.clear_radius_mm + least_shoulder_mm(scene.throw)
         if self.outer_radius_mm <= least:
             raise scene.invalid(
                 f"{key}.outer_radius_mm",

@@ -185,18 +185,8 @@ def test_journals_that_a_drilling_joins_are_found_apart() -> None:
     assert sorted(wall.span for wall in found) == [(0.0, 10.0), (10.0, 30.0), (30.0, 45.0)]
 
 
-def told_as_profile() -> list[Any]:
-    """Return the built-in designs; the silhouette of one in triangles is off by 0.088 mm at one place."""
-    mark = pytest.mark.xfail(
-        reason="its ellipse, rms 0.005 mm off, loses to a profile by a spike of 0.088 mm"
-    )
-    return [
-        pytest.param(name, marks=[mark] if name == "opposed-piston-variant-1" else []) for name in built_in()
-    ]
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("name", told_as_profile())
+@pytest.mark.parametrize("name", built_in())
 def test_built_in_cranks(tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Journals and webs; triangles do not tell the radius of outlets, nor a slot's length beyond the web."""
     scene = load_scene(name)
