@@ -117,7 +117,8 @@ class Row:
         return "" if code in (0, 5, 6) else f"exit code {code}"
 
     def __str__(self) -> str:
-        told = self.ended.last_line[:160] if self.ended.code or self.fault else ""
+        lost = (line for line in self.ended.told.splitlines() if " was lost" in line)
+        told = next(lost, self.ended.last_line)[:300] if self.ended.code or self.fault else ""
         cells = self.design, self.command, str(self.ended.code), f"{self.ended.seconds:.0f}", told, self.fault
         return f"| {' | '.join(cells)} |"
 
