@@ -159,10 +159,8 @@ class FittedPocket(FittedFloor):
             elif journal.recess_mm:
                 under = named.depth + journal.recess_mm + wall - around.scene.web.thickness_mm
                 away = journal.clear_radius_mm + wall - gap
-                yield (
-                    wall_rule(f"between the {self.title} and the recess of the {name}", least),
-                    (np.minimum(under, away)),
-                )
+                below = wall_rule(f"between the {self.title} and the recess of the {name}", least)
+                yield below, np.minimum(under, away)
 
     @override
     def box_mm(self, named: Named, around: Surroundings) -> Array:
