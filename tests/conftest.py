@@ -10,6 +10,9 @@ from pathlib import Path
 
 import pytest
 
+# As in the program, before NumPy loads: threads of OpenBLAS wait busily, three of four seconds of a solve.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 from cranktopo.app import process
 from cranktopo.app.main import main
 from cranktopo.design.loading import load_scene
@@ -19,6 +22,9 @@ from cranktopo.numerics.precision import compile_quickly, double_precision
 if "PYTEST_XDIST_WORKER" in os.environ:
     # The last act of a process of tests: else nanobind lists what lives in caches as leaked, in many lines.
     atexit.register(os._exit, 0)
+
+# Collecting tests makes many objects that stay, as loading the program does.
+gc.set_threshold(*process._COLLECTING)
 
 # A suite that was started in the background ignores Ctrl-C, and so would the commands that it interrupts.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -32,6 +38,15 @@ def pytest_configure(config: pytest.Config) -> None:
     compile_quickly()
     if config.getoption("markexpr") == "not slow":
         os.environ.setdefault("JAX_DISABLE_MOST_OPTIMIZATIONS", "1")
+    if os.environ.get("PYTEST_XDIST_WORKER") == "gw1" and config.args == config.getini("testpaths"):
+        config.args = _folders_from_the_last()
+
+
+def _folders_from_the_last() -> list[str]:
+    """Folders of tests: a second process compiles those that the first one has not come to, and not all."""
+    here = Path(__file__).parent
+    tops = {file.relative_to(here).parts[0] for file in here.rglob("test_*.py")}
+    return [str(here / top) for top in sorted(tops, reverse=True)]
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -61,19 +76,20 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def compilations(shared: Path) -> Iterator[None]:
     """Compiled programs, apart from the user's: all test processes and the commands they start share them.
 
-    Modules too, whose compiling takes a third of the time that a command needs to begin.
+    Modules too, whose compiling takes a third of the time that a command needs to begin, where Python is
+    not to keep them beside their sources.
     """
     with pytest.MonkeyPatch.context() as patched:
         patched.setenv("XDG_CACHE_HOME", str(shared / "cache"))
-        patched.setenv("PYTHONPYCACHEPREFIX", str(shared / "modules"))
-        patched.delenv("PYTHONDONTWRITEBYTECODE", raising=False)
+        if os.environ.get("PYTHONDONTWRITEBYTECODE"):
+            patched.setenv("PYTHONPYCACHEPREFIX", str(shared / "modules"))
+            patched.delenv("PYTHONDONTWRITEBYTECODE")
         yield
 
 
 @pytest.fixture(scope="session", autouse=True)
 def collecting() -> None:
-    """Unused objects are looked for as rarely as in the program, and not among those that stay."""
-    gc.set_threshold(*process._COLLECTING)
+    """Unused objects are not looked for among those that stay."""
     gc.collect()
     gc.freeze()
 
