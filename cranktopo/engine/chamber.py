@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.root import root
 from cranktopo.design.schema import Scene
-from cranktopo.engine.kinematics import exact_motion
+from cranktopo.engine.kinematics import ExactMotion, exact_motion
 
 _TOLERANCE_DEG = 1e-10
 
@@ -38,11 +39,15 @@ class Chamber:
     least_mm: float
     stroke_mm: float
 
-    def volume(self, angle_deg: Array, compression_ratio: float) -> tuple[Array, Array]:
-        """Return the volume over the least one, and its derivative per rad, at angles after the least one."""
-        way, rate = _ways_mm(self.pistons, angle_deg + self.dead_centre_deg)
-        per_mm = (compression_ratio - 1.0) / self.stroke_mm
-        return 1.0 + per_mm * (way - self.least_mm), per_mm * rate
+    def volume(self, angle_deg: Array, compression_ratio: float) -> Array:
+        """Return the volume over the least one at angles after the least one."""
+        way = _way_mm(self.pistons, angle_deg + self.dead_centre_deg)
+        return 1.0 + (compression_ratio - 1.0) / self.stroke_mm * (way - self.least_mm)
+
+    def volume_rate(self, angle_deg: Array, compression_ratio: float) -> Array:
+        """Return the derivative of the volume per rad."""
+        rate = _rate_mm(self.pistons, angle_deg + self.dead_centre_deg)
+        return (compression_ratio - 1.0) / self.stroke_mm * rate
 
 
 def chamber_of(scene: Scene) -> Chamber:
@@ -63,7 +68,7 @@ def chamber(*pistons: Piston) -> Chamber:
     The room is least and largest between the dead centres of both pistons.
     """
     inner, outer = _still_deg(pistons, 0.0), _still_deg(pistons, 180.0)
-    least, most = _ways_mm(pistons, np.array([inner, outer]))[0]
+    least, most = _way_mm(pistons, np.array([inner, outer]))
     return Chamber(pistons, inner, float(least), float(most - least))
 
 
@@ -74,16 +79,28 @@ def _still_deg(pistons: tuple[Piston, ...], own_deg: float) -> float:
         return own_deg
 
     def rate(angle_deg: float) -> float:
-        return float(_ways_mm(pistons, np.array([angle_deg]))[1][0])
+        return float(_rate_mm(pistons, np.array([angle_deg]))[0])
 
     low, high = sorted((own_deg, own_deg - lead))
     return root(rate, low, high, _TOLERANCE_DEG)
 
 
-def _ways_mm(pistons: tuple[Piston, ...], angle_deg: Array) -> tuple[Array, Array]:
-    """Return the sum of the pistons' paths from their inner dead centres, mm, and its derivative per rad."""
-    way, rate = np.zeros_like(angle_deg), np.zeros_like(angle_deg)
+def _way_mm(pistons: tuple[Piston, ...], angle_deg: Array) -> Array:
+    """Return the sum of the pistons' paths from their inner dead centres."""
+    way = np.zeros_like(angle_deg)
+    for motion in _motions(pistons, angle_deg):
+        way = way + motion.displacement_mm
+    return way
+
+
+def _rate_mm(pistons: tuple[Piston, ...], angle_deg: Array) -> Array:
+    """Return the derivative of that sum per rad."""
+    rate = np.zeros_like(angle_deg)
+    for motion in _motions(pistons, angle_deg):
+        rate = rate + motion.radius_mm * motion.velocity_ratio
+    return rate
+
+
+def _motions(pistons: tuple[Piston, ...], angle_deg: Array) -> Iterator[ExactMotion]:
     for one in pistons:
-        motion = exact_motion(np.radians(angle_deg + one.lead_deg), one.radius_mm, one.rod_length_mm)
-        way, rate = way + motion.displacement_mm, rate + one.radius_mm * motion.velocity_ratio
-    return way, rate
+        yield exact_motion(np.radians(angle_deg + one.lead_deg), one.radius_mm, one.rod_length_mm)

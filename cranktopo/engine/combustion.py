@@ -114,14 +114,14 @@ def _smooth_step(fraction: Array) -> Array:
     return (1.0 - np.cos(np.pi * np.clip(fraction, 0.0, 1.0))) / 2
 
 
-def _volume(model: Combustion, angle_deg: Array) -> tuple[Array, Array]:
-    """Volume over the clearance volume, and its derivative per rad."""
+def _volume(model: Combustion, angle_deg: Array) -> Array:
+    """Volume over the clearance volume."""
     return model.room.volume(angle_deg, model.gas.compression_ratio)
 
 
 def _compression(model: Combustion, angle_deg: Array) -> Array:
     closing = np.array([_intake_closing_deg(model) - model.cycle_deg])
-    ratio: Array = _volume(model, closing)[0] / _volume(model, angle_deg)[0]
+    ratio: Array = _volume(model, closing) / _volume(model, angle_deg)
     return model.gas.intake_MPa * ratio**model.gas.polytropic_compression
 
 
@@ -142,7 +142,7 @@ def _burn_integral(model: Combustion, angle_deg: Array) -> Array:
     fine = np.linspace(ends[:-1], ends[1:], parts + 1, axis=1)
     half = np.diff(fine, axis=1)[..., None] / 2
     points = (fine[:, :-1] + fine[:, 1:])[..., None] / 2 + half * nodes
-    values = _volume(model, points)[0] ** (model.gas.polytropic_expansion - 1.0) * _burn_rate(model, points)
+    values = _volume(model, points) ** (model.gas.polytropic_expansion - 1.0) * _burn_rate(model, points)
     steps: Array = (values * weights * np.radians(half)).sum(axis=(1, 2))
     return np.cumsum(steps)
 
@@ -159,10 +159,10 @@ def _expansion(model: Combustion, angle_deg: Array) -> Array:
     before = angle_deg < model.start_deg
     pressure = _compression(model, angle_deg)
     start = np.array([model.start_deg])
-    constant = _compression(model, start) * _volume(model, start)[0] ** n
+    constant = _compression(model, start) * _volume(model, start) ** n
     after = angle_deg[~before]
     energy = constant + (n - 1.0) * model.heat_MPa * _burn_integral(model, after)
-    pressure[~before] = energy / _volume(model, after)[0] ** n
+    pressure[~before] = energy / _volume(model, after) ** n
     return pressure
 
 
@@ -171,8 +171,8 @@ def _heat_for_peak(model: Combustion) -> float:
     n = model.gas.polytropic_expansion
     peak_deg = _required_value("engine.gas.peak_angle_deg", model.gas.peak_angle_deg)
     peak, start = np.array([peak_deg]), np.array([model.start_deg])
-    charge = _compression(model, start) * _volume(model, start)[0] ** n
-    needed = _peak_MPa(model.gas) * _volume(model, peak)[0] ** n - charge
+    charge = _compression(model, start) * _volume(model, start) ** n
+    needed = _peak_MPa(model.gas) * _volume(model, peak) ** n - charge
     return float((needed / ((n - 1.0) * _burn_integral(model, peak)))[0])
 
 
@@ -180,7 +180,7 @@ def _peak_slope(model: Combustion, peak_deg: float) -> float:
     """Residual of (n - 1) q x' = n p v' at the peak angle."""
     n, peak = model.gas.polytropic_expansion, np.array([peak_deg])
     heating = (n - 1.0) * model.heat_MPa * _burn_rate(model, peak)
-    expansion = n * _peak_MPa(model.gas) * _volume(model, peak)[1]
+    expansion = n * _peak_MPa(model.gas) * model.room.volume_rate(peak, model.gas.compression_ratio)
     return float((heating - expansion)[0])
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
@@ -43,22 +44,54 @@ class _ForceRatios:
     tangential: Array
 
 
-def exact_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> Motion:
-    """Return the piston's motion in closed form at crank angles a from top dead centre.
+@dataclass(frozen=True)
+class ExactMotion:
+    """Motion of the piston in closed form at crank angles a from top dead centre; curves as of `Motion`.
 
     With lam = r/l and q = sqrt(1 - lam^2 sin^2 a):
     x = r + l - r cos a - l q, v = r w sin a (1 + lam cos a / q),
     acc = r w^2 (cos a + lam cos 2a / q + lam^3 sin^2 2a / (4 q^3)).
-    Raises CranktopoError where the rod is not longer than the throw.
+    Each is computed once it is asked for: the gas needs the first two, and thousands of times.
     """
-    lam = _crank_ratio(radius_mm, rod_length_mm)
-    sin, cos = np.sin(angle_rad), np.cos(angle_rad)
-    q = np.sqrt(1.0 - (lam * sin) ** 2)
-    # r (1 - cos a) + l (1 - q) with both brackets free of cancellation near top dead centre.
-    displacement = 2.0 * radius_mm * np.sin(angle_rad / 2) ** 2 + rod_length_mm * (lam * sin) ** 2 / (1.0 + q)
-    velocity = sin * (1.0 + lam * cos / q)
-    acceleration = cos + lam * np.cos(2 * angle_rad) / q + lam**3 * np.sin(2 * angle_rad) ** 2 / (4 * q**3)
-    return Motion(displacement, velocity, acceleration)
+
+    angle_rad: Array
+    radius_mm: float
+    rod_length_mm: float
+    lam: float
+
+    @cached_property
+    def _sin(self) -> Array:
+        return np.asarray(np.sin(self.angle_rad))
+
+    @cached_property
+    def _cos(self) -> Array:
+        return np.asarray(np.cos(self.angle_rad))
+
+    @cached_property
+    def _q(self) -> Array:
+        return np.asarray(np.sqrt(1.0 - (self.lam * self._sin) ** 2))
+
+    @cached_property
+    def displacement_mm(self) -> Array:
+        """Distance from top dead centre: both brackets of r (1 - cos a) + l (1 - q) free of cancellation."""
+        near = 2.0 * self.radius_mm * np.sin(self.angle_rad / 2) ** 2
+        return np.asarray(near + self.rod_length_mm * (self.lam * self._sin) ** 2 / (1.0 + self._q))
+
+    @cached_property
+    def velocity_ratio(self) -> Array:
+        """Velocity over r w."""
+        return np.asarray(self._sin * (1.0 + self.lam * self._cos / self._q))
+
+    @cached_property
+    def acceleration_ratio(self) -> Array:
+        """Acceleration over r w^2."""
+        twice, lam, q = 2 * self.angle_rad, self.lam, self._q
+        return np.asarray(self._cos + lam * np.cos(twice) / q + lam**3 * np.sin(twice) ** 2 / (4 * q**3))
+
+
+def exact_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> ExactMotion:
+    """Return the piston's motion; raises CranktopoError where the rod is not longer than the throw."""
+    return ExactMotion(angle_rad, radius_mm, rod_length_mm, _crank_ratio(radius_mm, rod_length_mm))
 
 
 def acceleration_harmonics(radius_mm: float, rod_length_mm: float, orders: Sequence[int]) -> Array:

@@ -240,7 +240,7 @@ def _exponent(cycle: Cycle, engine: Engine) -> float | None:
     gas = engine.gas
     if gas is None or gas.indicator_csv is None or "compression_ratio" not in gas.model_fields_set:
         return None
-    volume, _ = cycle.room.volume(np.array(_COMPRESSION_DEG), gas.compression_ratio)
+    volume = cycle.room.volume(np.array(_COMPRESSION_DEG), gas.compression_ratio)
     early, late = (_pressure_at(cycle, angle) for angle in _COMPRESSION_DEG)
     return math.log(late / early) / math.log(volume[0] / volume[1]) if early > 0 else None
 
