@@ -84,12 +84,11 @@ def throw_balance(scene: Scene) -> ThrowBalance:
     """
     radius, (first, second) = scene.throw.radius_mm, of_halves(scene, _half)
     journal, crankpin = first.journal + second.journal, first.crankpin + second.crankpin
-    fillets = first.fillets + second.fillets
-    total = journal + crankpin + fillets + first.web + second.web
+    total = _total(first, second)
     rotating_rods, oscillating = rods_kg_mm(scene)
     rotating = total.first_y + rotating_rods
     share = scene.engine.arranged.balanced_share if scene.engine else 0.0
-    own = first.counterweight, second.counterweight
+    own = of_halves(scene, _counterweight)
     return ThrowBalance(
         mass_kg=total.volume,
         web_kg=first.web.volume,
@@ -110,6 +109,11 @@ def throw_balance(scene: Scene) -> ThrowBalance:
     )
 
 
+def throw_factor_percent(scene: Scene) -> float | None:
+    """Return the balance factor alone; what its counterweight adds to a web takes most of the time of all."""
+    return balance_factor_percent(scene, _total(*of_halves(scene, _half)).first_y)
+
+
 @dataclass(frozen=True)
 class _Half:
     """Mass moments of the parts of a half throw, kg and mm; its counterweight is part of the web."""
@@ -118,17 +122,30 @@ class _Half:
     journal: Moments
     crankpin: Moments
     fillets: Moments
-    counterweight: Moments
     bolted: Moments
 
 
+def _total(first: _Half, second: _Half) -> Moments:
+    journal, crankpin = first.journal + second.journal, first.crankpin + second.crankpin
+    return journal + crankpin + (first.fillets + second.fillets) + first.web + second.web
+
+
 def _half(scene: Scene) -> _Half:
-    return _half_alone(scene.model_copy(update={"engine": None, "optimise": Optimise()}))
+    return _half_alone(_alone(scene))
+
+
+def _counterweight(scene: Scene) -> Moments:
+    return _counterweight_alone(_alone(scene))
+
+
+def _alone(scene: Scene) -> Scene:
+    """Return the throw without what a plan changes: it asks for one with several engines and weights."""
+    return scene.model_copy(update={"engine": None, "optimise": Optimise()})
 
 
 @lru_cache(maxsize=8)
 def _half_alone(scene: Scene) -> _Half:
-    """Return the moments of a half throw; a plan asks for one throw with several engines and weights."""
+    """Return the moments of the parts of a half throw."""
     throw, radius = scene.throw, scene.throw.radius_mm
     density = density_kg_per_mm3(scene.material.density_kg_m3)
     journal = _cylinder(throw.main_journal, 0.0).times(0.5) - drilled(scene, "main_journal")
@@ -139,9 +156,13 @@ def _half_alone(scene: Scene) -> _Half:
         journal=journal.times(density),
         crankpin=crankpin.times(density),
         fillets=fillets.times(density / 2),
-        counterweight=counterweight_mass(scene),
         bolted=bolted_mass(scene),
     )
+
+
+@lru_cache(maxsize=8)
+def _counterweight_alone(scene: Scene) -> Moments:
+    return counterweight_mass(scene)
 
 
 def _cylinder(journal: Journal, y: float) -> Moments:

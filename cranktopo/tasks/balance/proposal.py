@@ -19,7 +19,7 @@ from cranktopo.design.named import with_values
 from cranktopo.design.schema import Scene
 from cranktopo.design.shape import ShapeTable
 from cranktopo.engine.analysis import engine_of
-from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.balance.throw import throw_balance, throw_factor_percent
 from cranktopo.throw.counterweight.table import Counterweight
 
 _HALF_ANGLE_DEG = 60.0
@@ -166,7 +166,7 @@ def _error(scene: Scene) -> CranktopoError | None:
 
 
 def _factor_percent(scene: Scene) -> float:
-    return throw_balance(scene).balance_factor_percent or 0.0
+    return throw_factor_percent(scene) or 0.0
 
 
 def _no_radius(scene: Scene, percent: float, angle_deg: float) -> CranktopoError:
