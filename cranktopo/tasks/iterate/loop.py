@@ -114,12 +114,14 @@ def _worked(run: RunStore, scene: Scene, settings: Settings, resume: bool = Fals
         bare = _without_goal(scene)
         webs, reason, lost = _steps(run, bare, settings, check)
         result = _result(run, bare, webs, reason, settings, lost)
-        _write_page(run, result, webs)
+        shown = result
+        _write_page(run, shown, webs)
         if settings.shape:
             check()
             result = _handed_over(run, scene, webs, result, settings)
         result = result.model_copy(update={"bound": _bound(bare, result)})
-        _write_page(run, result, webs)
+        if result != shown:
+            _write_page(run, result, webs)
         write_json(run.path / RESULT_FILES[LOOP], result.as_json())
         write_text(run.path / LOOP_FILES["csv"], comma_separated(steps_table(result.steps)) + "\n")
         save_steps_plot(run.path / LOOP_FILES["plot"], result)
