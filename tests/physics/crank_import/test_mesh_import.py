@@ -214,12 +214,12 @@ def test_facets_of_one_size(tmp_path: Path) -> None:
 
 def test_corners_in_disorder_are_refused_at_once(tmp_path: Path) -> None:
     """Lines of a file that changed places: circles were looked for in its crumpled surface for an hour."""
-    mesh = surface_of(load_scene("mikron-iiic-plain"), "half", 3.0)
+    mesh = surface_of(load_scene("mikron-iiic-plain"), "half", 6.0)
     mixed = np.random.default_rng(1).permutation(len(mesh.vertices_mm))
     write_stl(tmp_path / "mixed.stl", SurfaceMesh(mesh.vertices_mm[mixed], mesh.faces))
     with pytest.raises(
         CranktopoError, match=r"no body of faces: \d+ % of its surface is triangles that fold"
     ):
         import_crank(tmp_path / "mixed.stl", "mixed", tmp_path / "out", unit="mm")
-    sound = [mesh, surface_of(load_scene("industrial-gas"), "web", 2.0)]
+    sound = [mesh, surface_of(load_scene("industrial-gas"), "web", 6.0)]
     assert [Skin(one, 0.01).lonely_share(0.8) < 1e-3 for one in sound] == [True, True]

@@ -26,6 +26,8 @@ from tests.physics.dynamics.shafts import forces_at, mikron, of_orders, shaft_of
 
 Array = NDArray[np.float64]
 SPRING = 4e5
+STATES = 36
+"""Angles of a cycle: harmonics up to 18 are solved, and the forces of a single order need no other."""
 PROPELLER = {"inertia_kg_m2": 0.6, "mass_kg": 6.0, "diametral_inertia_kg_m2": 0.31, "overhang_mm": 60.0}
 
 
@@ -325,15 +327,15 @@ def torque_amplitudes(
 ) -> tuple[Array, Array]:
     """Amplitudes of the torque behind the throws by a harmonic of the pin forces, and those of disks."""
     speed = 4 * np.pi * frequency_Hz / order  # a cycle is two turns
-    forces = of_orders(4, (order,), 720, speed)
+    forces = of_orders(4, (order,), STATES, speed)
     found = moving_cycle(shaft, forces).shaft.throw_N[:, 6 + RZ]
-    torque = 2 * np.fft.fft(forces.tangential_N)[:, order] / 720 * scene.throw.radius_mm / 1000
+    torque = 2 * np.fft.fft(forces.tangential_N)[:, order] / STATES * scene.throw.radius_mm / 1000
     loads = np.zeros((1, len(chain.names)), dtype=complex)
     loads[0, chain.driven] = torque
     frequency = np.array([frequency_Hz * 2 * np.pi])
     twist = chain.chain.response_rad(frequency, loads)
     expected = np.abs(chain.chain.section_torque_Nm(frequency, twist)[0])[chain.behind]
-    return 2 * np.abs(np.fft.fft(found)[:, order]) / 720 / 1000, expected
+    return 2 * np.abs(np.fft.fft(found)[:, order]) / STATES / 1000, expected
 
 
 def disks(scene: Scene, shaft: MovingShaft) -> ShaftChain:
