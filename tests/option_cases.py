@@ -88,9 +88,7 @@ TABLE: dict[str, dict[str, Case]] = {
     },
     "film": {
         **_THROW,
-        "--speed": Acts("single.toml", "--speed 1000"),
-        "--plot": Acts("single.toml", "--plot p.png"),
-        "--json": Shown("unit/film/test_film.py::test_command"),
+        **dict.fromkeys(("--speed", "--plot", "--json"), Shown("unit/film/test_film.py::test_command")),
     },
     "bolts": {"--json": Acts("", "--json")},
     "rod": {

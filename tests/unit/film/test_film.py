@@ -302,8 +302,14 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     found = json.loads(capsys.readouterr().out)
     assert found["viscosity_mPas"] == pytest.approx(5.61, abs=0.01)
     assert {one["key"] for one in found["assumed"]} >= {"bearings.width_mm", "bearings.temperature_C"}
-    assert main(["film", str(file), "--speed", "1000:2000:1000"]) == 0
-    assert "least film" in capsys.readouterr().out
+    single, speeds = tmp_path / "single.toml", ["--speed", "1000:2000:1000"]
+    one = MIKRON.replace("cylinders = 4", "cylinders = 1").replace("[1, 3, 4, 2]", "[1]")
+    single.write_text(f"{one}\n[bearings]\n{OIL}", encoding="utf-8")
+    assert main(["film", str(single), *speeds, "--plot", str(tmp_path / "films.png")]) == 0
+    told = capsys.readouterr().out
+    assert "least film" in told
+    assert re.findall(r"(?m)^ *(1000|2000|2100) ", told) == ["1000", "2000"], "not that of the engine, 2100"
+    assert (tmp_path / "films.png").read_bytes().startswith(b"\x89PNG")
     assert main(["film", "mikron-iiic-plain"]) == 3
     assert "[bearings] is missing" in capsys.readouterr().err
     assert main(["film", str(file), "--speed", "0"]) == 3
