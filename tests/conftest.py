@@ -50,11 +50,15 @@ def _folders_from_the_last() -> list[str]:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put a file first that makes the default run; those that need it come after `cli`."""
+    """Put a file first that makes the default run; those that need it come after `cli`.
 
-    def place(item: pytest.Item) -> tuple[bool, str]:
+    The short files of `unit` come last, so that both processes end at the same time.
+    """
+
+    def place(item: pytest.Item) -> tuple[bool, bool, str]:
         folder = item.path.relative_to(Path(__file__).parent).parts[0]
-        return item.path.name != "test_cells.py", "cli, browser" if folder == "browser" else folder
+        first = item.path.name == "test_cells.py"
+        return not first, folder == "unit", "cli, browser" if folder == "browser" else folder
 
     items.sort(key=place)
 
