@@ -28,8 +28,9 @@ from cranktopo.tasks.compare.stage import (
 )
 from cranktopo.tasks.fatigue.result import FatigueResult
 from cranktopo.tasks.fatigue.text import FatigueComparison
-from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
+from cranktopo.tasks.fea.evaluation import Evaluation
 from cranktopo.tasks.fea.targets import Target, resolve_target
+from cranktopo.tasks.fea.throw_stiffness import Stiffness
 
 BASE, FORMS = "opposed-piston", ("table", "markdown", "latex")
 LINE = "Mass and stiffness of all designs are without fillets, as the surface of my-run has none"

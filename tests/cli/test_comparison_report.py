@@ -28,10 +28,11 @@ from cranktopo.tasks.fatigue.mesh_quality import RuleQuality
 from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
-from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
+from cranktopo.tasks.fea.evaluation import Evaluation
 from cranktopo.tasks.fea.quantities import TORSION
 from cranktopo.tasks.fea.stage import MeshRequest
 from cranktopo.tasks.fea.targets import Target, resolve_targets
+from cranktopo.tasks.fea.throw_stiffness import Stiffness
 from tests.page_text import typed_page
 
 NO_FATIGUE = FatigueResult(

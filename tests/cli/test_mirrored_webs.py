@@ -17,9 +17,10 @@ from cranktopo.design.writing import save_scene
 from cranktopo.tasks.compare.stage import compare_targets, report_comparison
 from cranktopo.tasks.fatigue.assessment import FatigueAssessment
 from cranktopo.tasks.fatigue.stage import assess_fatigue
-from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
+from cranktopo.tasks.fea.evaluation import Evaluation
 from cranktopo.tasks.fea.mirrored_webs import counted_alike, next_line
 from cranktopo.tasks.fea.targets import Target, resolve_targets
+from cranktopo.tasks.fea.throw_stiffness import Stiffness
 
 PLAIN = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 DRILLING = """

@@ -18,8 +18,9 @@ from cranktopo.design.scene_files import input_files
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.files import read_stl
 from cranktopo.tasks.density.stage import baseline_notice
-from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
+from cranktopo.tasks.fea.evaluation import Evaluation
 from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.fea.throw_stiffness import Stiffness
 from cranktopo.tasks.importing.imported_body import read_half_throw
 from cranktopo.tasks.importing.original import check_original
 from cranktopo.tasks.iterate.one_step import HALF, read_solids, write_original

@@ -86,7 +86,7 @@ WORK = (
     "cranktopo.tasks.sweep.computed.compute",
     "cranktopo.tasks.shape.run.optimise_shape",
     "cranktopo.tasks.refit.stage.fit_web",
-    "cranktopo.tasks.fea.evaluation.condensed_stiffness",
+    "cranktopo.tasks.fea.throw_stiffness.condensed_stiffness",
     "cranktopo.tasks.importing.imported_body.mesh_step_for_stress",
     "cranktopo.tasks.importing.imported_body.tetrahedralise",
     "cranktopo.tasks.importing.imported_body.in_child",

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import partial
-from typing import TypeVar
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING
 
-from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note
-from cranktopo.base.side_by_side import side_by_side
-from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3
+from cranktopo.base.side_by_side import LazyFuture
+from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.memory import check_element_size
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.bodies.volume import bolted_mass, web_volume_mm3
@@ -19,20 +17,7 @@ from cranktopo.design.assumed import EVALUATED, Assumption, filter_by_table
 from cranktopo.design.balance_factor import balance_factor_percent
 from cranktopo.design.halves import default_element_size_mm, halves, of_halves
 from cranktopo.design.schema import Scene
-from cranktopo.engine.bearings import bearing_spring_N_per_mm
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, Order, assemble
 from cranktopo.numerics.tetrahedra.mesh import RATIO
-from cranktopo.numerics.tetrahedra.solver import get_ready
-from cranktopo.tasks.fea.condense import (
-    BendingSupport,
-    Superelement,
-    TorsionSupport,
-    bending_stiffness_N_per_mm,
-    condense,
-    torsional_stiffness_Nm_per_rad,
-)
-from cranktopo.tasks.fea.discretisation_error import discretisation_errors, volume_error
-from cranktopo.tasks.fea.error_bound import bending_bound_percent, change_bound_percent, torsion_bound_percent
 from cranktopo.tasks.fea.result import (
     ErrorsBySupport,
     EvaluatedMass,
@@ -46,36 +31,11 @@ from cranktopo.tasks.fea.result import (
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.throw.moments import Moments
 
+if TYPE_CHECKING:
+    from cranktopo.numerics.tetrahedra.elasticity import Order
+    from cranktopo.tasks.fea.throw_stiffness import Stiffness
+
 SCHEMA_VERSION = 1
-_VOLUME_TOLERANCE = 0.02
-"""Mesh against solid: sound meshes of 15 mm elements are within 1 %, of the default size within 0.01 %."""
-
-_TORSION: tuple[TorsionSupport, ...] = ("free", "held", "spring")
-_BENDING: tuple[BendingSupport, ...] = ("pinned", "clamped", "spring")
-
-_ByName = dict[str, float | None]
-Support = TypeVar("Support", bound=str)
-
-
-@dataclass(frozen=True)
-class Stiffness:
-    """Stiffnesses of the full throw on one mesh; spring values are None without a bearing spring.
-
-    Attributes:
-        torsion: N m/rad by support "free", "held", "spring".
-        bending: N/mm by support "pinned", "clamped", "spring".
-        torsion_error_percent, bending_error_percent: bound of the error on this mesh, by support; empty with
-            linear elements.
-    """
-
-    torsion: dict[str, float | None]
-    bending: dict[str, float | None]
-    nodes: int
-    element_size_mm: float
-    mesh_seconds: float
-    solve_seconds: float
-    torsion_error_percent: Mapping[str, float | None] = field(default_factory=dict)
-    bending_error_percent: Mapping[str, float | None] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -197,72 +157,24 @@ def evaluate_on_mesh(
     """
     check_element_size(target.scene, element_size_mm)
     note(f"{target.name}: element size {element_size_mm:.3g} mm")
-    get_ready()
+    LazyFuture(_get_ready).begin()
     start = time.perf_counter()
     meshed = mesh_target(target, element_size_mm, graded)
     if meshed.note:
         note(f"{target.name}: {meshed.note}")
+    from cranktopo.tasks.fea.throw_stiffness import condensed_stiffness
+
     seconds, size = time.perf_counter() - start, meshed.element_size_mm or element_size_mm
     stiffness = condensed_stiffness(meshed, target.scene, size, seconds, order)
     return MeshResult(target, meshed, stiffness, graded)
 
 
-def condensed_stiffness(
-    meshed: MeshedThrow, scene: Scene, element_size_mm: float, mesh_seconds: float, order: Order = 2
-) -> Stiffness:
-    """Return the stiffnesses of a meshed throw for every support, by two condensations or one.
+def _get_ready() -> None:
+    """Load and compile what the solve needs, SciPy's sparse matrices first, beside the native mesher."""
+    from cranktopo.numerics.tetrahedra.solver import get_ready
 
-    Raises:
-        CranktopoError: a mesh that does not fill the solid, or a failed solve.
-    """
-    start = time.perf_counter()
-    youngs, poisson = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
-    model = assemble(meshed.mesh, youngs, poisson, order)
-    _check_volume(meshed, volume_error(model, meshed))
-    twist, bend = _blocks(model, meshed, scene)
-    torsion = _by_support(partial(torsional_stiffness_Nm_per_rad, twist), _TORSION, scene)
-    bending = _by_support(partial(bending_stiffness_N_per_mm, bend), _BENDING, scene)
-    nodes = model.nodes_mm.shape[1]
-    errors: tuple[_ByName, _ByName] = ({}, {})
-    if order == 2:
-        twisted, bent = discretisation_errors(model, meshed, (twist, bend), scene)
-        errors = (
-            _by_support(partial(torsion_bound_percent, twist, twisted), _TORSION, scene),
-            _by_support(partial(bending_bound_percent, bend, bent), _BENDING, scene),
-        )
-    seconds = time.perf_counter() - start
-    return Stiffness(torsion, bending, nodes, element_size_mm, mesh_seconds, seconds, *errors)
-
-
-def _blocks(model: Elasticity, meshed: MeshedThrow, scene: Scene) -> tuple[Superelement, Superelement]:
-    mirrored = meshed.mesh.mirrored
-    if meshed.whole and not mirrored:
-        both = condense(model, scene, "whole", "none")
-        return both, both
-    return side_by_side(
-        lambda: condense(model, scene, meshed.span("antisymmetric"), "odd" if mirrored else "none"),
-        lambda: condense(model, scene, meshed.span("symmetric"), "even" if mirrored else "none"),
-    )
-
-
-def _by_support(
-    found: Callable[[Support, float], float], supports: Sequence[Support], scene: Scene
-) -> _ByName:
-    """Return what is found for each support and the bearing's spring; None for springs that nobody knows."""
-    spring = bearing_spring_N_per_mm(scene)
-    return {
-        name: None if name == "spring" and not spring else found(name, spring or 0.0) for name in supports
-    }
-
-
-def _check_volume(meshed: MeshedThrow, error: float) -> None:
-    volume = meshed.body.volume_mm3
-    if abs(error) > _VOLUME_TOLERANCE:
-        raise CranktopoError(
-            f"mesh: holds {(1 + error) * volume:.1f} mm3, the body {volume:.1f} mm3.",
-            hint="Choose another element size.",
-            code=ExitCode.SOLVER,
-        )
+    get_ready()
+    import_module("cranktopo.tasks.fea.throw_stiffness")
 
 
 def mesh_target(target: Target, element_size_mm: float, graded: bool = True) -> MeshedThrow:
@@ -312,6 +224,8 @@ def _error_percent(fine: Stiffness, coarse: Stiffness | None, scene: Scene) -> t
     bending = known(fine.bending_error_percent[scene.supports.bending])
     if coarse is None:
         return torsion, bending
+    from cranktopo.tasks.fea.error_bound import change_bound_percent
+
     return (
         max(torsion, change_bound_percent(coarse.torsion, fine.torsion)),
         max(bending, change_bound_percent(coarse.bending, fine.bending)),

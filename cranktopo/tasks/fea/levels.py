@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from cranktopo.base.machine import forget_peak_memory, peak_memory_MiB
 from cranktopo.base.notes import silent
 from cranktopo.design.halves import default_element_size_mm
-from cranktopo.numerics.tetrahedra.elasticity import Order
 from cranktopo.numerics.tetrahedra.mesh import RATIO
 from cranktopo.tasks.fea.evaluation import Evaluation, MeshResult, evaluate_on_mesh, evaluation
 from cranktopo.tasks.fea.studies import (
@@ -21,6 +21,9 @@ from cranktopo.tasks.fea.studies import (
     StoredStudy,
 )
 from cranktopo.tasks.fea.targets import Target
+
+if TYPE_CHECKING:
+    from cranktopo.numerics.tetrahedra.elasticity import Order
 
 _COST_GROWTH = 1.9
 """Cost of a mesh over that of one 1.5 times coarser (`python -m tests.benchmarks.evaluation_meshes`)."""
