@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.quadrature import gauss_legendre
+from cranktopo.base.side_by_side import side_by_side
 from cranktopo.throw.crossings import crossings
 from cranktopo.throw.feature import Body
 from cranktopo.throw.web import web_spans
@@ -79,7 +80,8 @@ def _integrals(bodies: tuple[Body, ...]) -> tuple[Moments, Moments]:
         both = weights, weights * heights
         return np.concatenate([(at * one[..., None]).sum(axis=1) for one in both], axis=-1)
 
-    found = integrate(slices, _breaks(bodies)).tolist()
+    threads = 2 if any(body.oblique for body in bodies) else 1
+    found = integrate(slices, _breaks(bodies), threads=threads).tolist()
     return Moments(*found[:4]), Moments(*found[4:])
 
 
@@ -121,18 +123,24 @@ def _moments_at(bodies: Sequence[Body], y: Array, z: Array) -> Array:
     return np.stack([length, first, length * y, second + length * y**2], axis=-1)
 
 
-def integrate(function: Callable[[Array], Array], breaks: Array, tolerance: float = _TOLERANCE) -> Array:
+def integrate(
+    function: Callable[[Array], Array], breaks: Array, tolerance: float = _TOLERANCE, threads: int = 1
+) -> Array:
     """Return integrals (n,) of a function with values (y, n) between breaks.
 
-    Intervals are halved until that changes no integral by more than the tolerance, over the whole.
+    Intervals are halved until that changes no integral by more than the tolerance, over the whole; two
+    threads do one side of the halves each, which pays where a value takes more than a thread's start.
     """
+    both = side_by_side if threads > 1 else _one_after_the_other
     low, high = breaks[:-1], breaks[1:]
     values = _quadrature(function, low, high)
     total, scale = np.zeros(values.shape[1]), np.abs(values).sum(axis=0)
     scale[1::4] = scale[2::4]
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        below, above = _quadrature(function, low, middle), _quadrature(function, middle, high)
+        below, above = both(
+            partial(_quadrature, function, low, middle), partial(_quadrature, function, middle, high)
+        )
         open_ = (np.abs(below + above - values) > tolerance * scale).any(axis=1)
         total += (below + above)[~open_].sum(axis=0)
         low, high = (np.concatenate([a[open_], b[open_]]) for a, b in ((low, middle), (middle, high)))
@@ -140,6 +148,10 @@ def integrate(function: Callable[[Array], Array], breaks: Array, tolerance: floa
         if len(values) == 0 or len(values) > _MOST_INTERVALS:
             break
     return np.asarray(total + values.sum(axis=0))
+
+
+def _one_after_the_other(first: Callable[[], Array], second: Callable[[], Array]) -> tuple[Array, Array]:
+    return first(), second()
 
 
 def _quadrature(function: Callable[[Array], Array], low: Array, high: Array) -> Array:
