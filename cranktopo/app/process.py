@@ -102,6 +102,9 @@ def _end(code: int) -> NoReturn:
 
     A thread that still gets something ready, after an interruption, is not waited for.
     """
+    from cranktopo.numerics.precision import skip_clean_up
+
+    skip_clean_up()
     atexit._run_exitfuncs()
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError):  # the command has told it
