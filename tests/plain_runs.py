@@ -7,12 +7,15 @@ from contextlib import contextmanager
 
 import pytest
 
+from cranktopo.tasks.optimise.picture import RunPictures
+
 
 @contextmanager
 def plain_runs() -> Iterator[None]:
     """Inside, runs of this process prove no bound, draw no picture and write no page: others show them."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("cranktopo.tasks.optimise.finalise.save_run_picture", lambda *_: None)
+        patch.setattr("cranktopo.tasks.optimise.finalise.run_pictures", lambda *_: RunPictures(b"", b""))
+        patch.setattr("cranktopo.base.companion.usable_cores", lambda: 1)
         patch.setattr("cranktopo.tasks.optimise.finalise.run_page", lambda *_: None)
         patch.setattr("cranktopo.tasks.optimise.finalise.write_report", lambda *_: None)
         patch.setattr("cranktopo.tasks.optimise.finalise.cells_of_bound", lambda *_: None)

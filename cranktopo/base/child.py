@@ -46,15 +46,7 @@ def in_child(what: str, function: Callable[..., _R], *arguments: object, by: str
     """
     ours, watched = os.pipe()  # the child ends when this process has gone
     try:
-        process = subprocess.Popen(
-            [sys.executable, "-c", _START, str(ours)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            pass_fds=[ours],
-            start_new_session=True,  # a terminal sends Ctrl-C to all; this process alone decides
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
-        )
+        process = started(_START, ours)
         with process:
             try:
                 with at_work(f"{by}: {what}"):
@@ -66,6 +58,28 @@ def in_child(what: str, function: Callable[..., _R], *arguments: object, by: str
         os.close(watched)
     if not answer:
         raise _unreadable(what, f"the {by} crashed on it{_signal(process.returncode)}")
+    return outcome(answer)
+
+
+def started(code: str, watched: int, *arguments: str) -> subprocess.Popen[bytes]:
+    """Return a fresh interpreter that runs a line of code, with pipes to its stdin and from its stdout.
+
+    Args:
+        watched: number of the file that ends the process when this one has gone, see `answering`.
+    """
+    return subprocess.Popen(
+        [sys.executable, "-c", code, str(watched), *arguments],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        pass_fds=[watched],
+        start_new_session=True,  # a terminal sends Ctrl-C to all; this process alone decides
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+    )
+
+
+def outcome(answer: bytes) -> Any:
+    """Tell the notes of a work that a child has done, and return what it returned; raises what it raised."""
     lines, result, error = pickle.loads(answer)
     for line in lines:
         note(line)
@@ -128,12 +142,28 @@ def tell_read() -> None:
 
 
 def serve() -> None:
-    """Do the work that stdin describes and answer on stdout; native code prints there, so it is put aside."""
+    """Do the work that stdin describes and answer on stdout."""
+    answers = answering()
+    function, arguments = pickle.load(sys.stdin.buffer)
+    _answers.append(answers)
+    with open(answers, "wb") as file:
+        file.write(answer_of(function, arguments))
+    os._exit(0)
+
+
+def answering() -> int:
+    """Return the number of the file for answers: native code prints to stdout, so it is put aside.
+
+    The process ends from now on when the one that started it has gone.
+    """
     watched, answers = int(sys.argv[1]), os.dup(1)
     os.dup2(2, 1)
     threading.Thread(target=_end_with, args=(watched,), daemon=True).start()
-    function, arguments = pickle.load(sys.stdin.buffer)
-    _answers.append(answers)
+    return answers
+
+
+def answer_of(function: Callable[..., object], arguments: tuple[object, ...]) -> bytes:
+    """Return what a function notes, and returns or raises, for `outcome` in another process."""
     lines: list[str] = []
     result: Any = None
     error: Exception | None = None
@@ -143,10 +173,7 @@ def serve() -> None:
         except Exception as found:
             found.add_note("".join(traceback.format_exception(found)))
             error = found.with_traceback(None)
-    content = pickle.dumps((lines, result, error))
-    with open(answers, "wb") as file:
-        file.write(content)
-    os._exit(0)
+    return pickle.dumps((lines, result, error))
 
 
 def _end_with(watched: int) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from cranktopo.base.units import plain_number, stem_and_unit
-from cranktopo.report.plot import Picture
+from cranktopo.report.plot import DrawnPicture, Picture
 from cranktopo.report.result_table import ResultTable
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ class Page:
     facts: tuple[Fact, ...]
     sections: tuple[Section, ...]
     scene3d: Scene3D | None = None
-    picture: Picture | None = None
+    picture: Picture | DrawnPicture | None = None
 
     @property
     def verdict(self) -> tuple[Fact, ...]:

@@ -268,6 +268,15 @@ class Picture:
         return bool(self.figure.get_size_inches()[0] > _WIDE_INCHES)
 
 
+@dataclass(frozen=True)
+class DrawnPicture:
+    """A picture that is a PNG already, and its text for a reader who cannot see it."""
+
+    name: str
+    png: bytes
+    alt: str
+
+
 def picture(name: str, alt: str, draw: Callable[..., None], *arguments: Any, polar: bool = False) -> Picture:
     """Return a plot with one pair of axes; `draw` is called with them and the arguments.
 

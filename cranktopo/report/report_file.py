@@ -12,7 +12,7 @@ from urllib.parse import quote
 from cranktopo.base.files import write_bytes, write_text
 from cranktopo.report.drafting import INK, STEEL, THIN
 from cranktopo.report.page import Fact, Page, Section
-from cranktopo.report.plot import Picture, png, save_figure
+from cranktopo.report.plot import DrawnPicture, Picture, png, save_figure
 from cranktopo.report.result_table import escaped, markdown
 from cranktopo.report.typeset import typeset, unbroken
 from cranktopo.report.viewer.scene3d import SCRIPT, packed
@@ -100,8 +100,9 @@ _OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
 _IN_FRONT_OF_UNIT = re.compile(r"(?<=\d)\u00a0(?=[^\W\d])")
 
 
-def _inline_png(picture: Picture) -> str:
-    data = base64.b64encode(png(picture.figure)).decode("ascii")
+def _inline_png(picture: Picture | DrawnPicture) -> str:
+    content = picture.png if isinstance(picture, DrawnPicture) else png(picture.figure)
+    data = base64.b64encode(content).decode("ascii")
     return f'<img src="data:image/png;base64,{data}" alt="{_attribute(picture.alt)}">'
 
 
@@ -137,7 +138,8 @@ def write_markdown(page: Page, path: Path) -> None:
     folder = path.with_name(f"{path.stem}-pictures")
     folder.mkdir(exist_ok=True)
     for picture in _pictures(page):
-        write_bytes(folder / f"{picture.name}.png", png(picture.figure, _DPI, "white"))
+        content = picture.png if isinstance(picture, DrawnPicture) else png(picture.figure, _DPI, "white")
+        write_bytes(folder / f"{picture.name}.png", content)
     write_text(path, markdown_text(page, folder.name))
 
 
@@ -151,9 +153,9 @@ def markdown_text(page: Page, folder: str) -> str:
     return "\n\n".join(blocks) + "\n"
 
 
-def _pictures(page: Page) -> list[Picture]:
+def _pictures(page: Page) -> list[Picture | DrawnPicture]:
     stills = [page.picture] if page.picture else []
-    return stills + [picture for section in page.sections for picture in section.pictures]
+    return [*stills, *(picture for section in page.sections for picture in section.pictures)]
 
 
 def _fact(fact: Fact) -> str:
@@ -167,7 +169,7 @@ def _section(section: Section, folder: str) -> list[str]:
     return blocks + [_image(picture, folder) for picture in section.pictures]
 
 
-def _image(picture: Picture, folder: str) -> str:
+def _image(picture: Picture | DrawnPicture, folder: str) -> str:
     return f"![{escaped(picture.alt)}]({quote(folder)}/{quote(picture.name)}.png)"
 
 

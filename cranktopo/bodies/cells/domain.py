@@ -131,6 +131,12 @@ def build_domain(
     return domain
 
 
+def own_web(scene: Scene, domain: Domain) -> Array:
+    """Return the solid fractions (nx, ny, nz) of the throw with the scene's own web on the same grid."""
+    original = build_domain(scene, scene.optimise.resolution_mm, "web", domain.extent, domain.grid)
+    return original.passive_fraction
+
+
 def throw_ranges_mm(scene: Scene, target: GridContent) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return the ranges of x and y that hold journals, web and, for a design, the envelope, mm."""
     main, pin, r = scene.throw.main_journal.radius_mm, scene.throw.crankpin.radius_mm, scene.throw.radius_mm

@@ -11,7 +11,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.units import density_kg_per_mm3
-from cranktopo.bodies.cells.domain import Domain, build_domain
+from cranktopo.bodies.cells.domain import Domain, own_web
 from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.density.material import MaterialInterpolation, relative_moduli, solid_fraction
@@ -35,12 +35,6 @@ def _assess_density(
     solid = domain.passive_fraction.copy()
     solid[:, :, first:last] += domain.design_fraction[:, :, first:last] * density
     return _assess(model, scene, domain, np.asarray(_moduli(chain, density)), solid)
-
-
-def own_web(scene: Scene, domain: Domain) -> Array:
-    """Return the solid fractions (nx, ny, nz) of the throw with the scene's own web on the same grid."""
-    original = build_domain(scene, scene.optimise.resolution_mm, "web", domain.extent, domain.grid)
-    return original.passive_fraction
 
 
 def assess_original(

@@ -106,21 +106,23 @@ def command(design: str | None, out: Path | None, resume: str | None, as_json: b
     began = time.perf_counter()
     if resume:
         refuse_beside_resume("max_iterations")
-    from cranktopo.tasks.fea.mirrored_webs import next_line
-    from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation
-    from cranktopo.tasks.optimise.text import run_summary
+    from cranktopo.base.companion import Companion
 
     last = ""
-    with _Bar() as bar:
+    with Companion(_LIBRARIES) as beside, _Bar() as bar:
+        from cranktopo.tasks.fea.mirrored_webs import next_line
+        from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation
+        from cranktopo.tasks.optimise.text import run_summary
+
         if resume:
-            run = resume_optimisation(resume, options["max_iterations"], bar, began)
+            run = resume_optimisation(resume, options["max_iterations"], bar, began, beside)
         else:
             from cranktopo.design.loading import design_text
 
             name = design or DEFAULT_DESIGN
             scene = _scene(name, **options)
             command_line = ["cranktopo", *sys.argv[1:]]
-            run = optimise_design(scene, out, design_text(name), command_line, bar, began)
+            run = optimise_design(scene, out, design_text(name), command_line, bar, began, beside)
             last = next_line(scene, name, run.folder, "cranktopo", "remodel")
     tell(run.metrics.as_json() if as_json else run_summary(run.metrics, run.folder), indent=None)
     if last and not as_json:
@@ -189,6 +191,8 @@ def _exit_code(metrics: RunMetrics) -> ExitCode:
     return ExitCode.CRITERION_NOT_MET if unmet else ExitCode.DONE
 
 
+_LIBRARIES = "cranktopo.bodies.cells.domain", "cranktopo.tasks.optimise.picture"
+"""Modules of the second process: it begins before this one loads its own, which takes a second."""
 _QUIET_S = 10.0
 """Least time between lines of the pace, where there is no bar."""
 

@@ -7,7 +7,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.companion import Companion
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.files import write_bytes
 from cranktopo.base.notes import redirected
 from cranktopo.base.side_by_side import LazyFuture, side_by_side
 from cranktopo.bodies.cells.domain import Domain
@@ -24,7 +26,7 @@ from cranktopo.runs.directories import RunStore
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.bound.stage import Cells, bounds_for_result, model_for_result
 from cranktopo.tasks.density import loop
-from cranktopo.tasks.density.assess import assess, assess_original, own_web
+from cranktopo.tasks.density.assess import assess, assess_original
 from cranktopo.tasks.density.problem import Assessment, DensityProblem
 from cranktopo.tasks.density.stage import Prepared
 from cranktopo.tasks.density.state import Record, State
@@ -33,7 +35,7 @@ from cranktopo.tasks.extraction.result import NoSurface, RunSurface
 from cranktopo.tasks.optimise.evaluated_goal import EvaluatedGoal, evaluation_seconds, goal_by_evaluation
 from cranktopo.tasks.optimise.metrics import run_metrics, run_seconds, run_surface
 from cranktopo.tasks.optimise.page import run_page
-from cranktopo.tasks.optimise.picture import save_run_picture
+from cranktopo.tasks.optimise.picture import run_pictures
 from cranktopo.tasks.optimise.result import OptimisedRun
 from cranktopo.tasks.optimise.run_record import read_run_stress, record_of, snapshots
 
@@ -50,12 +52,6 @@ class Prefetched(NamedTuple):
 
     cells: Cells | None
     original: Array | None
-
-
-def prefetched(run: RunStore, prepared: Prepared, problem: DensityProblem) -> Prefetched:
-    """Return what the end needs and no design decides, found beside the iterations; the cells in a thread."""
-    cells = cells_of_bound(run, prepared)
-    return Prefetched(cells, own_web(prepared.scene, prepared.domain) if problem.original is None else None)
 
 
 def cells_of_bound(run: RunStore, prepared: Prepared) -> Cells | None:
@@ -78,16 +74,17 @@ def finalise_run(
     case: EvaluatedGoal | None,
     failure: str,
     ahead: Prefetched,
+    beside: Companion,
 ) -> OptimisedRun:
-    """Judge the final design, make and measure its surface meanwhile, and write every file.
+    """Judge the final design, make, measure and draw its surface meanwhile, and write every file.
 
     There is no `case` without limits that the evaluation keeps.
     """
     optimised = time.perf_counter()
     design = loop.final_design(problem, state)
     rows = _history_rows(problem, state.history)
-    (surface, half_throw, files), judged = side_by_side(
-        lambda: _write_design(run, prepared, design, rows),
+    (surface, half_throw, views, files), judged = side_by_side(
+        lambda: _write_design(run, prepared, design, rows, beside),
         lambda: _judged(run, prepared, problem, state, design.physical, ahead),
     )
     now = time.perf_counter()
@@ -114,7 +111,7 @@ def finalise_run(
     stress = read_run_stress(run, files["stl"]) if "stl" in files else None
     designs = snapshots(run, prepared.domain, problem.density_chain)
     record = record_of(run, metrics, rows, prepared.scene, half_throw, designs, stress)
-    write_report(run_page(record), run.path / REPORT)
+    write_report(run_page(record, views), run.path / REPORT)
     end = time.perf_counter()
     seconds = metrics.seconds.model_copy(update={"total": end - began, "report": end - now})
     metrics = metrics.model_copy(update={"seconds": seconds})
@@ -182,24 +179,41 @@ def _beside_goal(bound: BoundStatements | NoBound, goal: GoalOutcome | None) -> 
     return bound.with_reached(goal.reached_percent)
 
 
+class _Written(NamedTuple):
+    """What the surface measures, or why there is none, its half throw, a PNG of its views, all files."""
+
+    surface: RunSurface | NoSurface
+    half_throw: SurfaceMesh | None
+    views: bytes | None
+    files: dict[str, str]
+
+
 def _write_design(
-    run: RunStore, prepared: Prepared, design: loop.WebDensities, rows: Sequence[Mapping[str, Any]]
-) -> tuple[RunSurface | NoSurface, SurfaceMesh | None, dict[str, str]]:
-    """Return what the surface measures, or why there is none, its half throw, and the files of the design."""
+    run: RunStore,
+    prepared: Prepared,
+    design: loop.WebDensities,
+    rows: Sequence[Mapping[str, Any]],
+    beside: Companion,
+) -> _Written:
+    """Write the files of the design, with the surface, which the second process draws."""
     surface, scene = _surface(prepared, design), prepared.scene
     half_throw = None if isinstance(surface, str) else surface.surface.half_throw
-    files = {"vtu": _DENSITY, "history": "history.csv"}
+    files, views = {"vtu": _DENSITY, "history": "history.csv"}, None
+    if half_throw is not None:
+        drawn = beside.begin(run_pictures, half_throw, rows, _title(scene), scene.web_z_mm)
     run.write_history(rows)
     _write_density(run, prepared.domain, design)
+    measured = run_surface(surface, scene)
     if half_throw is None:
         for name in (_SURFACE, _PICTURE):  # of an earlier end of a resumed run
             (run.path / name).unlink(missing_ok=True)
     else:
         write_stl(run.path / _SURFACE, half_throw)
-        save_run_picture(run.path / _PICTURE, half_throw, rows, _title(scene), scene.web_z_mm)
+        picture, views = drawn()
+        write_bytes(run.path / _PICTURE, picture)
         files = {"stl": _SURFACE, **files, "picture": _PICTURE}
     always = {"metrics": "metrics.json", "manifest": "manifest.json", "log": "run.log", "report": REPORT}
-    return run_surface(surface, scene), half_throw, files | always
+    return _Written(measured, half_throw, views, files | always)
 
 
 def _surface(prepared: Prepared, design: loop.WebDensities) -> CheckedSurface | str:

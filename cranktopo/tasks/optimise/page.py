@@ -18,8 +18,9 @@ from cranktopo.report.page import (
     pairs,
     versions_section,
 )
-from cranktopo.report.plot import Picture, picture
+from cranktopo.report.plot import DrawnPicture, Picture, picture
 from cranktopo.report.result_table import ResultTable, Row
+from cranktopo.report.shading import shaded
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, stress_scales
 from cranktopo.tasks.accuracy.page import (
     level_tables,
@@ -50,8 +51,12 @@ _CURVE_ALT = (
 )
 
 
-def run_page(record: RunRecord) -> Page:
-    """Return the report of a finished run."""
+def run_page(record: RunRecord, views: bytes | None = None) -> Page:
+    """Return the report of a finished run.
+
+    Args:
+        views: PNG of the four views, where they are drawn already.
+    """
     metrics, manifest = record.metrics, record.manifest
     scene3d = _scene3d(record)
     return Page(
@@ -74,7 +79,7 @@ def run_page(record: RunRecord) -> Page:
             versions_section(manifest.versions, metrics.files),
         ),
         scene3d=scene3d,
-        picture=_still(record),
+        picture=_still(record, views),
     )
 
 
@@ -214,11 +219,13 @@ def _note(row: Mapping[str, Any]) -> str:
     return f"objective {row['objective']:.4g}, volume {volume:.3f}, greyness {grey:.3f}"
 
 
-def _still(record: RunRecord) -> Picture | None:
+def _still(record: RunRecord, views: bytes | None) -> Picture | DrawnPicture | None:
     if record.mesh is None:
         return None
     alt = (
         f"Half throw of {record.metrics.design} with the optimised web, from the journal side, from the "
         "crankpin side, from the front and from the side; journals grey, web blue"
     )
-    return Picture("views", views_figure(record.mesh, record.scene.web_z_mm), alt)
+    if views is not None:
+        return DrawnPicture("views", views, alt)
+    return Picture("views", views_figure(shaded(record.mesh, record.scene.web_z_mm)), alt)

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from cranktopo.base.files import write_bytes
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.plot import GREY, plain, plain_decades, png
-from cranktopo.report.shading import draw, extent_mm, shaded, view_axes
+from cranktopo.report.shading import ShadedMesh, draw, extent_mm, shaded, view_axes
 from cranktopo.report.viewer.scene3d import JOURNAL_SIDE, PIN_SIDE, UP, Direction
 
 _History = Sequence[Mapping[str, Any]]
@@ -27,41 +25,46 @@ _VIEWS: tuple[tuple[str, Direction, tuple[str, str] | None], ...] = (
 )
 
 
-def save_run_picture(
-    path: Path, mesh: SurfaceMesh, history: _History, title: str, web_z_mm: tuple[float, float]
-) -> None:
-    """Write the picture of a run as PNG, atomically; what is outside `web_z_mm` is drawn as journal."""
-    write_bytes(path, png(run_figure(mesh, history, title, web_z_mm)))
+class RunPictures(NamedTuple):
+    """PNGs of a run: the half throw from four sides with the convergence, and the four views alone."""
+
+    run: bytes
+    views: bytes
 
 
-def run_figure(mesh: SurfaceMesh, history: _History, title: str, web_z_mm: tuple[float, float]) -> Figure:
-    """Return the picture of a run as a figure of its own: no global matplotlib state is read or changed.
+def run_pictures(
+    mesh: SurfaceMesh, history: _History, title: str, web_z_mm: tuple[float, float]
+) -> RunPictures:
+    """Draw the pictures of a run, in any process; what is outside `web_z_mm` is drawn as journal.
 
     The rows of `history` have `iteration` and any of the columns of history.csv.
     """
+    body = shaded(mesh, web_z_mm)
+    return RunPictures(png(run_figure(body, history, title)), png(views_figure(body)))
+
+
+def run_figure(body: ShadedMesh, history: _History, title: str) -> Figure:
+    """Return the picture of a run as a figure of its own: no global matplotlib state is read or changed."""
     figure = Figure(figsize=(15, 9.2), dpi=140, facecolor="white")
     FigureCanvasAgg(figure)
     figure.suptitle(title, x=0.035, y=0.975, ha="left", fontsize=15, fontweight="bold")
-    _draw_views(figure, mesh, web_z_mm, bottom=0.43, top=0.91)
+    _draw_views(figure, body, bottom=0.43, top=0.91)
     _draw_curves(figure, history)
     return figure
 
 
-def views_figure(mesh: SurfaceMesh, web_z_mm: tuple[float, float]) -> Figure:
+def views_figure(body: ShadedMesh) -> Figure:
     """Return the four views alone, on no background."""
     figure = Figure(figsize=(15, 4.9), dpi=110, facecolor="none")
     FigureCanvasAgg(figure)
-    _draw_views(figure, mesh, web_z_mm, bottom=0.11, top=0.93)
+    _draw_views(figure, body, bottom=0.11, top=0.93)
     for axes in figure.axes:
         axes.set_facecolor("none")
     return figure
 
 
-def _draw_views(
-    figure: Figure, mesh: SurfaceMesh, web_z_mm: tuple[float, float], bottom: float, top: float
-) -> None:
+def _draw_views(figure: Figure, body: ShadedMesh, bottom: float, top: float) -> None:
     """Draw four views in one row, all to the same scale."""
-    body = shaded(mesh, web_z_mm)
     views = [view_axes(side, UP) for _, side, _ in _VIEWS]
     extents = [extent_mm(body, view) for view in views]
     height = 1.06 * max(np.ptp(extent[:, 1]) for extent in extents)

@@ -9,9 +9,12 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cranktopo.base.arrays import Array
+from cranktopo.base.companion import ALONE, Companion, Work
 from cranktopo.base.notes import note
 from cranktopo.base.progress import resumable_memory
 from cranktopo.base.side_by_side import LazyFuture, OneBehind
+from cranktopo.bodies.cells.domain import own_web
 from cranktopo.design.assumed import (
     ENVELOPE,
     GOAL,
@@ -25,6 +28,7 @@ from cranktopo.design.assumed import (
     assumptions,
     stored_assumptions,
 )
+from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, new_run
@@ -68,7 +72,11 @@ RUN_TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, SEAT, GOAL)
 class _Job:
     """One optimisation of a run, and where it reports to.
 
-    `prepared` has the scene as it is simulated; `began` is a reading of `time.perf_counter`.
+    Attributes:
+        prepared: with the scene as it is simulated.
+        began: reading of `time.perf_counter`.
+        beside: draws, and fills the cells of the original web.
+        original: gives their solid fractions; None where a goal needs them sooner.
     """
 
     run: RunStore
@@ -78,6 +86,8 @@ class _Job:
     clock: CompileClock
     progress: Progress
     began: float
+    beside: Companion
+    original: Work[Array] | None
 
 
 def optimise_design(
@@ -87,6 +97,7 @@ def optimise_design(
     command: Sequence[str] = (),
     progress: Progress = lambda *_: None,
     began: float | None = None,
+    beside: Companion = ALONE,
 ) -> OptimisedRun:
     """Optimise the web of a scene in a new run directory; nothing is written before all is validated.
 
@@ -95,6 +106,7 @@ def optimise_design(
         design_toml: text of the design as the user wrote it; by default written from the scene.
         command: the command line, for the manifest.
         began: reading of `time.perf_counter` from which the total time counts; now by default.
+        beside: a second process; by default none, as whoever runs several optimisations has it.
 
     Raises:
         CranktopoError: bad input, solver failure, or interruption (exit code 130, checkpoint saved).
@@ -106,6 +118,7 @@ def optimise_design(
     check_original(scene)
     LazyFuture(compile_kernels).begin()
     prepared = prepare(scene)
+    original = _original_web(prepared, beside)
     assumed = assumptions(scene, RUN_TABLES)
     announce(prepared, assumed)
     with double_precision():
@@ -113,7 +126,7 @@ def optimise_design(
         problem = build_problem(prepared.scene, prepared.domain, prepared.cases)
         check_limits(problem, prepared.scene, prepared.domain)
     run = new_run(scene, assumed, out, design_toml, command, {})
-    return _optimise(_Job(run, scene, prepared, problem, clock, progress, began))
+    return _optimise(_Job(run, scene, prepared, problem, clock, progress, began, beside, original))
 
 
 def announce(prepared: Prepared, assumed: Sequence[Assumption]) -> None:
@@ -136,6 +149,7 @@ def resume_optimisation(
     max_iterations: int | None = None,
     progress: Progress = lambda *_: None,
     began: float | None = None,
+    beside: Companion = ALONE,
 ) -> OptimisedRun:
     """Continue an interrupted, stopped or killed run; `max_iterations` of None keeps the run's limit.
 
@@ -148,11 +162,19 @@ def resume_optimisation(
     run.require_same_inputs()
     scene = design_from_run(run).with_optimise(max_iterations=max_iterations)
     prepared = prepare(scene)
+    original = _original_web(prepared, beside)
     announce(prepared, stored_assumptions(run.manifest().assumed))
     with double_precision():
         clock = CompileClock()
         problem = build_problem(prepared.scene, prepared.domain, prepared.cases)
-    return _optimise(_Job(run, scene, prepared, problem, clock, progress, began), resume=True)
+    job = _Job(run, scene, prepared, problem, clock, progress, began, beside, original)
+    return _optimise(job, resume=True)
+
+
+def _original_web(prepared: Prepared, beside: Companion) -> Work[Array] | None:
+    if goal_of(prepared.scene) is not None:
+        return None
+    return beside.begin(own_web, prepared.scene, prepared.domain)
 
 
 def _optimise(job: _Job, resume: bool = False) -> OptimisedRun:
@@ -178,7 +200,7 @@ def _optimise(job: _Job, resume: bool = False) -> OptimisedRun:
         from cranktopo.tasks.optimise.finalise import finalise_run
 
         times = job.began, job.clock
-        return finalise_run(run, prepared, problem, state, *times, case, failure, end.result())
+        return finalise_run(run, prepared, problem, state, *times, case, failure, end.result(), job.beside)
 
 
 def _saved_state(job: _Job) -> State | None:
@@ -199,12 +221,12 @@ def _compiled(problem: DensityProblem) -> None:
 
 def _ready_for_the_end(job: _Job) -> Prefetched:
     """Find what the end needs, and load the libraries that surfaces, pictures and pages take."""
-    from cranktopo.tasks.optimise.finalise import prefetched
+    from cranktopo.tasks.optimise.finalise import Prefetched, cells_of_bound
 
-    ahead = prefetched(job.run, job.prepared, job.problem)
+    cells = cells_of_bound(job.run, job.prepared)
     for name in _LIBRARIES:
         import_module(name)
-    return ahead
+    return Prefetched(cells, job.original() if job.original else None)
 
 
 def _checked(progress: Progress, check: Callable[[], None], end: LazyFuture[Prefetched]) -> Progress:

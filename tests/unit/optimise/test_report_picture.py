@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from io import BytesIO
 from typing import Any
 
 import matplotlib as mpl
@@ -12,10 +12,9 @@ import trimesh
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from cranktopo.base.errors import CranktopoError
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.shading import JOURNAL_COLOUR, WEB_COLOUR, draw, extent_mm, shaded, view_axes, visible
-from cranktopo.tasks.optimise.picture import run_figure, save_run_picture
+from cranktopo.tasks.optimise.picture import run_figure, run_pictures
 
 WEB_Z = (10.0, 16.0)
 UP = (0.0, 1.0, 0.0)
@@ -157,7 +156,7 @@ def _history() -> list[dict[str, Any]]:
 
 
 def test_curves_are_the_history_over_its_start(throw: SurfaceMesh) -> None:
-    figure = run_figure(throw, _history(), "title", WEB_Z)
+    figure = run_figure(shaded(throw, WEB_Z), _history(), "title")
     compliance, volume, greyness = figure.axes[4:]
     lines = {
         line.get_label().split(":")[0]: line for line in compliance.get_lines() if ":" in line.get_label()
@@ -176,24 +175,18 @@ def test_curves_are_the_history_over_its_start(throw: SurfaceMesh) -> None:
 
 
 def test_first_four_axes_share_one_scale(throw: SurfaceMesh) -> None:
-    figure = run_figure(throw, [], "title", WEB_Z)
+    figure = run_figure(shaded(throw, WEB_Z), [], "title")
     figure.canvas.draw()
     scales = [axes.get_window_extent().width / np.ptp(axes.get_xlim()) for axes in figure.axes[:4]]
     np.testing.assert_allclose(scales, scales[0], rtol=0.02)
 
 
 @pytest.mark.parametrize("history", [[], [{"iteration": 0, "objective": 0.0}], _history()])
-def test_png_is_written_for_any_history(throw: SurfaceMesh, tmp_path: Path, history: list[Any]) -> None:
+def test_pngs_are_drawn_for_any_history(throw: SurfaceMesh, history: list[Any]) -> None:
     before = dict(mpl.rcParams)
-    path = tmp_path / "run.png"
-    save_run_picture(path, throw, history, "mikron-iiic-plain", WEB_Z)
-    assert path.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+    drawn = run_pictures(throw, history, "mikron-iiic-plain", WEB_Z)
     assert dict(mpl.rcParams) == before
-    image = mpl.image.imread(path)
+    image, views = (mpl.image.imread(BytesIO(png)) for png in drawn)
     assert image.shape[:2] == (1288, 2100)
+    assert views.shape[:2] == (539, 1650)
     assert np.unique(image[:900:5, ::5, :3].reshape(-1, 3), axis=0).shape[0] > 50
-
-
-def test_unwritable_picture_is_a_clear_error(throw: SurfaceMesh, tmp_path: Path) -> None:
-    with pytest.raises(CranktopoError, match="cannot be written"):
-        save_run_picture(tmp_path / "absent" / "run.png", throw, [], "title", WEB_Z)
