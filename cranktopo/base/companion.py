@@ -17,7 +17,7 @@ from importlib import import_module
 from typing import IO, Any, TypeVar
 
 from cranktopo.base.child import answer_of, answering, outcome, started
-from cranktopo.base.machine import usable_cores
+from cranktopo.base.machine import container_memory_left_MiB, usable_cores
 from cranktopo.base.notes import detail
 from cranktopo.base.side_by_side import LazyFuture
 
@@ -25,12 +25,16 @@ _R = TypeVar("_R")
 _START = "from cranktopo.base.companion import serve; serve()"
 _SIZE = struct.Struct("<Q")
 """In front of every message: its bytes."""
+_ROOM_MIB = 1500.0
+"""Memory of a container that must be left: what such processes take together (350 and 850 measured)."""
 Work = Callable[[], _R]
 """Gives the result of a work that has begun; raises what it raised."""
 
 
 class Companion:
-    """A second process from the beginning of a `with` block to its end; on one core there is none.
+    """A second process from the beginning of a `with` block to its end.
+
+    On one core, or with little memory, there is none.
 
     Args:
         libraries: modules that it loads before its first work.
@@ -43,7 +47,7 @@ class Companion:
         self._left = False
 
     def __enter__(self) -> Companion:
-        if usable_cores() > 1:
+        if usable_cores() > 1 and container_memory_left_MiB() > _ROOM_MIB:
             watched, self._ours = os.pipe()  # it ends when this process has gone
             try:
                 self._process = started(_START, watched, *self._libraries)

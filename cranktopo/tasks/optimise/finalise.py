@@ -180,7 +180,7 @@ def _beside_goal(bound: BoundStatements | NoBound, goal: GoalOutcome | None) -> 
 
 
 class _Written(NamedTuple):
-    """What the surface measures, or why there is none, its half throw, a PNG of its views, all files."""
+    """Measures of the surface, or why there is none, its half throw, a PNG of its views, names of files."""
 
     surface: RunSurface | NoSurface
     half_throw: SurfaceMesh | None

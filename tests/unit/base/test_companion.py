@@ -6,6 +6,7 @@ import os
 import signal
 import time
 from collections.abc import Iterator
+from math import inf
 
 import numpy as np
 import pytest
@@ -44,6 +45,7 @@ def printed(array: np.ndarray) -> np.ndarray:
 @pytest.fixture
 def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("cranktopo.base.companion.usable_cores", lambda: 2)
+    monkeypatch.setattr("cranktopo.base.companion.container_memory_left_MiB", lambda: inf)
 
 
 @pytest.fixture
@@ -101,7 +103,7 @@ def test_the_end_of_the_block_ends_a_work_and_its_process_at_once(two_cores: Non
     assert time.monotonic() - began < 300
 
 
-@pytest.mark.parametrize("missing", ["cores", "processes"])
+@pytest.mark.parametrize("missing", ["cores", "memory", "processes"])
 def test_without_a_second_process_work_is_done_where_it_is_asked_for(
     missing: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -109,7 +111,11 @@ def test_without_a_second_process_work_is_done_where_it_is_asked_for(
         raise BlockingIOError(11, "Resource temporarily unavailable")
 
     monkeypatch.setattr("cranktopo.base.companion.usable_cores", lambda: 1 if missing == "cores" else 2)
-    monkeypatch.setattr("cranktopo.base.companion.started", refuse)
+    monkeypatch.setattr(
+        "cranktopo.base.companion.container_memory_left_MiB", lambda: 1400 if missing == "memory" else 1600
+    )
+    if missing == "processes":
+        monkeypatch.setattr("cranktopo.base.companion.started", refuse)
     with Companion(["wave"]) as beside:
         assert beside.begin(numbered, 3)()[:2] == (3, os.getpid())
     assert ALONE.begin(numbered, 4)()[:2] == (4, os.getpid())
