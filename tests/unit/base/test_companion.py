@@ -33,6 +33,22 @@ def killed_but_in(process: int) -> int:
     return process
 
 
+class Slow:
+    """It takes half a second to be sent."""
+
+    def __reduce__(self) -> tuple[type[int], tuple[()]]:
+        time.sleep(0.5)
+        return int, ()
+
+
+_calls: list[object] = []
+
+
+def counted(argument: object) -> int:
+    _calls.append(argument)
+    return len(_calls)
+
+
 def refused(value: float) -> None:
     raise invalid("throw.radius_mm", value, "must be positive", "Enlarge it.")
 
@@ -64,6 +80,11 @@ def test_works_are_done_in_their_order_by_one_other_process_with_its_libraries(c
     assert found[0][1] != os.getpid()
     assert all(loaded for _, _, loaded in found)
     assert lines == ["work 0", "work 1", "work 2"]
+
+
+def test_a_work_does_not_overtake_one_that_is_still_being_sent(companion: Companion) -> None:
+    works = [companion.begin(counted, argument) for argument in (Slow(), 0)]
+    assert [work() for work in works] == [1, 2]
 
 
 def test_arrays_come_back_to_the_bit_and_prints_do_not_mix_with_them(companion: Companion) -> None:
