@@ -16,11 +16,12 @@ import numpy as np
 from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.scene_goal import goal_of, with_goal
 from cranktopo.design.loading import load_scene
+from cranktopo.numerics.optimisers.dimension_search import EVALUATIONS
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.shape.feature_starts import bevel_start
-from cranktopo.tasks.shape.search import EVALUATIONS, SearchResult, search_on_cells
+from cranktopo.tasks.shape.search import SearchResult, search_on_cells
 from cranktopo.tasks.shape.search_goal import search_goal_of
 from cranktopo.tasks.shape.start import outline_start
 from cranktopo.tasks.shape.web_model import web_model

@@ -15,6 +15,7 @@ from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.optimisers.dimension_search import SearchBudget
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.refit.family import Layout, free_dimensions, with_free
 from cranktopo.tasks.refit.fit import usual_limits
@@ -22,7 +23,7 @@ from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.feature_selection import FeatureSelection
 from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
 from cranktopo.tasks.shape.rules import ENVELOPE, rules_at
-from cranktopo.tasks.shape.search import SearchBudget, best_values, search_on_cells, shaped_scene
+from cranktopo.tasks.shape.search import best_values, search_on_cells, shaped_scene
 from cranktopo.tasks.shape.search_goal import SearchGoal, search_goal_of
 from cranktopo.tasks.shape.start import outline_start
 from cranktopo.tasks.shape.web_model import WebModel, web_model

@@ -121,6 +121,24 @@ Objective = Callable[[Array], tuple[float, Array]]
 """Value and gradient (parameters,) at parameters."""
 Constraints = Callable[[Array], tuple[Array, Array]]
 """Values, kept where <= 0, and gradients (constraints, parameters) at parameters."""
+
+
+def by_differences(judged: Callable[[Array], Array], step: float) -> tuple[Objective, Constraints]:
+    """Return objective and constraints of a function that finds (objective, *constraints) at once.
+
+    Each point is found once; slopes are central differences.
+    """
+    of = remembered(judged)
+
+    def objective(values: Array) -> tuple[float, Array]:
+        return float(of(values)[0]), central_difference(of, values, step)[0]
+
+    def constraints(values: Array) -> tuple[Array, Array]:
+        return of(values)[1:], central_difference(of, values, step)[1:]
+
+    return objective, constraints
+
+
 _FEASIBLE = 1e-6
 _FAR = 5.0
 """Violation of a rule that a search may be too short for, mm or what the rule is told in."""

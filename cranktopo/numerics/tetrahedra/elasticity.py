@@ -51,6 +51,10 @@ class Elasticity:
         """Matrix over unknowns 3 node + axis, N/mm."""
         return self.equations.stiffness
 
+    def volume_error(self, copies: int, volume_mm3: float) -> float:
+        """Return the volume of so many such bodies over the exact one, less one."""
+        return copies * self.volume_mm3 / volume_mm3 - 1
+
 
 @at_work("stiffness matrix")
 def assemble(mesh: TetMesh, youngs_MPa: float, poisson: float, order: Order = 2) -> Elasticity:

@@ -19,12 +19,7 @@ from cranktopo.design.balancer import BalancerBearing, BalancerPart
 from cranktopo.design.loading import value_at
 from cranktopo.design.named import DesignLike, as_scene, with_values
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.optimisers.gradient_search import (
-    central_difference,
-    minimise,
-    minimise_violation,
-    remembered,
-)
+from cranktopo.numerics.optimisers.gradient_search import by_differences, minimise, minimise_violation
 from cranktopo.tasks.balancer.result import BalancerStrength, KeptLimit, Redesign, ShaftDimension
 from cranktopo.tasks.balancer.stage import check_balancer, checked_part, is_thrust, strength_of
 
@@ -131,20 +126,22 @@ class _Task:
             return np.array([found.mass_kg / self.before.mass_kg, *excess])
 
         low, high = np.array([one.range_mm for one in self.free]).T
-
-        of = remembered(judged)
-
-        def gradients(shares: Array) -> Array:
-            return central_difference(of, low + shares * (high - low), _STEP_MM) * (high - low)
+        mass, excesses = by_differences(judged, _STEP_MM)
 
         def objective(shares: Array) -> tuple[float, Array]:
-            return float(of(low + shares * (high - low))[0]), gradients(shares)[0]
+            value, slopes = mass(low + shares * (high - low))
+            return value, slopes * (high - low)
+
+        def every(shares: Array) -> tuple[Array, Array]:
+            values, slopes = excesses(low + shares * (high - low))
+            return values, slopes * (high - low)
 
         ends, middle = (0 * low, 0 * low + 1), 0 * low + 0.5  # a bore has no slope where there is none yet
-        changing = 1 + np.flatnonzero(np.abs(gradients(middle)[1:]).max(axis=1) > _CHANGING)
+        changing = np.flatnonzero(np.abs(every(middle)[1]).max(axis=1) > _CHANGING)
 
         def constraints(shares: Array) -> tuple[Array, Array]:
-            return of(low + shares * (high - low))[changing], gradients(shares)[changing]
+            values, slopes = every(shares)
+            return values[changing], slopes[changing]
 
         with at_work("searching a balancer shaft"):
             best = minimise(objective, constraints, ends, middle, _END, _EVALUATIONS)

@@ -29,8 +29,8 @@ from cranktopo.numerics.harmonic_balance import (
     damping_work,
     harmonics_of,
 )
+from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.dynamics.moving_throw import SECTIONS, MovingThrow
-from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.modes.shaft_model import damped_end
 from cranktopo.tasks.shaft.assembly import turned
 from cranktopo.tasks.shaft.cycle import CycleForces, ShaftCycle, load_shares

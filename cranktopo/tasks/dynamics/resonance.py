@@ -9,8 +9,8 @@ import numpy as np
 
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
+from cranktopo.numerics.tetrahedra.rigid_motions import RZ
 from cranktopo.numerics.turning_body import modes_at_rest
-from cranktopo.tasks.fea.condense import RZ
 from cranktopo.tasks.modes.campbell import crossings, over_speed
 from cranktopo.tasks.modes.kinds import energy_shares, kind_of
 from cranktopo.tasks.modes.reduced_throw import ReducedThrow

@@ -15,6 +15,7 @@ from cranktopo.base.notes import note
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ShaftTable
 from cranktopo.engine.analysis import at_speed, engine_of
+from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.dynamics.moving_shaft import MovingCycle, MovingShaft, moving_cycle, moving_shaft
 from cranktopo.tasks.dynamics.moving_throw import moving_throw, pin_friction_Ns_per_mm
 from cranktopo.tasks.dynamics.resonance import OrderCrossing, crossings_of
@@ -27,7 +28,6 @@ from cranktopo.tasks.dynamics.result import (
     SectionSwing,
     ShaftDynamics,
 )
-from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.modes.carried import without_mass
 from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings

@@ -10,15 +10,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.numerics.tetrahedra.hierarchical_error import DiscretisationError
+from cranktopo.numerics.tetrahedra.superelement import Superelement
 from cranktopo.tasks.fea.condense import (
     BendingSupport,
-    Superelement,
     TorsionSupport,
     bending_motion,
     torque_ends,
     torsion_motion,
 )
-from cranktopo.tasks.fea.discretisation_error import DiscretisationError
 
 _SURPLUS_FACTOR = 2.2
 """Bound over the cubic surplus.

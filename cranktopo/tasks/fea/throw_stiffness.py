@@ -15,9 +15,9 @@ from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, Order, assemble
+from cranktopo.numerics.tetrahedra.superelement import Superelement
 from cranktopo.tasks.fea.condense import (
     BendingSupport,
-    Superelement,
     TorsionSupport,
     bending_stiffness_N_per_mm,
     condense,

@@ -18,13 +18,12 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, mean_displacement, swing_force
+from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY
 from cranktopo.numerics.tetrahedra.solver import RESIDUAL_LIMIT
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, von_mises
+from cranktopo.numerics.tetrahedra.superelement import Superelement
 from cranktopo.tasks.fea.condense import (
-    RX,
-    RY,
     Lateral,
-    Superelement,
     bending_motion,
     condense,
     loaded_mm,

@@ -11,9 +11,9 @@ from cranktopo.bodies.crank_ends import EndPiece
 from cranktopo.design.crank import Side
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import Carried, Damper, Propeller, Rotor, ShaftTable
+from cranktopo.numerics.tetrahedra.rigid_motions import RZ
 from cranktopo.numerics.turning_body import TurningBody
 from cranktopo.numerics.turning_parts import RoundSection, rigid_disk
-from cranktopo.tasks.fea.condense import RZ
 from cranktopo.tasks.modes.station import added
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
+from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.modes.result import EnergyShares, StationMotion
 from cranktopo.tasks.modes.station import Station
 

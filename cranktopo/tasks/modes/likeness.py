@@ -8,7 +8,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
-from cranktopo.tasks.fea.condense import RZ
+from cranktopo.numerics.tetrahedra.rigid_motions import RZ
 from cranktopo.tasks.modes.station import Station
 
 PAIRED = 0.5

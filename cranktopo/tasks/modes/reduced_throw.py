@@ -23,8 +23,9 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.section_shapes import SectionShapes
 from cranktopo.numerics.tetrahedra.component_modes import inertial_fields, reduced
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mass_matrix, mean_displacement
+from cranktopo.numerics.tetrahedra.rigid_motions import body_motions, plane_nodes
 from cranktopo.numerics.turning_body import TurningBody
-from cranktopo.tasks.fea.condense import Lateral, body_motions, loaded_mm, plane_nodes
+from cranktopo.tasks.fea.condense import Lateral, loaded_mm
 from cranktopo.tasks.modes.station import (
     MassPiece,
     PointMass,

@@ -19,9 +19,9 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ShaftTable
 from cranktopo.engine.bearings import bearing_tilt_spring_Nmm_per_rad
 from cranktopo.numerics.harmonic_balance import DampedBody
+from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, RZ, UX, UY
 from cranktopo.numerics.turning_body import TurningBody
 from cranktopo.numerics.turning_parts import RoundSection, beam, rigid_disk
-from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY
 from cranktopo.tasks.modes.carried import Part, parts_on, section_of
 from cranktopo.tasks.modes.reduced_throw import ReducedThrow
 from cranktopo.tasks.modes.station import Station, added

@@ -2,11 +2,8 @@
 
 Each place by elements has a section of the closed form. The ratio of both safeties, and of the ovalisation of
 a bore with a limit, is a product of powers of the dimensions that has the value and the slopes of the best
-rod so far: these are exact, so that a corrected search that no longer moves is at an optimum of the elements.
-The own rod, which may be far from it, tells its value alone. Where a rod is no better than the best so far,
-the next one is nearer to that.
-
-Source: N. M. Alexandrov, R. M. Lewis, Optimization and Engineering 2, 2001 (first-order model management).
+rod so far (`numerics/optimisers/model_management.py`). The own rod, which may be far from it, tells its value
+alone.
 """
 
 from __future__ import annotations
@@ -17,6 +14,7 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from typing_extensions import override
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
@@ -26,6 +24,7 @@ from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.rod import Eye
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import central_difference
+from cranktopo.numerics.optimisers.model_management import ManagedModels, managed_search
 from cranktopo.runs.destination import check_folder
 from cranktopo.tasks.rod.element_gradients import MARGIN, SAFETIES, Quantity
 from cranktopo.tasks.rod.element_stage import RodOnElements, rod_on_elements, write_rod_folder
@@ -90,37 +89,84 @@ def corrected_search(search: RodSearch, judge: Judge) -> tuple[Scene, RodOnEleme
         CranktopoError: as the judge does of the own rod or of every other, or no lighter rod was found.
     """
     own = JudgedRod(search.scene, np.ones(len(search.names)), judge(search.scene))
-    tried, best, slopes, reach, refused = [own], own, dict[Quantity, Array](), np.inf, None
-    for number in range(1, _ROUNDS + 1):
-        near = search.within(best.values, reach)
-        if best is not own and not slopes:
-            slopes = _ratio_slopes(search, own, best)
-        lighter = search.rod_at(near.best(_limits(tried, best, slopes), best.values))
-        values, least = search.values_of(lighter), np.inf if best is own else _lost(search, own, best)
-        if least == 0 and search.kg_of(lighter) > (1 - _SETTLED) * best.kg:
-            break
-        try:
-            answer = judge(lighter)
-        except CranktopoError as error:
-            refused = _of_the_mesh(error)
-            note(f"{own.scene.name}: rod {number} is left out: {refused.message}")
-            reach = _SHORTER * best.distance(values)
-            continue
-        last = JudgedRod(lighter, values, answer)
-        tried.append(last)
-        note(f"{own.scene.name}: rod {number} by elements, {_line(own, last)}")
-        if (_lost(search, own, last), last.kg) < (least, best.kg):
-            best, slopes, reach = last, {}, _LONGER * reach
-            continue
-        reach = _SHORTER * best.distance(values)
-        if least == 0 and reach < _NEAREST:
-            break
-    if refused is not None and len(tried) == 1:
-        raise refused
-    if best is own or _lost(search, own, best) > 0:
+    models = _ClosedFormAndElements(search, judge, own)
+    best = managed_search(models, own, np.inf, _ROUNDS)
+    if models.refused is not None and len(models.tried) == 1:
+        raise models.refused
+    if best is own or models.lost(best) > 0:
         raise search.no_lighter_rod(" by elements")
     closed_form = search.result_of(best.scene, best.strength)
-    return best.scene, best.judged.with_search(_with_elements(closed_form, own, best, len(tried) - 1))
+    return best.scene, best.judged.with_search(_with_elements(closed_form, own, best, len(models.tried) - 1))
+
+
+class _ClosedFormAndElements(ManagedModels["JudgedRod", Scene]):
+    """Rods in closed form and by elements.
+
+    Attributes:
+        tried: rods that were judged, the own one first.
+        refused: why the last rod was not judged that could not be.
+    """
+
+    def __init__(self, search: RodSearch, judge: Judge, own: JudgedRod) -> None:
+        self._search, self._judge, self._own = search, judge, own
+        self.tried: list[JudgedRod] = [own]
+        self.refused: CranktopoError | None = None
+        self._slopes: dict[Quantity, Array] = {}
+        self._rounds = 0
+
+    def lost(self, one: JudgedRod) -> float:
+        """Return the share of what is wanted that a rod lacks; 0 of a lighter one that lacks nothing."""
+        required = _required_values(self._own).items()
+        lost = max(1 - one.least(kind) / value for kind, value in required)
+        return max(lost, 0.0) + (not self._search.is_better(one.scene, one.strength))
+
+    def _least(self, best: JudgedRod) -> float:
+        """Return the same of the best rod; the own one is no lighter than itself."""
+        return np.inf if best is self._own else self.lost(best)
+
+    @override
+    def propose(self, best: JudgedRod, reach: float) -> Scene:
+        self._rounds += 1
+        if best is not self._own and not self._slopes:
+            self._slopes = _ratio_slopes(self._search, self._own, best)
+        near = self._search.within(best.values, reach)
+        return self._search.rod_at(near.best(_limits(self.tried, best, self._slopes), best.values))
+
+    @override
+    def settled(self, best: JudgedRod, proposed: Scene) -> bool:
+        return self._least(best) == 0 and self._search.kg_of(proposed) > (1 - _SETTLED) * best.kg
+
+    @override
+    def judge(self, proposed: Scene) -> JudgedRod | None:
+        name, values = self._own.scene.name, self._search.values_of(proposed)
+        try:
+            answer = self._judge(proposed)
+        except CranktopoError as error:
+            self.refused = _of_the_mesh(error)
+            note(f"{name}: rod {self._rounds} is left out: {self.refused.message}")
+            return None
+        self.tried.append(JudgedRod(proposed, values, answer))
+        note(f"{name}: rod {self._rounds} by elements, {_line(self._own, self.tried[-1])}")
+        return self.tried[-1]
+
+    @override
+    def is_better(self, best: JudgedRod, proposed: Scene, found: JudgedRod) -> bool:
+        better = (self.lost(found), found.kg) < (self._least(best), best.kg)
+        if better:
+            self._slopes = {}
+        return better
+
+    @override
+    def longer(self, reach: float) -> float:
+        return _LONGER * reach
+
+    @override
+    def shorter(self, best: JudgedRod, proposed: Scene, reach: float) -> float:
+        return _SHORTER * best.distance(self._search.values_of(proposed))
+
+    @override
+    def is_near(self, best: JudgedRod, reach: float) -> bool:
+        return self._least(best) == 0 and reach < _NEAREST
 
 
 def _of_the_mesh(error: CranktopoError) -> CranktopoError:
@@ -128,12 +174,6 @@ def _of_the_mesh(error: CranktopoError) -> CranktopoError:
     if error.code != ExitCode.SOLVER:
         raise error
     return error
-
-
-def _lost(search: RodSearch, own: JudgedRod, one: JudgedRod) -> float:
-    """Share of what is wanted by elements that a rod lacks; 0 of one that is lighter and lacks nothing."""
-    lost = max(1 - one.least(kind) / required for kind, required in _required_values(own).items())
-    return max(lost, 0.0) + (not search.is_better(one.scene, one.strength))
 
 
 @dataclass(frozen=True, eq=False)

@@ -121,7 +121,7 @@ def _elements_result(coarse: ElementStress, fine: ElementStress, loads: Array, s
         nodes=fields.model.nodes_mm.shape[1],
         residual=fields.residual,
         volume_error_percent=100
-        * (copies(fields.model) * fields.model.volume_mm3 / rod_volume_mm3(fields.scene) - 1),
+        * fields.model.volume_error(copies(fields.model), rod_volume_mm3(fields.scene)),
         edge_distance_mm=fine.edge_distance_mm,
         yield_safety=min(place.yield_safety for place in places),
         fatigue_safety=min(place.fatigue_safety for place in places),

@@ -20,7 +20,7 @@ from cranktopo.design.rod_body import rod_mass
 from cranktopo.design.rod_bolts import thread_end_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
-from cranktopo.numerics.optimisers.gradient_search import central_difference, minimise, remembered
+from cranktopo.numerics.optimisers.gradient_search import by_differences, minimise
 from cranktopo.tasks.rod.result import EyeShape, FreeDimension, LighterRod, RodStrength
 from cranktopo.tasks.rod.stage import check_rod_strength
 
@@ -102,17 +102,9 @@ class RodSearch:
             beside = np.array([]) if more is None else more(values, found)
             return np.concatenate([[mass], self._excess(tried, found), beside])
 
-        of = remembered(judged)
-
-        def objective(values: Array) -> tuple[float, Array]:
-            return float(of(values)[0]), central_difference(of, values, _STEP)[0]
-
-        def constraints(values: Array) -> tuple[Array, Array]:
-            return of(values)[1:], central_difference(of, values, _STEP)[1:]
-
         with at_work("searching a lighter rod"):
             first = np.ones(len(self.names)) if start is None else start
-            return minimise(objective, constraints, self.bounds, first, _STEP, _EVALUATIONS)
+            return minimise(*by_differences(judged, _STEP), self.bounds, first, _STEP, _EVALUATIONS)
 
     def rod_at(self, values: Array) -> Scene:
         """Return the design with the rod of these dimensions, rounded to a micrometre, checked."""

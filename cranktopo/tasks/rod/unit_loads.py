@@ -22,6 +22,7 @@ from cranktopo.design.rod import EYES, Eye
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mass_matrix
 from cranktopo.numerics.tetrahedra.node_gradients import integral_slopes
+from cranktopo.numerics.tetrahedra.rigid_motions import RZ, UX, UY, body_motions, held_by_mirror, plane_nodes
 from cranktopo.numerics.tetrahedra.surface_loads import faces_where, pressure_force
 from cranktopo.tasks.rod.bolt_load import bolt_masses, preload_tractions
 from cranktopo.tasks.rod.contact import Pressure, cosine, strips
@@ -53,6 +54,8 @@ Pressures = Mapping[tuple[Eye, int], Pressure]
 """Pressure on the sides of bores; by the cosine where none is given."""
 Motion = Literal["along", "across", "whole"]
 """Motions of a quarter under loads of `ALONG` and of `ACROSS`, and of a half under either."""
+_IN_PLANE = (UX, UY, RZ)
+"""Motions of the whole body that do work of the resultants below."""
 _RESULTANTS: dict[Motion, list[int]] = {"along": [1], "across": [0, 2], "whole": [0, 1, 2]}
 """Forces along x and y and moment about the pins' direction that loads of a motion may have."""
 _ACCELERATED = {
@@ -228,10 +231,7 @@ class RodLoads:
 
     def _rigid(self, rows: Sequence[int]) -> Array:
         """Motions of the whole body whose works are the resultants of `_sums`, (unknowns, rows)."""
-        x, y, _ = self._model.nodes_mm
-        one, none = np.ones_like(x), np.zeros_like(x)
-        motions = (one, none, none), (none, one, none), (-y, x, none)
-        return np.column_stack([np.stack(motions[row], axis=1).ravel() for row in rows])
+        return body_motions(self._model.nodes_mm)[:, [_IN_PLANE[row] for row in rows]]
 
     def groups(self) -> list[LoadGroup]:
         """Loads of `ALONG` and `ACROSS` in this order, in one group of a half and in two of a quarter."""
@@ -279,11 +279,12 @@ class RodLoads:
 
     def _held(self, motion: Motion) -> tuple[Index, Index]:
         """Unknowns that the mirrors hold in a motion, and those of its supports at the ends of the rod."""
-        on = np.abs(self._model.nodes_mm) < _PLANE_MM
-        middle = np.flatnonzero(on[0]) if is_quarter(self._model) else np.arange(on.shape[1])
-        y = self._model.nodes_mm[1, middle]
+        nodes_mm, quarter = self._model.nodes_mm, is_quarter(self._model)
+        middle = plane_nodes(nodes_mm, 0, 0.0) if quarter else np.arange(nodes_mm.shape[1])
+        y = nodes_mm[1, middle]
         ends = 3 * middle[[int(y.argmin()), int(y.argmax())]]
-        across = 3 * np.flatnonzero(on[2]) + 2
-        mirrors = {"along": [3 * middle], "across": [3 * middle + 1, 3 * middle + 2], "whole": []}[motion]
+        mirrors = [held_by_mirror(nodes_mm, 2, 0.0, even=True)]
+        if motion != "whole":
+            mirrors.append(held_by_mirror(nodes_mm, 0, 0.0, even=motion == "along"))
         supports = {"along": ends[:1] + 1, "across": ends, "whole": np.append(ends, ends[0] + 1)}[motion]
-        return np.unique(np.concatenate([across, *mirrors])), supports
+        return np.unique(np.concatenate(mirrors)), supports

@@ -14,7 +14,9 @@ from cranktopo.base.result import Result
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
-from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, Lateral, Superelement, condense
+from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, RZ, UX, UY
+from cranktopo.numerics.tetrahedra.superelement import Superelement
+from cranktopo.tasks.fea.condense import Lateral, condense
 
 Bearings = Literal["free", "rigid", "spring"]
 ShaftBearings = Literal["free", "rigid", "spring", "clearance", "film"]

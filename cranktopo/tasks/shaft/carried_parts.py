@@ -9,7 +9,7 @@ from cranktopo.bodies.crank_ends import SIDES, end_length_mm
 from cranktopo.design.crank import Side
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import Carried, ShaftTable
-from cranktopo.tasks.fea.condense import RX, RY, UX, UY
+from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, UX, UY
 from cranktopo.tasks.shaft.cycle import ShaftCycle
 from cranktopo.tasks.shaft.result import CarriedMotion
 

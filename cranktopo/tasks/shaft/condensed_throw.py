@@ -17,7 +17,7 @@ from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import bearing_tilt_spring_Nmm_per_rad
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
-from cranktopo.tasks.fea.condense import Superelement
+from cranktopo.numerics.tetrahedra.superelement import Superelement
 from cranktopo.tasks.fea.discretisation_error import discretisation_errors
 from cranktopo.tasks.fea.error_bound import TORSION_VOLUME_FACTOR, bound_percent
 from cranktopo.tasks.fea.targets import Target

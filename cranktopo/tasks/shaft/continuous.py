@@ -14,7 +14,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.bearings import life_over_cycle_h, reference_life_h
 from cranktopo.engine.forces import INERTIA_EFFECTS
-from cranktopo.tasks.fea.condense import RX, RY, UX, UY
+from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, UX, UY
 from cranktopo.tasks.film.result import BearingFilm
 from cranktopo.tasks.film.stage import LoadedBearing, films_of, main_bearing, plain_bearings
 from cranktopo.tasks.shaft.assembly import turned

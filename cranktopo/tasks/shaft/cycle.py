@@ -25,7 +25,7 @@ from cranktopo.engine.forces import INERTIA_EFFECTS, ShaftTorque, by_throw
 from cranktopo.engine.histories import every_degree
 from cranktopo.engine.vibration.shaft_chain import rods_shares
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_torque
-from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
+from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.shaft.assembly import shaft_matrix, turned
 from cranktopo.tasks.shaft.loaded_throw import LOADS, SWING, LoadedThrow
 

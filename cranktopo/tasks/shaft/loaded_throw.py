@@ -14,7 +14,9 @@ from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, mean_displacement, swing_force
-from cranktopo.tasks.fea.condense import RX, RZ, UY, Lateral, Superelement, condense, loaded_mm
+from cranktopo.numerics.tetrahedra.rigid_motions import RX, RZ, UY
+from cranktopo.numerics.tetrahedra.superelement import Superelement
+from cranktopo.tasks.fea.condense import Lateral, condense, loaded_mm
 from cranktopo.tasks.fea.turning_load import turning_load
 from cranktopo.tasks.shaft.assembly import SPLITS, symmetries, throw_matrix
 

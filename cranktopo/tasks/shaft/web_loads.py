@@ -16,7 +16,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import WebHistory
-from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY
+from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, RZ, UX, UY
 from cranktopo.tasks.shaft.cycle import CycleForces, ShaftCycle, ShaftSwing, shaft_cycle
 from cranktopo.tasks.shaft.loaded_throw import LoadedThrow
 

@@ -15,7 +15,7 @@ from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
+from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.shaft.cycle import ShaftCycle, ShaftSwing
 
 

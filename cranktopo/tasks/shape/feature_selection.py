@@ -14,6 +14,7 @@ from cranktopo.base.notes import note
 from cranktopo.base.progress import StageMemory
 from cranktopo.base.result import Result
 from cranktopo.design.goal.constraint import Constraint, model_error, without_error
+from cranktopo.numerics.optimisers.dimension_search import EVALUATIONS
 from cranktopo.tasks.refit.family import Layout, with_free, with_part
 from cranktopo.tasks.refit.search import with_stations
 from cranktopo.tasks.shape.feature_starts import end_starts, pocket_starts
@@ -28,7 +29,6 @@ from cranktopo.tasks.shape.refining import (
 )
 from cranktopo.tasks.shape.result import FeatureTrial
 from cranktopo.tasks.shape.search import (
-    EVALUATIONS,
     FinishedSearch,
     SearchResult,
     WebSolver,

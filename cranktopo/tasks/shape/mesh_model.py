@@ -24,14 +24,13 @@ from cranktopo.engine.histories import Loads
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.node_gradients import mean_slopes, moments, work_slopes
+from cranktopo.numerics.tetrahedra.rigid_motions import RZ, section_slopes
+from cranktopo.numerics.tetrahedra.superelement import Superelement
 from cranktopo.tasks.fea.condense import (
-    RZ,
     Lateral,
-    Superelement,
     bending_motion,
     bending_stiffness_N_per_mm,
     condense,
-    section_slopes,
     torsion_motion,
     torsional_stiffness_Nm_per_rad,
 )

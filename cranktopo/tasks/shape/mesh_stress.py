@@ -23,11 +23,13 @@ from cranktopo.numerics.tetrahedra.node_gradients import (
     swing_slopes,
     work_slopes,
 )
+from cranktopo.numerics.tetrahedra.rigid_motions import section_slopes
+from cranktopo.numerics.tetrahedra.superelement import Superelement
 from cranktopo.numerics.tetrahedra.unit_stress import UnitStress
 from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.safety_field import unit_loads
 from cranktopo.tasks.fatigue.stress_model import images_of
-from cranktopo.tasks.fea.condense import Lateral, Superelement, bending_motion, section_slopes, torsion_motion
+from cranktopo.tasks.fea.condense import Lateral, bending_motion, torsion_motion
 from cranktopo.tasks.fea.turning_load import pull_slopes, turning_load
 from cranktopo.tasks.fea.unit_fields import (
     AGAINST_TORQUE,

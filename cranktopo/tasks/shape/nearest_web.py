@@ -13,11 +13,12 @@ from functools import partial
 from cranktopo.base.arrays import Array
 from cranktopo.design.goal.constraint import model_error
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.optimisers.dimension_search import KEPT_MM, PRICE
 from cranktopo.numerics.optimisers.linear_programmes import Penalties, linear_steps
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.refining import Step, merit
 from cranktopo.tasks.shape.rules import EnvelopeClearance, rules_of
-from cranktopo.tasks.shape.search import HELD, KEPT_MM, PRICE, refused, worst_violation
+from cranktopo.tasks.shape.search import HELD, refused, worst_violation
 from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 
 _TRIES = 4

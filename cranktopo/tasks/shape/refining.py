@@ -1,24 +1,27 @@
 """The best web so far, and its refinement: few webs on body-fitted elements, searches on cells between.
 
-There the cells stand for the elements, brought to the value and the gradient of the last meshed web, so that
-an optimum of the cells that no longer moves is one of the elements (first-order model management: Alexandrov
-and Lewis, Optimization and Engineering 2, 2001, 413-430).
+There the cells stand for the elements, brought to the value and the gradient of the last meshed web
+(`numerics/optimisers/model_management.py`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
+from typing_extensions import override
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import Pace, note
 from cranktopo.base.progress import StageMemory
+from cranktopo.numerics.optimisers.dimension_search import SearchBudget
+from cranktopo.numerics.optimisers.model_management import ManagedModels, managed_search
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.search import SearchBudget, WebSolver, best_values
+from cranktopo.tasks.shape.search import WebSolver, best_values
 from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 
 MINIMUM_GAIN = 2e-3
@@ -161,32 +164,85 @@ def refined(
     Raises:
         CranktopoError: the start cannot be solved.
     """
-    web = meshed.web(layout)
-    found = meshed.responses(web, start, goal.quantities)
-    best, solved, reach = Step(start, found, merit(goal, found.values), 1), 1, extent.reach
-    kept_share, pace = 1.0, Pace("steps judged by elements", extent.steps, at_most=True)
-    for _ in range(extent.steps):
-        pace.begin()
-        effort = SearchBudget(extent.evaluations, reach, nearest=True)
-        step = stepped(cells, layout, best.values, best.quantities, goal, work, effort)
-        solved += step.solved
-        promised = best.merit - step.merit
-        if promised < extent.settled or best.merit - kept_share * promised > required_merit:
-            break
+    models = _CellsAndElements(cells, meshed, layout, goal, work, extent, required_merit)
+    best = managed_search(models, models.judged(start), extent.reach, extent.steps)
+    return replace(best, solved=models.solved)
+
+
+class _CellsAndElements(ManagedModels[Step, Step]):
+    """Webs of a layout on cells and on body-fitted elements.
+
+    Attributes:
+        solved: webs so far.
+    """
+
+    def __init__(
+        self,
+        cells: WebSolver,
+        meshed: WebSolver,
+        layout: Layout,
+        goal: SearchGoal,
+        work: StageMemory,
+        extent: Refinement,
+        required_merit: float,
+    ) -> None:
+        self._cells, self._meshed, self._layout, self._goal, self._work = cells, meshed, layout, goal, work
+        self._extent, self._required, self._kept_share, self.solved = extent, required_merit, 1.0, 0
+
+    @cached_property
+    def _web(self) -> ParametricWeb:
+        return self._meshed.web(self._layout)
+
+    @cached_property
+    def _pace(self) -> Pace:
+        return Pace("steps judged by elements", self._extent.steps, at_most=True)
+
+    def judged(self, values: Array) -> Step:
+        """Return a web by elements; raises CranktopoError where it cannot be solved."""
+        found = self._meshed.responses(self._web, values, self._goal.quantities)
+        self.solved += 1
+        return Step(values, found, merit(self._goal, found.values), self.solved)
+
+    @override
+    def propose(self, best: Step, reach: float) -> Step:
+        self._pace.begin()
+        effort = SearchBudget(self._extent.evaluations, reach, nearest=True)
+        at, found = best.values, best.quantities
+        step = stepped(self._cells, self._layout, at, found, self._goal, self._work, effort)
+        self.solved += step.solved
+        return step
+
+    @override
+    def settled(self, best: Step, proposed: Step) -> bool:
+        promised = best.merit - proposed.merit
+        return promised < self._extent.settled or best.merit - self._kept_share * promised > self._required
+
+    @override
+    def judge(self, proposed: Step) -> Step | None:
         try:
-            found = meshed.responses(web, step.values, goal.quantities)
+            return self.judged(proposed.values)
         except CranktopoError as error:
             note(f"a web on the way could not be solved ({error}): a shorter step instead")
-            reach *= SHORTER
-            continue
-        solved += 1
-        now = Step(step.values, found, merit(goal, found.values), solved)
-        gain = best.merit - now.merit
-        if gain <= 0:
-            reach *= SHORTER
-            continue
-        best, kept_share = now, min(gain / promised, 1.0)
-    return replace(best, solved=solved)
+            return None
+
+    @override
+    def is_better(self, best: Step, proposed: Step, found: Step) -> bool:
+        gain = best.merit - found.merit
+        if gain > 0:
+            self._kept_share = min(gain / (best.merit - proposed.merit), 1.0)
+        return gain > 0
+
+    @override
+    def longer(self, reach: float) -> float:
+        return reach
+
+    @override
+    def shorter(self, best: Step, proposed: Step, reach: float) -> float:
+        return reach * SHORTER
+
+    @override
+    def is_near(self, best: Step, reach: float) -> bool:
+        return False
 
 
 def stepped(

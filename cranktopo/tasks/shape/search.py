@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -15,13 +15,13 @@ from cranktopo.base.progress import StageMemory
 from cranktopo.base.result import Result
 from cranktopo.design.halves import usual_scale
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.optimisers.gradient_search import (
-    Multipliers,
-    minimise,
-    minimise_violation,
-    multipliers,
-    restore_feasibility,
+from cranktopo.numerics.optimisers.dimension_search import (
+    EVALUATIONS,
+    DimensionSearch,
+    SearchBudget,
+    SolvedPoint,
 )
+from cranktopo.numerics.optimisers.gradient_search import Multipliers, multipliers
 from cranktopo.numerics.optimisers.linear_programmes import linear_multipliers
 from cranktopo.tasks.refit.family import Layout, rounded_dimensions, scene_at, web_of
 from cranktopo.tasks.refit.fit import scene_with_web
@@ -30,26 +30,12 @@ from cranktopo.tasks.shape.rules import EnvelopeClearance, rules_at, rules_of
 from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 from cranktopo.tasks.shape.web_model import Responses, WebModel
 
-EVALUATIONS = 20
-_REACH = 15.0
-"""Largest move of a parameter in one search, mm or degrees."""
-_RULES = 0.05
-"""Weight of a millimetre of a manufacturing constraint against a limit's relative excess."""
-KEPT_MM = 5e-3
-"""Violation of a rule that rounding of the dimensions absorbs."""
 HELD = 1e-6
 """Relative excess of a limit with which a web still counts as keeping it by the evaluation: rounding."""
 _NEARLY = 5e-4
 """The same on cells, which err by far more."""
-_STEP_MM, _FLAT = 2e-3, 1e-6
-_STEEP = 2000.0
-"""Factor on the goal. The method takes a curvature of 1 to begin with, while a millimetre changes the goal by
-a thousandth: without the factor the first steps would be of micrometres."""
-_ATTEMPTS = 4
 _PRICED = 1.0
 """Reach of the programme that finds prices, mm or degrees for throws of usual size."""
-PRICE = 10.0
-"""Of a relative excess of a limit in the goal where no web within reach keeps all: far above usual ones."""
 
 
 class WebSolver(Protocol):
@@ -67,21 +53,6 @@ class WebSolver(Protocol):
 
 
 @dataclass(frozen=True)
-class SearchBudget:
-    """Length and reach of a search.
-
-    Attributes:
-        evaluations: most webs solved.
-        reach: how far a parameter may move, mm or degrees.
-        nearest: whether the web that comes nearest to its limits is taken where none keeps them.
-    """
-
-    evaluations: int = EVALUATIONS
-    reach: float = _REACH
-    nearest: bool = False
-
-
-@dataclass(frozen=True)
 class SearchResult:
     """The best web of a search on cells; by how much it misses its limits is relative."""
 
@@ -90,62 +61,6 @@ class SearchResult:
     objective: float
     responses: Responses
     violation: float = 0.0
-
-
-class _WebSearch:
-    """Objective and constraints of one search, each web solved once.
-
-    Attributes:
-        best: of the webs that keep the rules the one that misses its limits least, of those that keep them
-            the one with the best goal: relative excess, goal, parameters.
-    """
-
-    def __init__(self, webs: WebSolver, layout: Layout, goal: SearchGoal, pace: Pace) -> None:
-        self.goal, self._pace = goal, pace
-        self.web: ParametricWeb = webs.web(layout)
-        self.evaluations = 0
-        self.best: tuple[float, float, Array] | None = None
-        self._webs = webs
-        self._clearance = EnvelopeClearance(webs.scene)
-        self._last: tuple[bytes, Quantities] | None = None
-        self._ruled: tuple[bytes, tuple[Array, Array]] | None = None
-
-    def responses(self, values: Array) -> Quantities:
-        if self._last is None or self._last[0] != values.tobytes():
-            self._pace.begin()
-            found = self._webs.responses(self.web, values, self.goal.quantities)
-            self._last = values.tobytes(), found
-            self.evaluations += 1
-            self._keep(values, found)
-        return self._last[1]
-
-    @property
-    def sound(self) -> Array:
-        """The best web, else the last one that was solved."""
-        assert self._last is not None
-        return np.frombuffer(self._last[0]) if self.best is None else self.best[2]
-
-    def objective(self, values: Array) -> tuple[float, Array]:
-        found = self.responses(values)
-        gradient = _STEEP * self.goal.objective_gradient(found.gradients)
-        return float(_STEEP * self.goal.objective(found.values)), gradient
-
-    def rules(self, values: Array) -> tuple[Array, Array]:
-        if self._ruled is None or self._ruled[0] != values.tobytes():
-            self._ruled = values.tobytes(), rules_of(self.web, self._clearance, values)
-        return self._ruled[1]
-
-    def constraints(self, values: Array) -> tuple[Array, Array]:
-        found, (rules, gradients) = self.responses(values), self.rules(values)
-        limits = self.goal.violation_gradients(found.gradients, len(values))
-        violations = np.concatenate([self.goal.violations(found.values), _RULES * rules])
-        return violations, np.vstack([limits, _RULES * gradients])
-
-    def _keep(self, values: Array, quantities: Quantities) -> None:
-        rank = worst_violation(self.goal, quantities), self.goal.objective(quantities.values)
-        better = self.best is None or rank < self.best[:2]
-        if better and self.rules(values)[0].max() < KEPT_MM:
-            self.best = *rank, values.copy()
 
 
 class FinishedSearch(Result):
@@ -172,11 +87,11 @@ def best_values(
 
     def make() -> FinishedSearch:
         model = webs()
-        pace = Pace(f"{name}, webs of {len(start)} dimensions", effort.evaluations, at_most=True)
-        task = _WebSearch(model, layout, goal, pace)
-        _minimise(task, start, effort, work)
+        web = model.web(layout)
+        task = _web_search(model, web, goal, Pace(_told(name, start), effort.evaluations, at_most=True))
+        task.minimise(start, effort, work.check, _note_refused)
         best = task.best
-        violation = None if best else rules_at(model.scene, task.web, task.sound).violation_text
+        violation = None if best else rules_at(model.scene, web, task.sound).violation_text
         why = refused(model.scene, layout, best[2]) if best else violation
         if why and best is not None:
             note(f"left out: {why}")
@@ -186,6 +101,32 @@ def best_values(
 
     kept = work.once_as(FinishedSearch, name, make)
     return None if kept.values is None else np.array(kept.values), kept.evaluations
+
+
+def _told(name: str, start: Array) -> str:
+    return f"{name}, webs of {len(start)} dimensions"
+
+
+def _note_refused(error: CranktopoError) -> None:
+    note(f"a web on the way could not be solved ({error}): on from the last one, in smaller steps")
+
+
+def _web_search(webs: WebSolver, web: ParametricWeb, goal: SearchGoal, pace: Pace) -> DimensionSearch:
+    """Return the search of a web's dimensions for a goal, within its rules and the envelope."""
+    clearance = EnvelopeClearance(webs.scene)
+
+    def solve(values: Array) -> SolvedPoint:
+        pace.begin()
+        found = webs.responses(web, values, goal.quantities)
+        return SolvedPoint(
+            goal.objective(found.values),
+            goal.objective_gradient(found.gradients),
+            goal.violations(found.values),
+            goal.violation_gradients(found.gradients, len(values)),
+            worst_violation(goal, found),
+        )
+
+    return DimensionSearch(solve, lambda values: rules_of(web, clearance, values), web.bounds)
 
 
 def search_on_cells(
@@ -265,40 +206,3 @@ def refused(scene: Scene, layout: Layout, values: Array) -> str:
     except CranktopoError as error:
         return str(error).rstrip(".")
     return ""
-
-
-def _minimise(task: _WebSearch, start: Array, effort: SearchBudget, work: StageMemory) -> None:
-    """Search; where a web cannot be solved, once more from the last sound one with a shorter reach."""
-    start, reach = restore_feasibility(task.rules, task.web.bounds, start), effort.reach
-    for _ in range(_ATTEMPTS):
-        try:
-            return _descend(task, start, replace(effort, reach=reach), work)
-        except CranktopoError as error:
-            if task.evaluations == 0:
-                raise
-            note(f"a web on the way could not be solved ({error}): on from the last one, in smaller steps")
-            start, reach = task.sound, reach / 4
-
-
-def _descend(task: _WebSearch, start: Array, effort: SearchBudget, work: StageMemory) -> None:
-    (low, high), reach = task.web.bounds, effort.reach
-    bounds = np.maximum(low, start - reach), np.minimum(high, start + reach)
-
-    def objective(values: Array) -> tuple[float, Array]:
-        work.check()
-        return task.objective(values)
-
-    evaluations = effort.evaluations - task.evaluations
-    minimise(objective, task.constraints, bounds, start, _STEP_MM, evaluations, _FLAT)
-    if effort.nearest and (task.best is None or task.best[0] > 0):
-        minimise_violation(
-            objective,
-            task.constraints,
-            len(task.goal.limits),
-            PRICE * _STEEP,
-            bounds,
-            start,
-            _STEP_MM,
-            effort.evaluations,
-            _FLAT,
-        )

@@ -24,6 +24,7 @@ from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.histories import WebLoads
+from cranktopo.numerics.optimisers.dimension_search import SearchBudget
 from cranktopo.report.goal_table import missed_words
 from cranktopo.tasks.refit.family import Layout, with_free
 from cranktopo.tasks.refit.read_web import WebRead
@@ -39,7 +40,7 @@ from cranktopo.tasks.shape.nearest_web import nearest_of, nearest_web, search_wi
 from cranktopo.tasks.shape.optimum import ShapeOptimum, ShapeRound, ShapeSettings
 from cranktopo.tasks.shape.refining import SHORTER, CorrectedSurrogate, Step, merit, stepped
 from cranktopo.tasks.shape.result import FeatureTrial
-from cranktopo.tasks.shape.search import SearchBudget, prices_of, shaped_scene, worst_violation
+from cranktopo.tasks.shape.search import prices_of, shaped_scene, worst_violation
 from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal, goal_on_cells, search_goal_of
 from cranktopo.tasks.shape.start import first_on_cells, not_on_cells, scene_start
 from cranktopo.tasks.shape.text import TOLD_FIRST

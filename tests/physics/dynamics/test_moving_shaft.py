@@ -14,10 +14,10 @@ from cranktopo.design.misfire import with_misfire
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, shaft_chain
+from cranktopo.numerics.tetrahedra.rigid_motions import RZ, UZ
 from cranktopo.numerics.turning_body import TurningBody
 from cranktopo.tasks.dynamics.moving_shaft import MovingCycle, MovingShaft, moving_cycle
 from cranktopo.tasks.dynamics.resonance import crossings_of
-from cranktopo.tasks.fea.condense import RZ, UZ
 from cranktopo.tasks.modes.shaft_model import shaft_model
 from cranktopo.tasks.shaft.assembly import Bearings, shaft_matrix, shaft_stiffness, turned
 from cranktopo.tasks.shaft.cycle import CycleForces, load_shares, shaft_cycle

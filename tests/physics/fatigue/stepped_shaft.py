@@ -13,13 +13,13 @@ from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.tetrahedra.cad_mesh import extract_mesh
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.numerics.tetrahedra.rigid_motions import section_motions
 from cranktopo.numerics.tetrahedra.stress import (
     nodal_stress,
     outer_surface,
     principal_stresses,
     surface_stress,
 )
-from cranktopo.tasks.fea.condense import section_motions
 from cranktopo.throw.journal import FilletSection
 
 Array = NDArray[np.float64]

@@ -10,6 +10,7 @@ import pytest
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.engine.histories import load_history
 from cranktopo.numerics.tetrahedra.elasticity import assemble
+from cranktopo.numerics.tetrahedra.rigid_motions import plane_nodes
 from cranktopo.tasks.fatigue.m53 import FilletCheck, fatigue_strength_MPa
 from cranktopo.tasks.fatigue.m53_outlet import (
     check_outlets,
@@ -20,7 +21,6 @@ from cranktopo.tasks.fatigue.m53_outlet import (
 from cranktopo.tasks.fatigue.outlet_elements import element_outlet_factors
 from cranktopo.tasks.fatigue.rule_fillets import element_factors
 from cranktopo.tasks.fatigue.stress_model import solve_stresses
-from cranktopo.tasks.fea.condense import plane_nodes
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import unit_fields
 from tests.physics.fatigue.cross_hole import DIAMETER_MM, outlet_peaks, peterson_bending, peterson_torsion

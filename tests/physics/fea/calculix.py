@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cranktopo.base.frames import Span
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.tasks.fea.condense import plane_nodes
+from cranktopo.numerics.tetrahedra.rigid_motions import plane_nodes
 
 Array = NDArray[np.float64]
 Entry = tuple[int, int, float]

@@ -18,10 +18,10 @@ from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mean_displacement
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.numerics.tetrahedra.rigid_motions import RZ
+from cranktopo.numerics.tetrahedra.superelement import Superelement
 from cranktopo.tasks.fea.condense import (
-    RZ,
     BendingSupport,
-    Superelement,
     TorsionSupport,
     bending_stiffness_N_per_mm,
     condense,

@@ -18,17 +18,8 @@ from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.tasks.fea.condense import (
-    RX,
-    RZ,
-    UX,
-    UY,
-    bending_stiffness_N_per_mm,
-    condense,
-    plane_nodes,
-    section_motions,
-    torsional_stiffness_Nm_per_rad,
-)
+from cranktopo.numerics.tetrahedra.rigid_motions import RX, RZ, UX, UY, plane_nodes, section_motions
+from cranktopo.tasks.fea.condense import bending_stiffness_N_per_mm, condense, torsional_stiffness_Nm_per_rad
 from cranktopo.tasks.shaft.assembly import throw_blocks, throw_matrix
 from tests.physics.fea.evaluation_cases import LOPSIDED, elastic, mikron_with
 

@@ -11,14 +11,10 @@ from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
+from cranktopo.numerics.tetrahedra.hierarchical_error import straightened
 from cranktopo.numerics.tetrahedra.mesh import EDGES, TetMesh
-from cranktopo.tasks.fea.condense import (
-    Superelement,
-    bending_stiffness_N_per_mm,
-    condense,
-    torsional_stiffness_Nm_per_rad,
-)
-from cranktopo.tasks.fea.discretisation_error import straightened
+from cranktopo.numerics.tetrahedra.superelement import Superelement
+from cranktopo.tasks.fea.condense import bending_stiffness_N_per_mm, condense, torsional_stiffness_Nm_per_rad
 from cranktopo.tasks.fea.error_bound import bending_shares, torsion_shares
 from tests.physics.fea.evaluation_cases import elastic, mikron_with
 

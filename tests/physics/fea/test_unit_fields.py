@@ -9,8 +9,8 @@ from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.tetrahedra.elasticity import mean_displacement
+from cranktopo.numerics.tetrahedra.rigid_motions import section_motions
 from cranktopo.numerics.tetrahedra.stress import hooke
-from cranktopo.tasks.fea.condense import section_motions
 from cranktopo.tasks.fea.unit_fields import UnitField, unit_fields
 from tests.physics.fea.evaluation_cases import LOPSIDED, elastic, mikron_with
 

@@ -13,8 +13,8 @@ from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.loading import load_scene, parse_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT, TOO_LOW_PERCENT, few_throws
+from cranktopo.numerics.tetrahedra.rigid_motions import UX, UY, UZ
 from cranktopo.numerics.turning_body import modes_at_rest
-from cranktopo.tasks.fea.condense import UX, UY, UZ
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.modes.page import modes_page
 from cranktopo.tasks.modes.reduced_throw import reduced_throw, section_shapes

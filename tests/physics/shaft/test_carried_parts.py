@@ -8,7 +8,7 @@ import pytest
 from cranktopo.bodies.crank_ends import crank_end, end_length_mm, main_journal_places_mm
 from cranktopo.design.loading import load_scene
 from cranktopo.design.named import with_values
-from cranktopo.tasks.fea.condense import RX, RY
+from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY
 from cranktopo.tasks.shaft.carried_parts import carried_motions
 from cranktopo.tasks.shaft.cycle import shaft_cycle
 from tests.physics.shaft.test_continuous_shaft import meshed, random_forces

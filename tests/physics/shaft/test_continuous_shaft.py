@@ -18,8 +18,8 @@ from cranktopo.engine.balance.throw import product_of_inertia_kg_mm2, throw_bala
 from cranktopo.engine.balance.whole_engine import engine_balance, main_bearings
 from cranktopo.engine.continuous_beam import PinLoads, Spans, bend_spans, span_bending
 from cranktopo.numerics.roller_laminae import RollerSet, reference_life_turns
+from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.balance.result import balance_result
-from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.film.stage import oil_films
 from cranktopo.tasks.shaft.assembly import Bearings, shaft_matrix, shaft_stiffness
 from cranktopo.tasks.shaft.continuous import _of_throw, _with_films, continuous_shaft

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.loading import load_scene
-from cranktopo.tasks.fea.condense import RZ
+from cranktopo.numerics.tetrahedra.rigid_motions import RZ
 from cranktopo.tasks.fea.evaluation import evaluate
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.assembly import Bearings, shaft_matrix, shaft_stiffness, throw_blocks, throw_matrix

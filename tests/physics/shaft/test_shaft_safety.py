@@ -15,6 +15,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import at_speed, at_worst_speed, engine_of
 from cranktopo.engine.histories import LoadHistory, WebLoads
 from cranktopo.engine.judged_speeds import speeds_of_range
+from cranktopo.numerics.tetrahedra.rigid_motions import RZ
 from cranktopo.tasks.fatigue import shaft_stress
 from cranktopo.tasks.fatigue.least import Part, least_safeties, web_parts
 from cranktopo.tasks.fatigue.needs import load_kinds
@@ -23,7 +24,6 @@ from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, solve_shaft_stress
 from cranktopo.tasks.fatigue.stage import assess_by_methods
 from cranktopo.tasks.fatigue.stress_model import solve_stresses
 from cranktopo.tasks.fatigue.text import field_remarks
-from cranktopo.tasks.fea.condense import RZ
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.assembly import SPLITS
 from cranktopo.tasks.shaft.cycle import CycleForces, cycle_forces, shaft_cycle, throw_states

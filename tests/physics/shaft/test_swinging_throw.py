@@ -16,10 +16,10 @@ from cranktopo.engine.histories import LoadHistory, throw_histories
 from cranktopo.engine.vibration.shaft_chain import moving_inertia_kg_mm2
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_torque
 from cranktopo.numerics.tetrahedra.elasticity import swing_force
+from cranktopo.numerics.tetrahedra.rigid_motions import RZ, UX
 from cranktopo.tasks.fatigue.safety_field import field_of_states, safety_field
 from cranktopo.tasks.fatigue.shaft_stress import solve_shaft_stress
 from cranktopo.tasks.fatigue.stress_model import solve_stresses
-from cranktopo.tasks.fea.condense import RZ, UX
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind
 from cranktopo.tasks.shaft.cycle import CycleForces, ShaftCycle, cycle_forces, shaft_cycle, throw_states

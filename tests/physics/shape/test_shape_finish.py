@@ -14,12 +14,13 @@ from cranktopo.base.progress import StageMemory
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.optimisers.dimension_search import SearchBudget
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.tasks.refit.family import Layout, web_of
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
-from cranktopo.tasks.shape.search import SearchBudget, best_values
+from cranktopo.tasks.shape.search import best_values
 from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
