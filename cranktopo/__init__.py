@@ -67,14 +67,6 @@ if TYPE_CHECKING:
     from cranktopo.tasks.extraction.checked_surface import CheckedSurface, checked_surface
     from cranktopo.tasks.extraction.result import Extraction
     from cranktopo.tasks.extraction.stage import extract_surface
-    from cranktopo.tasks.fatigue.assessment import FatigueAssessment
-    from cranktopo.tasks.fatigue.result import FatigueResult
-    from cranktopo.tasks.fatigue.stage import assess_fatigue
-    from cranktopo.tasks.fea.evaluation import Evaluation
-    from cranktopo.tasks.fea.result import EvaluationResult
-    from cranktopo.tasks.fea.stage import Evaluations, MeshRequest, evaluate_target, evaluate_targets
-    from cranktopo.tasks.fea.studies import StudyResult
-    from cranktopo.tasks.fea.targets import Target, resolve_target, resolve_targets
     from cranktopo.tasks.film.result import FilmResult
     from cranktopo.tasks.film.stage import oil_films
     from cranktopo.tasks.iterate.loop import continue_loop, loop_scene, start_loop
@@ -100,13 +92,21 @@ if TYPE_CHECKING:
     from cranktopo.tasks.shaft.stage import evaluate_shaft
     from cranktopo.tasks.shaft_safety.result import ShaftAssessment
     from cranktopo.tasks.shaft_safety.stage import assess_shaft
-    from cranktopo.tasks.shape.each_web.result import EachWebResult
-    from cranktopo.tasks.shape.each_web.run import EachWebRun, resume_each_web, shape_each_web
-    from cranktopo.tasks.shape.result import ShapeResult
-    from cranktopo.tasks.shape.run import ShapedRun, resume_shape, shape_design, shape_settings
     from cranktopo.tasks.sweep.run import sweep
+    from cranktopo.tasks.throw_fatigue.assessment import FatigueAssessment
+    from cranktopo.tasks.throw_fatigue.result import FatigueResult
+    from cranktopo.tasks.throw_fatigue.stage import assess_fatigue
+    from cranktopo.tasks.throw_fea.evaluation import Evaluation
+    from cranktopo.tasks.throw_fea.result import EvaluationResult
+    from cranktopo.tasks.throw_fea.stage import Evaluations, MeshRequest, evaluate_target, evaluate_targets
+    from cranktopo.tasks.throw_fea.studies import StudyResult
+    from cranktopo.tasks.throw_fea.targets import Target, resolve_target, resolve_targets
     from cranktopo.tasks.vibration.result import ShaftVibration
     from cranktopo.tasks.vibration.stage import shaft_vibration
+    from cranktopo.tasks.web_shape.each_web.result import EachWebResult
+    from cranktopo.tasks.web_shape.each_web.run import EachWebRun, resume_each_web, shape_each_web
+    from cranktopo.tasks.web_shape.result import ShapeResult
+    from cranktopo.tasks.web_shape.run import ShapedRun, resume_shape, shape_design, shape_settings
     from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 _HOMES = {
@@ -116,18 +116,18 @@ _HOMES = {
     "ComparedTargets": "tasks.compare.stage",
     "ComparisonResult": "tasks.compare.result",
     "AccuracyStudy": "tasks.accuracy.stage",
-    "StudyResult": "tasks.fea.studies",
-    "FatigueAssessment": "tasks.fatigue.assessment",
-    "FatigueResult": "tasks.fatigue.result",
+    "StudyResult": "tasks.throw_fea.studies",
+    "FatigueAssessment": "tasks.throw_fatigue.assessment",
+    "FatigueResult": "tasks.throw_fatigue.result",
     "OptimisedRun": "tasks.optimise.result",
     "RunMetrics": "tasks.optimise.result",
-    "ShapeResult": "tasks.shape.result",
+    "ShapeResult": "tasks.web_shape.result",
     "LoopRun": "tasks.iterate.result",
     "LoopResult": "tasks.iterate.result",
     "RefitResult": "tasks.refit.result",
     "Extraction": "tasks.extraction.result",
-    "Evaluations": "tasks.fea.stage",
-    "EvaluationResult": "tasks.fea.result",
+    "Evaluations": "tasks.throw_fea.stage",
+    "EvaluationResult": "tasks.throw_fea.result",
     "ShaftEvaluation": "tasks.shaft.result",
     "ShaftAssessment": "tasks.shaft_safety.result",
     "VibrationStudy": "engine.vibration.study",
@@ -161,18 +161,18 @@ _HOMES = {
     "FittedWeb": "tasks.refit.fit",
     "fit_web": "tasks.refit.fit",
     "ManufacturingLimits": "throw.manufacturing_limits",
-    "ShapedRun": "tasks.shape.run",
-    "shape_design": "tasks.shape.run",
-    "shape_settings": "tasks.shape.run",
+    "ShapedRun": "tasks.web_shape.run",
+    "shape_design": "tasks.web_shape.run",
+    "shape_settings": "tasks.web_shape.run",
     "Sensitivities": "tasks.evaluate.sensitivities",
     "evaluate_sensitivities": "tasks.evaluate.sensitivities",
     "WebTarget": "tasks.designs.run_webs",
     "web_target": "tasks.designs.run_webs",
-    "resume_shape": "tasks.shape.run",
-    "EachWebResult": "tasks.shape.each_web.result",
-    "EachWebRun": "tasks.shape.each_web.run",
-    "resume_each_web": "tasks.shape.each_web.run",
-    "shape_each_web": "tasks.shape.each_web.run",
+    "resume_shape": "tasks.web_shape.run",
+    "EachWebResult": "tasks.web_shape.each_web.result",
+    "EachWebRun": "tasks.web_shape.each_web.run",
+    "resume_each_web": "tasks.web_shape.each_web.run",
+    "shape_each_web": "tasks.web_shape.each_web.run",
     "import_crank": "tasks.crank_import.stage",
     "CrankImport": "tasks.crank_import.result",
     "bound_of": "tasks.bound.stage",
@@ -182,21 +182,21 @@ _HOMES = {
     "report_balance": "tasks.balance.stage",
     "export_solid": "bodies.solid.files",
     "draw_crank": "tasks.crank_drawing.sheet",
-    "Target": "tasks.fea.targets",
-    "resolve_target": "tasks.fea.targets",
-    "resolve_targets": "tasks.fea.targets",
-    "Evaluation": "tasks.fea.evaluation",
+    "Target": "tasks.throw_fea.targets",
+    "resolve_target": "tasks.throw_fea.targets",
+    "resolve_targets": "tasks.throw_fea.targets",
+    "Evaluation": "tasks.throw_fea.evaluation",
     "evaluate_shaft": "tasks.shaft.stage",
     "assess_shaft": "tasks.shaft_safety.stage",
     "Comparison": "tasks.compare.result",
     "Entry": "tasks.compare.result",
     "compare": "tasks.compare.result",
-    "MeshRequest": "tasks.fea.stage",
-    "evaluate_target": "tasks.fea.stage",
-    "evaluate_targets": "tasks.fea.stage",
+    "MeshRequest": "tasks.throw_fea.stage",
+    "evaluate_target": "tasks.throw_fea.stage",
+    "evaluate_targets": "tasks.throw_fea.stage",
     "compare_targets": "tasks.compare.stage",
     "report_comparison": "tasks.compare.stage",
-    "assess_fatigue": "tasks.fatigue.stage",
+    "assess_fatigue": "tasks.throw_fatigue.stage",
     "study_accuracy": "tasks.accuracy.stage",
     "optimise_design": "tasks.optimise.stage",
     "resume_optimisation": "tasks.optimise.stage",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cranktopo.engine.histories import WebHistory
-from cranktopo.tasks.shape.each_web.loaded_shaft import LoadedShaft, ShaftFigures, WebInShaft
+from cranktopo.tasks.web_shape.each_web.loaded_shaft import LoadedShaft, ShaftFigures, WebInShaft
 
 
 def told_shaft(safeties: tuple[float, ...], kg: float = 6.0) -> LoadedShaft:

@@ -14,9 +14,9 @@ from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, toml_text
 from cranktopo.runs.directories import RunStore, create_run, open_run
-from cranktopo.tasks.shape.optimum import ShapeSettings
-from cranktopo.tasks.shape.result import ShapeResult
-from cranktopo.tasks.shape.run import ShapedRun, kept_settings
+from cranktopo.tasks.web_shape.optimum import ShapeSettings
+from cranktopo.tasks.web_shape.result import ShapeResult
+from cranktopo.tasks.web_shape.run import ShapedRun, kept_settings
 from tests.told_evaluation import told_evaluation
 
 ORIGINAL = {

@@ -22,7 +22,11 @@ from typing import Any
 import psutil
 
 COMMANDS = ("evaluate mikron-iiic", "fatigue mikron-iiic", "shape mikron-iiic")
-_TETRAHEDRA, _FEA, _SHAPE = "cranktopo.numerics.tetrahedra", "cranktopo.tasks.fea", "cranktopo.tasks.shape"
+_TETRAHEDRA, _FEA, _SHAPE = (
+    "cranktopo.numerics.tetrahedra",
+    "cranktopo.tasks.throw_fea",
+    "cranktopo.tasks.web_shape",
+)
 PARTS: dict[str, tuple[tuple[str, Sequence[str]], ...]] = {
     "mesh": (("cranktopo.bodies.mesh.solid_mesh", ("add_half_throw", "positive_x", "generate")),),
     "assembly": (
@@ -35,15 +39,18 @@ PARTS: dict[str, tuple[tuple[str, Sequence[str]], ...]] = {
     "cycles": ((f"{_TETRAHEDRA}.solver", ("_conjugate_gradients",)),),
     "stress": (
         (f"{_TETRAHEDRA}.unit_stress", ("nodal_stress", "outer_surface", "surface_stress")),
-        ("cranktopo.tasks.fatigue.target_safety", ("safety_field",)),
+        ("cranktopo.tasks.throw_fatigue.target_safety", ("safety_field",)),
     ),
-    "error estimate": ((f"{_FEA}.discretisation_error", ("_part", "_answered", "_added", "_volume")),),
+    "error estimate": ((f"{_TETRAHEDRA}.hierarchical_error", ("_part", "_answered", "_added", "_volume")),),
     "moved mesh, gradients": (
         (f"{_TETRAHEDRA}.moved_mesh:MovedMesh", ("__init__", "velocities")),
         (f"{_SHAPE}.mesh_model:MeshModel", ("responses",)),
         (f"{_SHAPE}.mesh_stress:MeshStress", ("_through_field",)),
     ),
-    "cells": ((f"{_SHAPE}.search", ("minimise",)), (f"{_SHAPE}.stage", ("web_model",))),
+    "cells": (
+        ("cranktopo.numerics.optimisers.dimension_search", ("minimise",)),
+        (f"{_SHAPE}.stage", ("web_model",)),
+    ),
     "bound": ((f"{_SHAPE}.run", ("bound_for_goal",)),),
     "writing": ((f"{_SHAPE}.run", ("_write", "_bodies", "shaped_undercuts", "shape_page", "write_report")),),
 }

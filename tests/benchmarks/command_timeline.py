@@ -19,7 +19,7 @@ from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import Any, NoReturn
 
-_OPTIMISE, _FEA = "cranktopo.tasks.optimise", "cranktopo.tasks.fea"
+_OPTIMISE, _FEA = "cranktopo.tasks.optimise", "cranktopo.tasks.throw_fea"
 PARTS: dict[str, tuple[str, ...]] = {
     f"{_OPTIMISE}.stage": (
         "optimise_design",

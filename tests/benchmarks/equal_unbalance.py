@@ -27,8 +27,8 @@ from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.shape import ShapeTable
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.tasks.shape.evaluated_web import evaluated_web
-from cranktopo.tasks.shape.run import shape_design
+from cranktopo.tasks.web_shape.evaluated_web import evaluated_web
+from cranktopo.tasks.web_shape.run import shape_design
 from cranktopo.throw.counterweight.table import LEAST_HALF_ANGLE_DEG
 
 DESIGNS = ("car-diesel", "industrial-gas")

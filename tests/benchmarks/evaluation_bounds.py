@@ -20,10 +20,10 @@ from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.loading import load_scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.numerics.tetrahedra.mesh import RATIO
-from cranktopo.tasks.fea import evaluation
-from cranktopo.tasks.fea.error_bound import change_bound_percent
-from cranktopo.tasks.fea.evaluation import MeshResult, evaluate_on_mesh
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fea import evaluation
+from cranktopo.tasks.throw_fea.error_bound import change_bound_percent
+from cranktopo.tasks.throw_fea.evaluation import MeshResult, evaluate_on_mesh
+from cranktopo.tasks.throw_fea.targets import Target
 
 STEPS = (3, 2, 1, 0, -1)
 """Element sizes as powers of 1.5 over the default; the first one is only the coarser one of the next."""

@@ -19,7 +19,7 @@ from cranktopo.design.loading import load_scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.numerics.tetrahedra import solver
 from cranktopo.numerics.tetrahedra.elasticity import assemble
-from cranktopo.tasks.fea.condense import condense, torsional_stiffness_Nm_per_rad
+from cranktopo.tasks.throw_fea.condense import condense, torsional_stiffness_Nm_per_rad
 
 SIZES = (2.8, 2.25, 1.9, 1.5, 1.0)
 """Element sizes over the default one."""

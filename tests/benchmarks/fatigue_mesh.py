@@ -11,10 +11,10 @@ import argparse
 import subprocess
 import sys
 
-from cranktopo.tasks.fatigue.m53 import concentration_factors, dimensions, outside_validity
-from cranktopo.tasks.fatigue.rule_fillets import element_factors
-from cranktopo.tasks.fatigue.stress_model import solve_stresses
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fatigue.m53 import concentration_factors, dimensions, outside_validity
+from cranktopo.tasks.throw_fatigue.rule_fillets import element_factors
+from cranktopo.tasks.throw_fatigue.stress_model import solve_stresses
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.studies.example_throws import rule_throws
 
 FRACTIONS = (0.5, 0.35, 0.25, 0.17, 0.12)

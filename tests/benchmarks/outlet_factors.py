@@ -5,7 +5,7 @@ Run with `python -m tests.benchmarks.outlet_factors`.
 
 from __future__ import annotations
 
-from cranktopo.tasks.fatigue.m53_outlet import outlet_factors
+from cranktopo.tasks.throw_fatigue.m53_outlet import outlet_factors
 from tests.studies.outlet_throws import OUTLETS, by_elements, without_bore
 
 COARSE, FINE = 0.5, 0.25

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.design.loading import load_scene
-from cranktopo.tasks.fea.stage import evaluate_target
 from cranktopo.tasks.optimise.stage import optimise_design
+from cranktopo.tasks.throw_fea.stage import evaluate_target
 
 ENGINES = ("mikron-iiic-plain", "opposed-piston")
 PROCESSES: dict[str, dict[str, Any]] = {

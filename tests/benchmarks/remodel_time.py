@@ -16,11 +16,11 @@ from unittest.mock import patch
 from cranktopo.design.writing import design_from_run
 from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.runs.directories import open_run
-from cranktopo.tasks.fea.evaluation import evaluate
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.importing.imported_body import read_half_throw
 from cranktopo.tasks.refit import fit, select
 from cranktopo.tasks.refit.shape_error import shape_error
+from cranktopo.tasks.throw_fea.evaluation import evaluate
+from cranktopo.tasks.throw_fea.targets import Target
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 

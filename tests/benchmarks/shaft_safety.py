@@ -23,7 +23,7 @@ import numpy as np
 
 SPEEDS_RPM = {"mikron-iiic": (1000.0, 2800.0), "industrial-gas": (750.0, 1800.0)}
 """Of a four and of a six in line, with 8 and 12 webs."""
-_STRESS, _JUDGED = "cranktopo.tasks.fatigue.shaft_stress", "cranktopo.tasks.shaft_safety.judged"
+_STRESS, _JUDGED = "cranktopo.tasks.throw_fatigue.shaft_stress", "cranktopo.tasks.shaft_safety.judged"
 PARTS = {
     "mesh": ((_STRESS, "mesh_for_stress"),),
     "unit fields": ((_STRESS, "throw_body"),),
@@ -56,8 +56,8 @@ def _timed(part: str, function: Callable[..., Any], taken: dict[str, Counter[str
 def rows(design: str, speeds: int) -> str:
     """Return the two rows of a design, from this very process."""
     from cranktopo.design.loading import load_scene
-    from cranktopo.tasks.fea.targets import resolve_target
     from cranktopo.tasks.shaft_safety.judged import judged_shaft
+    from cranktopo.tasks.throw_fea.targets import resolve_target
 
     taken = {"CPU s": Counter[str](), "s": Counter[str]()}
     for part, places in PARTS.items():

@@ -20,11 +20,11 @@ from cranktopo.numerics.optimisers.dimension_search import EVALUATIONS
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.fit import usual_limits
-from cranktopo.tasks.shape.feature_starts import bevel_start
-from cranktopo.tasks.shape.search import SearchResult, search_on_cells
-from cranktopo.tasks.shape.search_goal import search_goal_of
-from cranktopo.tasks.shape.start import outline_start
-from cranktopo.tasks.shape.web_model import web_model
+from cranktopo.tasks.web_shape.feature_starts import bevel_start
+from cranktopo.tasks.web_shape.search import SearchResult, search_on_cells
+from cranktopo.tasks.web_shape.search_goal import search_goal_of
+from cranktopo.tasks.web_shape.start import outline_start
+from cranktopo.tasks.web_shape.web_model import web_model
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted_pocket import FittedBox
 

@@ -23,8 +23,8 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.optimise.stage import optimise_design
 from cranktopo.tasks.refit.stage import remodel_run
-from cranktopo.tasks.shape.evaluated_web import evaluated_web
-from cranktopo.tasks.shape.run import shape_design
+from cranktopo.tasks.web_shape.evaluated_web import evaluated_web
+from cranktopo.tasks.web_shape.run import shape_design
 
 OWN: dict[str, dict[str, Any]] = {
     "wide": {

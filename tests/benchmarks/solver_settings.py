@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import sys
 
-from cranktopo.tasks.fea.studies import BENDING, TORSION
+from cranktopo.tasks.throw_fea.studies import BENDING, TORSION
 from tests.studies.solver_shapes import Shape, shapes
 
 CELL_MM = 3.0

@@ -17,7 +17,7 @@ from cranktopo import sweep
 from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.shape.run import shape_design
+from cranktopo.tasks.web_shape.run import shape_design
 
 LOW, HIGH = 95, 115
 

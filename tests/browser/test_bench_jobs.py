@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from cranktopo.tasks.fea.studies import StudyResult
+from cranktopo.tasks.throw_fea.studies import StudyResult
 from tests.browser.bench_page import shown
 from tests.filled import filled
 

@@ -13,10 +13,10 @@ from cranktopo.design.loading import load_scene
 from cranktopo.report.page import Page, Section
 from cranktopo.report.plot import Picture, picture, polar_frame
 from cranktopo.report.report_file import html
-from cranktopo.tasks.fea.scatter import LABELS, Point, scatter_pictures
 from cranktopo.tasks.optimise.picture import PANELS
 from cranktopo.tasks.shaft_safety.plots import CrankSide, safety_pictures, side_picture, web_pictures
-from cranktopo.tasks.shape.page import draw_goal, draw_worst_limit
+from cranktopo.tasks.throw_fea.scatter import LABELS, Point, scatter_pictures
+from cranktopo.tasks.web_shape.page import draw_goal, draw_worst_limit
 from tests.studies.page_checks import found_in_plots
 
 SPEEDS = (300.0, 562.5, 825.0)

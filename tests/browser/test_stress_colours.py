@@ -19,7 +19,7 @@ from cranktopo.report.page import Page
 from cranktopo.report.plot import picture
 from cranktopo.report.report_file import html
 from cranktopo.report.viewer.scene3d import DesignSnapshot, Scene3D, ShownBody, stress_scales
-from cranktopo.tasks.fea.unit_fields import CaseStress
+from cranktopo.tasks.throw_fea.unit_fields import CaseStress
 
 
 @pytest.fixture(scope="module")

@@ -20,11 +20,11 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.report.viewer.small_web import packed_web
-from cranktopo.tasks.fea.targets import Target, simulated
 from cranktopo.tasks.sweep.front import front_of, picks_of
 from cranktopo.tasks.sweep.page import sweep_html
 from cranktopo.tasks.sweep.result import PointResult, SweepFiles, SweepResult, SweepSeconds
 from cranktopo.tasks.sweep.stages import web_view
+from cranktopo.tasks.throw_fea.targets import Target, simulated
 from tests.browser.bench_page import START_MS
 from tests.browser.conftest import READS
 from tests.page_text import typed

@@ -12,7 +12,7 @@ import pytest
 from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder, load_scene
 from cranktopo.runs.directories import create_run
-from cranktopo.tasks.fea.levels import MESHES
+from cranktopo.tasks.throw_fea.levels import MESHES
 
 CASTING = (designs_folder() / "opposed-piston-casting.toml").read_text(encoding="utf-8")
 """No envelope, so there is nothing to optimise."""
@@ -40,7 +40,7 @@ def test_a_budget_buys_levels_a_table_a_plot_and_a_stored_study(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Two levels, and a budget that is enough for them even on a slow or busy machine."""
-    monkeypatch.setattr("cranktopo.tasks.fea.levels.MESHES", MESHES[:2])
+    monkeypatch.setattr("cranktopo.tasks.throw_fea.levels.MESHES", MESHES[:2])
     out = tmp_path / "out"
     assert main(["accuracy", design, "--budget", "10min", "--out", str(out), "--json"]) == 0
     captured = capsys.readouterr()

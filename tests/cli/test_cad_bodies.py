@@ -18,11 +18,11 @@ from cranktopo.bodies.solid.throw import add_half_throw
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
-from cranktopo.tasks.fatigue.needs import check_inputs
-from cranktopo.tasks.fatigue.stress_model import solve_stresses
-from cranktopo.tasks.fea.targets import Target, simulated
 from cranktopo.tasks.importing.found_fillets import ring_of
 from cranktopo.tasks.importing.imported_body import fillets_of_step, half_throw_surface, mesh_step_for_stress
+from cranktopo.tasks.throw_fatigue.needs import check_inputs
+from cranktopo.tasks.throw_fatigue.stress_model import solve_stresses
+from cranktopo.tasks.throw_fea.targets import Target, simulated
 from tests.physics.fea.evaluation_cases import LOPSIDED, mikron_with
 
 Capture = pytest.CaptureFixture[str]

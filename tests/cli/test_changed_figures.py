@@ -18,7 +18,7 @@ from cranktopo.base.notes import redirected
 from cranktopo.base.seals import read_arrays, write_arrays
 from cranktopo.design.loading import stored_scene
 from cranktopo.runs.stored import unchanged, write_recorded
-from cranktopo.tasks.fea.studies import EVALUATION, load_study
+from cranktopo.tasks.throw_fea.studies import EVALUATION, load_study
 from tests.hostile.undamaged import CACHE, DESIGN, made
 
 Capture = pytest.CaptureFixture[str]

@@ -26,11 +26,11 @@ from cranktopo.tasks.compare.stage import (
     comparison_bound,
     report_comparison,
 )
-from cranktopo.tasks.fatigue.result import FatigueResult
-from cranktopo.tasks.fatigue.text import FatigueComparison
-from cranktopo.tasks.fea.evaluation import Evaluation
-from cranktopo.tasks.fea.targets import Target, resolve_target
-from cranktopo.tasks.fea.throw_stiffness import Stiffness
+from cranktopo.tasks.throw_fatigue.result import FatigueResult
+from cranktopo.tasks.throw_fatigue.text import FatigueComparison
+from cranktopo.tasks.throw_fea.evaluation import Evaluation
+from cranktopo.tasks.throw_fea.targets import Target, resolve_target
+from cranktopo.tasks.throw_fea.throw_stiffness import Stiffness
 
 BASE, FORMS = "opposed-piston", ("table", "markdown", "latex")
 LINE = "Mass and stiffness of all designs are without fillets, as the surface of my-run has none"
@@ -43,7 +43,7 @@ def invented(target: Target, *_: object) -> Evaluation:
 
 @pytest.fixture(autouse=True)
 def _without_finite_elements(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cranktopo.tasks.fea.stage.evaluate", invented)
+    monkeypatch.setattr("cranktopo.tasks.throw_fea.stage.evaluate", invented)
 
 
 @pytest.fixture

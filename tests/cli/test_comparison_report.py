@@ -22,17 +22,17 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.compare import stage as pages
 from cranktopo.tasks.compare.result import Entry, compare
-from cranktopo.tasks.fatigue import stage
-from cranktopo.tasks.fatigue.m53 import ConcentrationFactors, FilletCheck, Nominal, dimensions
-from cranktopo.tasks.fatigue.mesh_quality import RuleQuality
-from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult
-from cranktopo.tasks.fatigue.rule_check import RuleCheck
-from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
-from cranktopo.tasks.fea.evaluation import Evaluation
-from cranktopo.tasks.fea.quantities import TORSION
-from cranktopo.tasks.fea.stage import MeshRequest
-from cranktopo.tasks.fea.targets import Target, resolve_targets
-from cranktopo.tasks.fea.throw_stiffness import Stiffness
+from cranktopo.tasks.throw_fatigue import stage
+from cranktopo.tasks.throw_fatigue.m53 import ConcentrationFactors, FilletCheck, Nominal, dimensions
+from cranktopo.tasks.throw_fatigue.mesh_quality import RuleQuality
+from cranktopo.tasks.throw_fatigue.result import AlternatingLoads, FatigueResult
+from cranktopo.tasks.throw_fatigue.rule_check import RuleCheck
+from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.throw_fea.evaluation import Evaluation
+from cranktopo.tasks.throw_fea.quantities import TORSION
+from cranktopo.tasks.throw_fea.stage import MeshRequest
+from cranktopo.tasks.throw_fea.targets import Target, resolve_targets
+from cranktopo.tasks.throw_fea.throw_stiffness import Stiffness
 from tests.page_text import typed_page
 
 NO_FATIGUE = FatigueResult(
@@ -80,7 +80,7 @@ def _bodies_made_once() -> Iterator[None]:
 
 @pytest.fixture(autouse=True)
 def _without_finite_elements(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cranktopo.tasks.fea.stage.evaluate", invented)
+    monkeypatch.setattr("cranktopo.tasks.throw_fea.stage.evaluate", invented)
     monkeypatch.setattr("cranktopo.tasks.compare.stage.bounds_for_result", lambda *_: NoBound(none=""))
 
 
@@ -148,7 +148,7 @@ def alike(monkeypatch: pytest.MonkeyPatch) -> None:
         found = invented(target)
         return replace(found, throw_kg=2.0, fine=replace(found.fine, torsion={"free": 100e3 + found.web_kg}))
 
-    monkeypatch.setattr("cranktopo.tasks.fea.stage.evaluate", near)
+    monkeypatch.setattr("cranktopo.tasks.throw_fea.stage.evaluate", near)
 
 
 @pytest.mark.slow
@@ -324,9 +324,9 @@ def safeties(monkeypatch: pytest.MonkeyPatch) -> None:
         )
         return (check,)
 
-    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_inputs", lambda *_: None)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.stage.check_inputs", lambda *_: None)
     monkeypatch.setattr("cranktopo.tasks.compare.judged.check_inputs", lambda *_: None)
-    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", checked)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.stage.check_rule", checked)
 
 
 @pytest.mark.usefixtures("safeties")
@@ -409,7 +409,7 @@ def test_what_the_rule_does_not_accept_is_said_first(tmp_path: Path, monkeypatch
     )
     assert f"FATIGUE: {failing}. opposed-piston" in text
     assert "opposed-piston not accepted" not in text
-    monkeypatch.setattr("cranktopo.tasks.fatigue.rule_check.LEAST_FACTOR", 1.5)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.rule_check.LEAST_FACTOR", 1.5)
     assert main([*BESIDE, "--report", str(tmp_path / "all.html"), "--quiet"]) == 0
     assert "the baseline itself; not accepted by UR M53" in typed_page(tmp_path / "all.html")
 
@@ -432,7 +432,7 @@ def second_web_open(monkeypatch: pytest.MonkeyPatch, safeties: None) -> None:
         second = replace(first, name=f"{target.name}, second web", web="second web")
         return first, replace(second, fem_checks=less, quality=missed)
 
-    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", checked)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.stage.check_rule", checked)
 
 
 OPEN = (
@@ -543,7 +543,7 @@ def balance_moved(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
         found = invented(target)
         return replace(found, balance_factor_percent=factor, unbalance_kg_mm=unbalance)
 
-    monkeypatch.setattr("cranktopo.tasks.fea.stage.evaluate", moved)
+    monkeypatch.setattr("cranktopo.tasks.throw_fea.stage.evaluate", moved)
     return copied("industrial-gas", tmp_path)
 
 
@@ -629,7 +629,7 @@ def test_sharp_fillets_are_found_before_the_work(
     def solved(*_: object) -> None:
         raise AssertionError("solved before the inputs were checked")
 
-    monkeypatch.setattr("cranktopo.tasks.fatigue.target_safety.solve_stresses", solved)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.target_safety.solve_stresses", solved)
     text = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
     path = tmp_path / "sharp.toml"
     path.write_text(text.replace("fillet_mm = 2.5", "fillet_mm = 0.0"), encoding="utf-8")
@@ -644,7 +644,7 @@ def _nothing_solved(monkeypatch: pytest.MonkeyPatch) -> None:
     def solved(*_: object) -> None:
         raise AssertionError("solved before everything was checked")
 
-    monkeypatch.setattr("cranktopo.tasks.fea.stage.evaluate", solved)
+    monkeypatch.setattr("cranktopo.tasks.throw_fea.stage.evaluate", solved)
 
 
 @pytest.mark.usefixtures("_nothing_solved")

@@ -15,7 +15,7 @@ from cranktopo.design.loading import builtin_designs, designs_folder, load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine import starting_gas
 from cranktopo.runs.directories import create_run
-from cranktopo.tasks.fea.targets import resolve_target, resolve_targets
+from cranktopo.tasks.throw_fea.targets import resolve_target, resolve_targets
 from tests.cli.test_run_scene import with_files
 
 

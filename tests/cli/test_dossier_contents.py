@@ -12,7 +12,7 @@ from cranktopo.app.main import main
 from cranktopo.base.errors import ExitCode
 from cranktopo.design.engine import Gas
 from cranktopo.design.loading import design_text, designs_folder, load_scene, parse_scene
-from cranktopo.tasks.fatigue.dossier_sections import engine_section
+from cranktopo.tasks.throw_fatigue.dossier_sections import engine_section
 from cranktopo.tasks.vibration.stage import shaft_vibration
 from tests.cli.test_rule_dossier import checked, row
 from tests.physics.fea.test_two_webs import ACROSS, scene_with
@@ -28,7 +28,7 @@ inertia_kg_m2 = 0.6
 
 @pytest.fixture(autouse=True)
 def no_solve(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", checked)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.stage.check_rule", checked)
 
 
 def dossier(tmp_path: Path, more: str, suffix: str = ".md") -> Path:

@@ -16,10 +16,10 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.loading import design_text, load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.runs.directories import create_run
-from cranktopo.tasks.shape import evaluated_web
-from cranktopo.tasks.shape import run as shape_run
-from cranktopo.tasks.shape.each_web import rounds, run
-from cranktopo.tasks.shape.run import resume_shape, shape_settings
+from cranktopo.tasks.web_shape import evaluated_web
+from cranktopo.tasks.web_shape import run as shape_run
+from cranktopo.tasks.web_shape.each_web import rounds, run
+from cranktopo.tasks.web_shape.run import resume_shape, shape_settings
 from tests import shape_stand_in
 from tests.page_text import typed_page
 from tests.shaft_stand_in import told_shaft

@@ -14,8 +14,8 @@ from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import designs_folder, load_scene
 from cranktopo.runs.directories import create_run
-from cranktopo.tasks.fatigue import stage
-from cranktopo.tasks.fea.targets import Target, resolve_targets
+from cranktopo.tasks.throw_fatigue import stage
+from cranktopo.tasks.throw_fea.targets import Target, resolve_targets
 
 MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 NO_DATA = 'name = "31CrMoV9"'
@@ -112,8 +112,8 @@ def test_small_fillets_stay_where_the_method_needs_no_fatigue_strength(
         met.append(target.scene.throw.crankpin.fillet_mm)
         raise CranktopoError("met.")
 
-    monkeypatch.setattr("cranktopo.tasks.fatigue.target_safety.solve_stresses", solved)
-    monkeypatch.setattr("cranktopo.tasks.fatigue.rule_check.solve_stresses", solved)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.target_safety.solve_stresses", solved)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.rule_check.solve_stresses", solved)
     path = design(
         tmp_path,
         (NO_DATA, STEEL),
@@ -140,11 +140,13 @@ def test_two_methods_share_the_unit_loads(monkeypatch: pytest.MonkeyPatch) -> No
         held.append(target.name)
         return target
 
-    monkeypatch.setattr("cranktopo.tasks.fatigue.target_safety.solve_stresses", solve)
-    monkeypatch.setattr("cranktopo.tasks.fatigue.target_safety.safety_field", judged)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.target_safety.solve_stresses", solve)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.target_safety.safety_field", judged)
     monkeypatch.setattr(stage, "with_throw_stiffness", with_stiffness)
     monkeypatch.setattr(stage, "_note_fields", lambda *_: None)
-    monkeypatch.setattr("cranktopo.tasks.fatigue.target_safety.least_field", lambda found: next(iter(found)))
+    monkeypatch.setattr(
+        "cranktopo.tasks.throw_fatigue.target_safety.least_field", lambda found: next(iter(found))
+    )
     names = ["mikron-iiic-plain", "opposed-piston"]
     found = stage.assess_by_methods(resolve_targets(names, fillets=True, whole=True), ["lsa", "fkm"])
     assert [name for name, _ in solved] == held == names
@@ -161,7 +163,7 @@ def test_a_later_target_is_checked_before_the_first_is_solved(
     def solved(*_: object) -> None:
         raise AssertionError("solved before the inputs were checked")
 
-    monkeypatch.setattr("cranktopo.tasks.fatigue.target_safety.solve_stresses", solved)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.target_safety.solve_stresses", solved)
     sharp = design(tmp_path, ("fillet_mm = 2.5", "fillet_mm = 0.0"))
     assert main(["fatigue", "mikron-iiic-plain", sharp]) == 3
     assert "singular" in capsys.readouterr().err
@@ -200,7 +202,7 @@ def test_a_file_is_no_folder_for_results(
     def solved(*_: object) -> None:
         raise AssertionError("solved before the destination was checked")
 
-    monkeypatch.setattr("cranktopo.tasks.fatigue.target_safety.solve_stresses", solved)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.target_safety.solve_stresses", solved)
     (tmp_path / "mine").write_text("mine", encoding="utf-8")
     for out in (tmp_path / "mine", tmp_path / "mine" / "folder"):
         assert main(["fatigue", "mikron-iiic-plain", "--out", str(out)]) == 3

@@ -12,9 +12,9 @@ import pytest
 from cranktopo.app.main import main
 from cranktopo.design.loading import load_scene, resolve_design
 from cranktopo.engine.states import load_cases
-from cranktopo.tasks.fea import stage as evaluating
-from cranktopo.tasks.fea.evaluation import Evaluation
-from cranktopo.tasks.fea.throw_stiffness import Stiffness
+from cranktopo.tasks.throw_fea import stage as evaluating
+from cranktopo.tasks.throw_fea.evaluation import Evaluation
+from cranktopo.tasks.throw_fea.throw_stiffness import Stiffness
 
 GOAL = """
 [goal]

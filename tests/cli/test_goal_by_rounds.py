@@ -25,12 +25,12 @@ from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.bound.result import NoBound
 from cranktopo.tasks.density.state import Record, State
-from cranktopo.tasks.fea.evaluation import Evaluation
-from cranktopo.tasks.fea.throw_stiffness import Stiffness
 from cranktopo.tasks.optimise import evaluated_goal
 from cranktopo.tasks.optimise.evaluated_goal import enforce_limits_by_fea
 from cranktopo.tasks.optimise.result import RunMetrics
 from cranktopo.tasks.optimise.text import headline, run_summary
+from cranktopo.tasks.throw_fea.evaluation import Evaluation
+from cranktopo.tasks.throw_fea.throw_stiffness import Stiffness
 
 pytestmark = pytest.mark.slow
 OPTIONS = [

@@ -13,7 +13,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.tasks.bound.result import NoBound
 from cranktopo.tasks.designs.run_webs import web_target
 from cranktopo.tasks.iterate import loop
-from cranktopo.tasks.shape import run as shape_run
+from cranktopo.tasks.web_shape import run as shape_run
 from tests.cli.test_iterate import with_stand_ins
 from tests.shape_stand_in import ShapeStandIn
 

@@ -16,26 +16,26 @@ from cranktopo.design.named import with_values
 from cranktopo.report.page import left_off_first
 from cranktopo.tasks.compare.printed import comparison_text
 from cranktopo.tasks.compare.result import Entry, compare
-from cranktopo.tasks.fatigue.assessment import FatigueAssessment
-from cranktopo.tasks.fatigue.needs import alone_left_off, safety_left_off
-from cranktopo.tasks.fatigue.result import CriticalPoint, FieldFatigue
-from cranktopo.tasks.fatigue.text import FatigueComparison
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.iterate.result import ShapeOutcome
 from cranktopo.tasks.optimise.result import RunMetrics
 from cranktopo.tasks.shaft.stage import shaft_left_off
 from cranktopo.tasks.shaft_safety.result import ShaftSafety
-from cranktopo.tasks.shape.each_web.result import EachWebResult
-from cranktopo.tasks.shape.loads_told import loads_left_off
-from cranktopo.tasks.shape.page import page_headline
-from cranktopo.tasks.shape.result import ShapeResult
-from cranktopo.tasks.shape.text import shape_summary
 from cranktopo.tasks.sweep.page import sweep_html
 from cranktopo.tasks.sweep.plan import sweep_plan
 from cranktopo.tasks.sweep.points import left_off_lines, points_of
 from cranktopo.tasks.sweep.result import SweepResult
 from cranktopo.tasks.sweep.text import sweep_summary
 from cranktopo.tasks.sweep.variation import read_option
+from cranktopo.tasks.throw_fatigue.assessment import FatigueAssessment
+from cranktopo.tasks.throw_fatigue.needs import alone_left_off, safety_left_off
+from cranktopo.tasks.throw_fatigue.result import CriticalPoint, FieldFatigue
+from cranktopo.tasks.throw_fatigue.text import FatigueComparison
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.web_shape.each_web.result import EachWebResult
+from cranktopo.tasks.web_shape.loads_told import loads_left_off
+from cranktopo.tasks.web_shape.page import page_headline
+from cranktopo.tasks.web_shape.result import ShapeResult
+from cranktopo.tasks.web_shape.text import shape_summary
 from tests.cli.test_comparison_report import NO_FATIGUE, evaluated
 from tests.unit.shape.test_least_place import shaped
 from tests.unit.sweep.test_sweep_shown import sweep

@@ -15,12 +15,12 @@ from cranktopo.design.loading import designs_folder, load_scene, one_web
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import save_scene
 from cranktopo.tasks.compare.stage import compare_targets, report_comparison
-from cranktopo.tasks.fatigue.assessment import FatigueAssessment
-from cranktopo.tasks.fatigue.stage import assess_fatigue
-from cranktopo.tasks.fea.evaluation import Evaluation
-from cranktopo.tasks.fea.mirrored_webs import counted_alike, next_line
-from cranktopo.tasks.fea.targets import Target, resolve_targets
-from cranktopo.tasks.fea.throw_stiffness import Stiffness
+from cranktopo.tasks.throw_fatigue.assessment import FatigueAssessment
+from cranktopo.tasks.throw_fatigue.stage import assess_fatigue
+from cranktopo.tasks.throw_fea.evaluation import Evaluation
+from cranktopo.tasks.throw_fea.mirrored_webs import counted_alike, next_line
+from cranktopo.tasks.throw_fea.targets import Target, resolve_targets
+from cranktopo.tasks.throw_fea.throw_stiffness import Stiffness
 
 PLAIN = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 DRILLING = """
@@ -50,7 +50,7 @@ def invented(target: Target, *_: object) -> Evaluation:
 @pytest.fixture
 def drilled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A throw drilled through its first web only, and beside it small.toml, its first web found lighter."""
-    monkeypatch.setattr("cranktopo.tasks.fea.stage.evaluate", invented)
+    monkeypatch.setattr("cranktopo.tasks.throw_fea.stage.evaluate", invented)
     path = tmp_path / "drilled.toml"
     text = re.sub(r'(?m)^name = ".*?"', 'name = "drilled"', PLAIN, count=1)
     path.write_text(text.replace("\n[web]", DRILLING, 1) + GOAL, encoding="utf-8")
@@ -117,7 +117,7 @@ def test_their_fatigue_is_that_of_the_web(drilled: Path, monkeypatch: pytest.Mon
         seen.append([one.name for one in targets])
         return [FatigueAssessment("m53", "extremes", (), ())]
 
-    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.assess_by_methods", nothing_found)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.stage.assess_by_methods", nothing_found)
     names = [str(drilled), str(drilled.parent / "small.toml")]
     assert assess_fatigue(names, "m53", baseline=0).mirrored.startswith(LINE)
     assert not assess_fatigue(names, "m53").mirrored

@@ -16,8 +16,8 @@ import pytest
 from cranktopo.app.main import main
 from cranktopo.base.errors import ExitCode
 from cranktopo.design.loading import designs_folder, load_scene
-from cranktopo.tasks.fea import levels
 from cranktopo.tasks.iterate import one_step
+from cranktopo.tasks.throw_fea import levels
 from tests.cli.test_iterate import with_stand_ins
 from tests.engine_arrangements import MIKRON
 

@@ -18,14 +18,14 @@ from cranktopo.design.scene_files import input_files
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.files import read_stl
 from cranktopo.tasks.density.stage import baseline_notice
-from cranktopo.tasks.fea.evaluation import Evaluation
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.fea.throw_stiffness import Stiffness
 from cranktopo.tasks.importing.imported_body import read_half_throw
 from cranktopo.tasks.importing.original import check_original
 from cranktopo.tasks.iterate.one_step import HALF, read_solids, write_original
 from cranktopo.tasks.optimise import evaluated_goal
 from cranktopo.tasks.optimise.evaluated_goal import EvaluatedGoal
+from cranktopo.tasks.throw_fea.evaluation import Evaluation
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.throw_fea.throw_stiffness import Stiffness
 from tests.physics.fea.evaluation_cases import LOPSIDED, mikron_with
 
 

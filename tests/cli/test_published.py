@@ -12,9 +12,9 @@ from cranktopo.app.main import main
 from cranktopo.design.loading import load_scene
 from cranktopo.tasks.compare.result import Entry, compare
 from cranktopo.tasks.compare.text import comparison_result, comparison_tables
-from cranktopo.tasks.fatigue.result import FatigueResult
-from cranktopo.tasks.fatigue.text import FatigueComparison
-from cranktopo.tasks.fea.targets import resolve_target
+from cranktopo.tasks.throw_fatigue.result import FatigueResult
+from cranktopo.tasks.throw_fatigue.text import FatigueComparison
+from cranktopo.tasks.throw_fea.targets import resolve_target
 from tests.cli.test_comparison_report import invented
 
 BASE, CASTING, SECOND = (f"opposed-piston{variant}" for variant in ("", "-casting", "-variant-2"))
@@ -23,7 +23,7 @@ COMMAND = ["compare", CASTING, SECOND, "--baseline", BASE, "--quiet"]
 
 @pytest.fixture(autouse=True)
 def _without_finite_elements(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cranktopo.tasks.fea.stage.evaluate", invented)
+    monkeypatch.setattr("cranktopo.tasks.throw_fea.stage.evaluate", invented)
 
 
 def test_the_built_in_family_has_what_is_printed() -> None:

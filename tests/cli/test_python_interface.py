@@ -15,13 +15,13 @@ import cranktopo
 from cranktopo.app.main import COMMANDS
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.accuracy import stage as accuracy
-from cranktopo.tasks.fatigue import stage as fatigue
-from cranktopo.tasks.fea import stage as evaluating
-from cranktopo.tasks.fea.evaluation import Evaluation
-from cranktopo.tasks.fea.throw_stiffness import Stiffness
 from cranktopo.tasks.iterate import one_step
 from cranktopo.tasks.optimise.result import OptimisedRun
 from cranktopo.tasks.refit import stage as remodelling
+from cranktopo.tasks.throw_fatigue import stage as fatigue
+from cranktopo.tasks.throw_fea import stage as evaluating
+from cranktopo.tasks.throw_fea.evaluation import Evaluation
+from cranktopo.tasks.throw_fea.throw_stiffness import Stiffness
 from tests.plain_runs import plain_runs
 
 BEHIND = {

@@ -11,18 +11,18 @@ import pytest
 from cranktopo.app.main import main
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.loading import designs_folder
-from cranktopo.tasks.fatigue.m53 import (
+from cranktopo.tasks.throw_fatigue.m53 import (
     FilletCheck,
     concentration_factors,
     dimensions,
     nominal_stresses,
     outside_validity,
 )
-from cranktopo.tasks.fatigue.m53_material import uncovered_material
-from cranktopo.tasks.fatigue.mesh_quality import Quality
-from cranktopo.tasks.fatigue.result import AlternatingLoads
-from cranktopo.tasks.fatigue.rule_check import RuleCheck
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fatigue.m53_material import uncovered_material
+from cranktopo.tasks.throw_fatigue.mesh_quality import Quality
+from cranktopo.tasks.throw_fatigue.result import AlternatingLoads
+from cranktopo.tasks.throw_fatigue.rule_check import RuleCheck
+from cranktopo.tasks.throw_fea.targets import Target
 
 QUALITY = Quality(0.4, 0.24, 1000, 1.0, 4.0, 1.0, 2.0)
 
@@ -48,7 +48,7 @@ def checked(target: Target, *_: object) -> tuple[RuleCheck, ...]:
 
 @pytest.fixture
 def no_solve(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", checked)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.stage.check_rule", checked)
 
 
 def row(text: str, first: str) -> list[str]:
@@ -88,8 +88,8 @@ def test_a_difference_of_the_sets_beyond_the_error_is_told_on_the_page(
     def check(target: Target, *_: object) -> tuple[RuleCheck, ...]:
         return tuple(replace(one, rule_checks=weak, fem_checks=strong, outside=()) for one in checked(target))
 
-    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", check)
-    monkeypatch.setattr("cranktopo.tasks.fatigue.dossier._drawings", lambda _: ())
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.stage.check_rule", check)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.dossier._drawings", lambda _: ())
     path = tmp_path / "dossier.md"
     assert main(["fatigue", "mikron-iiic-plain", "--method", "m53", "--report", str(path), "--quiet"]) == 6
     text = path.read_text(encoding="utf-8").replace("\\", "")
@@ -106,8 +106,8 @@ def test_a_material_that_the_rule_does_not_cover_is_said_first_and_not_accepted(
     def check(target: Target, *_: object) -> tuple[RuleCheck, ...]:
         return tuple(replace(one, rule_checks=strong, fem_checks=strong) for one in checked(target))
 
-    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", check)
-    monkeypatch.setattr("cranktopo.tasks.fatigue.dossier._drawings", lambda _: ())
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.stage.check_rule", check)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.dossier._drawings", lambda _: ())
     design, path = tmp_path / "iron.toml", tmp_path / "dossier.md"
     text = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
     design.write_text(text.replace('name = "31CrMoV9"', 'name = "EN-GJS-700-2"'), encoding="utf-8")
@@ -142,8 +142,8 @@ def test_a_fillet_of_elements_that_prove_nothing_has_no_card_of_its_q(
         (one,) = checked(target)
         return (replace(one, rule_checks=by_rule, fem_checks=by_elements, quality=quality),)
 
-    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", check)
-    monkeypatch.setattr("cranktopo.tasks.fatigue.dossier._drawings", lambda _: ())
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.stage.check_rule", check)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.dossier._drawings", lambda _: ())
     path = tmp_path / "dossier.md"
     line = ["fatigue", "mikron-iiic-plain", "--method", "m53", "--report", str(path), "--json", "--quiet"]
     main(line)
@@ -168,7 +168,7 @@ def test_the_exit_code_tells_what_the_rule_accepts(
         fillets = {"pin": FilletCheck(200.0, 400.0), "journal": FilletCheck(200.0, journal_MPa)}
         return tuple(replace(one, rule_checks=fillets, fem_checks=fillets) for one in checked(target))
 
-    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", check)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.stage.check_rule", check)
     assert main(["fatigue", "mikron-iiic", "--method", "m53", "--json", "--quiet"]) == code
 
 
@@ -235,7 +235,7 @@ def test_mistakes_before_any_solve(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", lambda *_: pytest.fail("solved"))
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.stage.check_rule", lambda *_: pytest.fail("solved"))
     assert main(["fatigue", "mikron-iiic-plain", *arguments]) == code
     assert words in capsys.readouterr().err
     assert not list(tmp_path.iterdir())

@@ -19,8 +19,8 @@ from cranktopo.design.writing import design_from_run, toml_text
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.runs.directories import RunStore, create_run
 from cranktopo.runs.manifest import settings_hash
-from cranktopo.tasks.fea.targets import resolve_target
 from cranktopo.tasks.refit import stage as pipeline_remodel
+from cranktopo.tasks.throw_fea.targets import resolve_target
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from tests.unit.engine.test_indicator import write as write_indicator
 

@@ -23,9 +23,6 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import Supports
 from cranktopo.engine.performance import pressure_words
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
-from cranktopo.tasks.fatigue.mesh_quality import JudgedQuality, Quality
-from cranktopo.tasks.fatigue.result import CriticalPoint
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.film.result import ConservingFilm, EdgeFilm
 from cranktopo.tasks.shaft.result import ShaftBearing, ShaftEvaluation
 from cranktopo.tasks.shaft.stage import shaft_tables
@@ -51,6 +48,9 @@ from cranktopo.tasks.shaft_safety.result import (
 )
 from cranktopo.tasks.shaft_safety.stage import assess_shaft
 from cranktopo.tasks.shaft_safety.text import bearing_table, safety_text, shaft_text
+from cranktopo.tasks.throw_fatigue.mesh_quality import JudgedQuality, Quality
+from cranktopo.tasks.throw_fatigue.result import CriticalPoint
+from cranktopo.tasks.throw_fea.targets import Target
 from cranktopo.tasks.vibration.stage import shaft_vibration
 from tests.hostile.scenes import dumped
 from tests.page_text import typed_page

@@ -13,9 +13,9 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.shape import run as shape_run
-from cranktopo.tasks.shape.optimum import ShapeSettings
-from cranktopo.tasks.shape.run import resume_shape, shape_design
+from cranktopo.tasks.web_shape import run as shape_run
+from cranktopo.tasks.web_shape.optimum import ShapeSettings
+from cranktopo.tasks.web_shape.run import resume_shape, shape_design
 
 COARSE = ShapeSettings(cell_mm=9.0, mesh_mm=16.0, rounds=3, element_size_mm=14.0)
 

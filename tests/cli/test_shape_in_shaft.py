@@ -16,12 +16,12 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import WebLoads
 from cranktopo.engine.plan.planning import plan_for_stress
-from cranktopo.tasks.shape import evaluated_web, in_shaft, run
-from cranktopo.tasks.shape.evaluated_web import Judging, web_safety
-from cranktopo.tasks.shape.in_shaft import search_in_shaft
-from cranktopo.tasks.shape.optimum import ShapeSettings
-from cranktopo.tasks.shape.result import SafetyInShaft
-from cranktopo.tasks.shape.run import shape_design, shape_goal, shape_settings
+from cranktopo.tasks.web_shape import evaluated_web, in_shaft, run
+from cranktopo.tasks.web_shape.evaluated_web import Judging, web_safety
+from cranktopo.tasks.web_shape.in_shaft import search_in_shaft
+from cranktopo.tasks.web_shape.optimum import ShapeSettings
+from cranktopo.tasks.web_shape.result import SafetyInShaft
+from cranktopo.tasks.web_shape.run import shape_design, shape_goal, shape_settings
 from tests.shaft_stand_in import told_shaft
 
 SAFETIES = (1.5, 1.9, 1.6, 1.9, 1.9, 1.9, 1.9, 1.45)

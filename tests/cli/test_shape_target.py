@@ -23,8 +23,8 @@ from cranktopo.runs.kind import RESULT_FILES, RunKind
 from cranktopo.tasks.designs.run_webs import web_target
 from cranktopo.tasks.refit.family import Layout, web_of
 from cranktopo.tasks.refit.result import RefitFiles
-from cranktopo.tasks.shape import run as shape
-from cranktopo.tasks.shape.optimum import ShapeSettings
+from cranktopo.tasks.web_shape import run as shape
+from cranktopo.tasks.web_shape.optimum import ShapeSettings
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted_slot import FittedSlot
 from tests.physics.shape.shape_cases import Array, full_web

@@ -18,15 +18,15 @@ from cranktopo.design.loading import designs_folder, load_scene, scene_from_dict
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.accuracy.study import planned_studies, run_studies
 from cranktopo.tasks.compare import stage as compare
-from cranktopo.tasks.fatigue import rule_check
-from cranktopo.tasks.fatigue.m53 import concentration_factors, dimensions
-from cranktopo.tasks.fatigue.mesh_quality import Quality
-from cranktopo.tasks.fea.studies import EVALUATION, FILLET_STRESS
-from cranktopo.tasks.fea.targets import Target, resolve_targets
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.plan import sweep_plan
 from cranktopo.tasks.sweep.stages import run_stage
 from cranktopo.tasks.sweep.variation import read_option
+from cranktopo.tasks.throw_fatigue import rule_check
+from cranktopo.tasks.throw_fatigue.m53 import concentration_factors, dimensions
+from cranktopo.tasks.throw_fatigue.mesh_quality import Quality
+from cranktopo.tasks.throw_fea.studies import EVALUATION, FILLET_STRESS
+from cranktopo.tasks.throw_fea.targets import Target, resolve_targets
 from cranktopo.throw.drilling import moments as drilling_moments
 from tests.packed_scenes import unpacked
 

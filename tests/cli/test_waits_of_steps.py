@@ -12,16 +12,16 @@ import pytest
 from cranktopo.base.progress import StageMemory
 from cranktopo.design.loading import load_scene
 from cranktopo.engine.analysis import at_speed
-from cranktopo.tasks.fatigue import stage as fatigue_stage
-from cranktopo.tasks.fea.stage import evaluate_targets
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.fit import fit_problem
 from cranktopo.tasks.refit.search import Fit, minimise_misfit, outline_guess
 from cranktopo.tasks.shaft import continuous
 from cranktopo.tasks.shaft.condensed_throw import once_each
-from cranktopo.tasks.shape.refining import refined
-from cranktopo.tasks.shape.search_goal import SearchGoal
+from cranktopo.tasks.throw_fatigue import stage as fatigue_stage
+from cranktopo.tasks.throw_fea.stage import evaluate_targets
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.web_shape.refining import refined
+from cranktopo.tasks.web_shape.search_goal import SearchGoal
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from tests.cli.test_comparison_report import invented
 from tests.physics.shape.test_shape_refining import EXTENT, LAYOUT, START, bowls
@@ -50,7 +50,7 @@ def targets() -> list[Target]:
 def test_evaluate_and_compare_tell_their_targets(
     slow: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("cranktopo.tasks.fea.stage.evaluate", invented)
+    monkeypatch.setattr("cranktopo.tasks.throw_fea.stage.evaluate", invented)
     evaluate_targets(targets())
     told = lines(slow, "evaluation")
     assert told[1] == "evaluation: [####--------] 2 of 3, mikron-iiic-hollow, about 20 s left"

@@ -20,13 +20,13 @@ from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.refit.family import Layout, free_dimensions, with_free
 from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.feature_selection import FeatureSelection
-from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
-from cranktopo.tasks.shape.rules import ENVELOPE, rules_at
-from cranktopo.tasks.shape.search import best_values, search_on_cells, shaped_scene
-from cranktopo.tasks.shape.search_goal import SearchGoal, search_goal_of
-from cranktopo.tasks.shape.start import outline_start
-from cranktopo.tasks.shape.web_model import WebModel, web_model
+from cranktopo.tasks.web_shape.feature_selection import FeatureSelection
+from cranktopo.tasks.web_shape.mesh_model import MeshedWebs, MeshResponses
+from cranktopo.tasks.web_shape.rules import ENVELOPE, rules_at
+from cranktopo.tasks.web_shape.search import best_values, search_on_cells, shaped_scene
+from cranktopo.tasks.web_shape.search_goal import SearchGoal, search_goal_of
+from cranktopo.tasks.web_shape.start import outline_start
+from cranktopo.tasks.web_shape.web_model import WebModel, web_model
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder
 from cranktopo.throw.fitted_slot import FittedSlot
@@ -129,7 +129,7 @@ def test_limits_that_no_web_meets_name_what_the_nearest_reaches(
     name: str, model: WebModel, mikron: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Each feature is tried by a few webs: which of them is the nearest is not the subject."""
-    monkeypatch.setattr("cranktopo.tasks.shape.feature_selection.EVALUATIONS", 4)
+    monkeypatch.setattr("cranktopo.tasks.web_shape.feature_selection.EVALUATIONS", 4)
     goal, asked = GOALS[name]
     growing = growth(model, goal)
     start = outline_start(mikron, usual_limits(mikron))

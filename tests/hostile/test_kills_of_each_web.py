@@ -35,9 +35,9 @@ def main() -> None:
     for number in SIGNALS[1:]:  # as the program itself while it loads
         signal.signal(number, signal.SIG_DFL)
     from cranktopo.app.process import run_to_its_end
-    from cranktopo.tasks.shape import evaluated_web
-    from cranktopo.tasks.shape import run as shape_run
-    from cranktopo.tasks.shape.each_web import rounds, run
+    from cranktopo.tasks.web_shape import evaluated_web
+    from cranktopo.tasks.web_shape import run as shape_run
+    from cranktopo.tasks.web_shape.each_web import rounds, run
     from tests.shaft_stand_in import told_shaft
     from tests.shape_stand_in import ShapeStandIn
 

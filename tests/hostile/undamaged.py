@@ -25,11 +25,11 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.tasks.accuracy.stage import pareto_front
 from cranktopo.tasks.accuracy.study import Study
 from cranktopo.tasks.bench.project import Project
-from cranktopo.tasks.fea.studies import EVALUATION, Level, store_study
-from cranktopo.tasks.shape import evaluated_web
-from cranktopo.tasks.shape import run as shape_run
-from cranktopo.tasks.shape.each_web import rounds, run
 from cranktopo.tasks.sweep.job import Job, do_job
+from cranktopo.tasks.throw_fea.studies import EVALUATION, Level, store_study
+from cranktopo.tasks.web_shape import evaluated_web
+from cranktopo.tasks.web_shape import run as shape_run
+from cranktopo.tasks.web_shape.each_web import rounds, run
 from tests import sweep_cases
 from tests.cli.test_iterate import ARGUMENTS, with_stand_ins
 from tests.plain_runs import plain_runs

@@ -180,9 +180,9 @@ def strength(scene: Scene) -> Iterator[Any]:
     """Safety of a point by each local method, strengths of the others, hardened layers."""
     from cranktopo.design.strength import strength_notes, strength_remarks
     from cranktopo.tasks.fatigue.criteria import LOCAL_METHODS, criterion
-    from cranktopo.tasks.fatigue.hardened_layer import layers
-    from cranktopo.tasks.fatigue.m53 import concentration_factors, dimensions, nominal_stresses
-    from cranktopo.tasks.fatigue.rule_fillets import fillet_checks
+    from cranktopo.tasks.throw_fatigue.hardened_layer import layers
+    from cranktopo.tasks.throw_fatigue.m53 import concentration_factors, dimensions, nominal_stresses
+    from cranktopo.tasks.throw_fatigue.rule_fillets import fillet_checks
 
     stress = LocalStress(np.array([200.0]), np.array([60.0]), np.array([0.7]))
     yield strength_notes(scene), strength_remarks(scene)

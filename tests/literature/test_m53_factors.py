@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from cranktopo.engine.throw_compliance import web_lever_mm
-from cranktopo.tasks.fatigue.m53 import concentration_factors, dimensions, nominal_stresses
-from cranktopo.tasks.fatigue.rule_fillets import element_factors
-from cranktopo.tasks.fatigue.stress_model import solve_stresses
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fatigue.m53 import concentration_factors, dimensions, nominal_stresses
+from cranktopo.tasks.throw_fatigue.rule_fillets import element_factors
+from cranktopo.tasks.throw_fatigue.stress_model import solve_stresses
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.studies.example_throws import rule_throws
 
 

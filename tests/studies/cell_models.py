@@ -23,9 +23,9 @@ from cranktopo.numerics.tetrahedra.mesh import RATIO
 from cranktopo.tasks.density.model import build_model
 from cranktopo.tasks.density.problem import model_error_percent
 from cranktopo.tasks.density.response import compliances, solve, stiffness
-from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.refit.fit import scene_with_web
+from cranktopo.tasks.throw_fea.evaluation import evaluate_on_mesh
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.physics.density.throw_cases import BENDING, TORSION
 from tests.physics.fea.evaluation_cases import mikron_with
 from tests.studies.error_bounds import Bounded, limit

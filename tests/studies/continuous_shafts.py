@@ -18,14 +18,14 @@ from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fatigue.least import least_safeties
-from cranktopo.tasks.fatigue.shaft_stress import shaft_loads, solve_shaft_stress
-from cranktopo.tasks.fatigue.target_safety import fatigue_field
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.continuous import continuous_shaft
 from cranktopo.tasks.shaft.loaded_throw import LoadedThrow, loaded_throw, throw_body
 from cranktopo.tasks.shaft.on_film import Support
 from cranktopo.tasks.shaft.result import ContinuousShaft
+from cranktopo.tasks.throw_fatigue.least import least_safeties
+from cranktopo.tasks.throw_fatigue.shaft_stress import shaft_loads, solve_shaft_stress
+from cranktopo.tasks.throw_fatigue.target_safety import fatigue_field
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.engine_arrangements import VEE, arranged
 
 OIL = {"clearance_mm": 0.05, "oil": "ISO VG 100", "temperature_C": 110.0}

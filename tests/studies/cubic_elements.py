@@ -23,10 +23,14 @@ from cranktopo.numerics.tetrahedra.elasticity import (
 )
 from cranktopo.numerics.tetrahedra.hierarchical_error import straightened
 from cranktopo.numerics.tetrahedra.superelement import Superelement
-from cranktopo.tasks.fea.condense import bending_stiffness_N_per_mm, condense, torsional_stiffness_Nm_per_rad
-from cranktopo.tasks.fea.error_bound import bending_shares, torsion_shares
-from cranktopo.tasks.fea.evaluation import mesh_target
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fea.condense import (
+    bending_stiffness_N_per_mm,
+    condense,
+    torsional_stiffness_Nm_per_rad,
+)
+from cranktopo.tasks.throw_fea.error_bound import bending_shares, torsion_shares
+from cranktopo.tasks.throw_fea.evaluation import mesh_target
+from cranktopo.tasks.throw_fea.targets import Target
 
 Array = NDArray[np.float64]
 

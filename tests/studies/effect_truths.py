@@ -22,8 +22,8 @@ from cranktopo.engine.states import DEFAULT_EFFECTS, load_cases
 from cranktopo.engine.throw_compliance import throw_compliance
 from cranktopo.tasks.density.model import build_model, case_forces
 from cranktopo.tasks.density.response import compliances, solve, stiffness
-from cranktopo.tasks.fea.evaluation import evaluate
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fea.evaluation import evaluate
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.studies.example_throws import CAR, INDUSTRIAL
 from tests.studies.nominal_stress import nominal_amplitude_MPa
 

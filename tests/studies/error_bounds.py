@@ -19,9 +19,9 @@ from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.loading import load_scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.numerics.tetrahedra.mesh import RATIO
-from cranktopo.tasks.fea.error_bound import difference_bound_percent
-from cranktopo.tasks.fea.evaluation import evaluate
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fea.error_bound import difference_bound_percent
+from cranktopo.tasks.throw_fea.evaluation import evaluate
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.random_throws import random_variant
 from tests.studies.cubic_elements import Both, both_orders
 

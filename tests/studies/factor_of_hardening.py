@@ -17,12 +17,12 @@ from scipy.optimize import brentq
 from cranktopo.design.hardening import Process, vickers
 from cranktopo.design.loading import load_scene
 from cranktopo.tasks.fatigue.criterion import LocalStress
-from cranktopo.tasks.fatigue.hardened_layer import HardenedLayer
-from cranktopo.tasks.fatigue.hardening import TreatedFillet, least_safety
 from cranktopo.tasks.fatigue.lsa import lsa, lsa_strength
-from cranktopo.tasks.fatigue.m53 import dimensions, fatigue_strength_MPa
-from cranktopo.tasks.fatigue.m53_hardening import surface_strength_MPa
-from cranktopo.tasks.fatigue.stress_below import NotchShape, notch_shape
+from cranktopo.tasks.throw_fatigue.hardened_layer import HardenedLayer
+from cranktopo.tasks.throw_fatigue.hardening import TreatedFillet, least_safety
+from cranktopo.tasks.throw_fatigue.m53 import dimensions, fatigue_strength_MPa
+from cranktopo.tasks.throw_fatigue.m53_hardening import surface_strength_MPa
+from cranktopo.tasks.throw_fatigue.stress_below import NotchShape, notch_shape
 from tests.validation.table import lines_of
 
 SCENE = load_scene("mikron-iiic")

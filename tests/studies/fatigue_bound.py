@@ -16,7 +16,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.fkm import FKM
 from cranktopo.tasks.fatigue.lsa import LSA, lsa_strength, point_strength_MPa
-from cranktopo.tasks.fatigue.m53 import concentration_factors, dimensions
+from cranktopo.tasks.throw_fatigue.m53 import concentration_factors, dimensions
 from tests.validation.table import lines_of
 
 GRADIENTS_PER_MM = np.array([0.0, 0.75, 2.0, 10.0, 99.9])

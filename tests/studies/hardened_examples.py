@@ -13,9 +13,9 @@ from __future__ import annotations
 from cranktopo.design.hardening import Hardening
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fatigue.safety_field import FatigueField
-from cranktopo.tasks.fatigue.target_safety import fatigue_field
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fatigue.safety_field import FatigueField
+from cranktopo.tasks.throw_fatigue.target_safety import fatigue_field
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.validation.table import lines_of
 
 SOURCE = "N. Syla et al., Acta Phys. Pol. A 132 (2017) 484"

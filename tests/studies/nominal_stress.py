@@ -15,7 +15,7 @@ from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.histories import load_history
 from cranktopo.engine.states import extreme_states
 from cranktopo.numerics.tetrahedra.elasticity import assemble
-from cranktopo.tasks.fea.unit_fields import unit_fields
+from cranktopo.tasks.throw_fea.unit_fields import unit_fields
 from tests.physics.fatigue.point_stress import PointStress, point_stress
 
 Array = NDArray[np.float64]

@@ -19,9 +19,9 @@ from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, principal_stresses
-from cranktopo.tasks.fatigue.stress_model import solve_stresses
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.fea.unit_fields import unit_fields
+from cranktopo.tasks.throw_fatigue.stress_model import solve_stresses
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.throw_fea.unit_fields import unit_fields
 from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.outlet import DrillOutlet
 from cranktopo.throw.drilling.table import drill_bores

@@ -25,9 +25,9 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.tasks.density.stage import prepare
-from cranktopo.tasks.fea.evaluation import evaluate
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.optimise.stage import optimise_design
+from cranktopo.tasks.throw_fea.evaluation import evaluate
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.hostile.featured_engines import PROCESSES, featured_engine
 
 DESIGNS = (

@@ -16,9 +16,9 @@ from cranktopo.design.loading import load_scene
 from cranktopo.numerics.tetrahedra.mesh import RATIO
 from cranktopo.tasks.accuracy.optimiser_levels import OptimiserModel, optimise_once
 from cranktopo.tasks.density.problem import SolverSettings
-from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
-from cranktopo.tasks.fea.levels import stiffnesses
-from cranktopo.tasks.fea.studies import NAME_OF_CASE
+from cranktopo.tasks.throw_fea.evaluation import evaluate_on_mesh
+from cranktopo.tasks.throw_fea.levels import stiffnesses
+from cranktopo.tasks.throw_fea.studies import NAME_OF_CASE
 
 EXACT = SolverSettings(tolerance_early=1e-8, tolerance=1e-8, precision="float64")
 SETTINGS = {

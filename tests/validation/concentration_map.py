@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fatigue.m53 import ConcentrationFactors, concentration_factors, dimensions
-from cranktopo.tasks.fatigue.rule_fillets import element_factors
-from cranktopo.tasks.fatigue.stress_model import solve_stresses
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fatigue.m53 import ConcentrationFactors, concentration_factors, dimensions
+from cranktopo.tasks.throw_fatigue.rule_fillets import element_factors
+from cranktopo.tasks.throw_fatigue.stress_model import solve_stresses
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.physics.fea.evaluation_cases import throw_scene
 from tests.validation.table import lines_of
 

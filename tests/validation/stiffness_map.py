@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fea.condense import condense, torsional_stiffness_Nm_per_rad
+from cranktopo.tasks.throw_fea.condense import condense, torsional_stiffness_Nm_per_rad
 from tests.physics.fea.evaluation_cases import elastic, throw_scene
 from tests.validation.table import lines_of
 

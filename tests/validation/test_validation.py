@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from cranktopo.tasks.fatigue.m53 import dimensions, outside_validity
+from cranktopo.tasks.throw_fatigue.m53 import dimensions, outside_validity
 from tests.validation import concentration_map, free_moments, page, shafts, stiffness_map
 
 PERCENT_OF_ORDER = {"rotating": 1e-4, "1st": 0.01, "2nd": 0.01, "4th": 0.1}

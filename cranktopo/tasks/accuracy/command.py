@@ -17,7 +17,7 @@ from cranktopo.cli.output import tell
 from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
-    from cranktopo.tasks.fea.studies import StudyResult
+    from cranktopo.tasks.throw_fea.studies import StudyResult
 
 _BUDGET_S = 120.0
 

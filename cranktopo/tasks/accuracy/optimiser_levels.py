@@ -41,9 +41,9 @@ from cranktopo.tasks.density import loop, stage
 from cranktopo.tasks.density.assess import assess
 from cranktopo.tasks.density.problem import Assessment, SolverSettings, model_error_percent
 from cranktopo.tasks.extraction.checked_surface import checked_surface
-from cranktopo.tasks.fea.evaluation import evaluate
-from cranktopo.tasks.fea.levels import EvaluationMesh, expected_seconds
-from cranktopo.tasks.fea.studies import (
+from cranktopo.tasks.throw_fea.evaluation import evaluate
+from cranktopo.tasks.throw_fea.levels import EvaluationMesh, expected_seconds
+from cranktopo.tasks.throw_fea.studies import (
     BENDING,
     NAME_OF_CASE,
     OPTIMISER,
@@ -53,7 +53,7 @@ from cranktopo.tasks.fea.studies import (
     PlannedLevel,
     StoredStudy,
 )
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fea.targets import Target
 
 _STEPS = 9
 

@@ -12,8 +12,8 @@ from cranktopo.numerics.extrapolation import Extrapolation
 from cranktopo.report.page import Fact, FactStatus, Page, Section
 from cranktopo.report.plot import Picture, name_points, picture, plain, plain_decades
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
-from cranktopo.tasks.fea.quantities import BENDING, TORSION
-from cranktopo.tasks.fea.studies import (
+from cranktopo.tasks.throw_fea.quantities import BENDING, TORSION
+from cranktopo.tasks.throw_fea.studies import (
     EVALUATION,
     FILLET_STRESS,
     OPTIMISER,

@@ -16,8 +16,8 @@ from cranktopo.runs.manifest import timestamp
 from cranktopo.runs.stored import write_recorded
 from cranktopo.tasks.accuracy.page import accuracy_page
 from cranktopo.tasks.accuracy.study import Study, run_studies
-from cranktopo.tasks.fea.stage import print_assumed
-from cranktopo.tasks.fea.studies import (
+from cranktopo.tasks.throw_fea.stage import print_assumed
+from cranktopo.tasks.throw_fea.studies import (
     EVALUATION,
     FILLET_STRESS,
     OPTIMISER,
@@ -29,7 +29,7 @@ from cranktopo.tasks.fea.studies import (
     key_of,
     store_study,
 )
-from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_targets
+from cranktopo.tasks.throw_fea.targets import Target, TargetLike, resolve_targets
 
 _WANTED_PERCENT = (5.0, 2.0, 1.0, 0.5)
 _REFERENCES: dict[StudyName, tuple[str, ...]] = {

@@ -15,9 +15,9 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.states import load_cases
 from cranktopo.numerics.tetrahedra.stress import von_mises
-from cranktopo.tasks.fatigue.stress_model import solve_stresses
-from cranktopo.tasks.fea.levels import evaluation_levels
-from cranktopo.tasks.fea.studies import (
+from cranktopo.tasks.throw_fatigue.stress_model import solve_stresses
+from cranktopo.tasks.throw_fea.levels import evaluation_levels
+from cranktopo.tasks.throw_fea.studies import (
     EVALUATION,
     FILLET_STRESS,
     OPTIMISER,
@@ -27,8 +27,8 @@ from cranktopo.tasks.fea.studies import (
     PlannedLevel,
     StudyName,
 )
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.fea.unit_fields import UNIT_LOADS, FieldKind
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.throw_fea.unit_fields import UNIT_LOADS, FieldKind
 
 _FRACTIONS = (0.5, 0.35, 0.25, 0.17, 0.12)
 """Element sizes in the fillets over their radius; the rule IACS UR M53 asks for 0.25 at most."""

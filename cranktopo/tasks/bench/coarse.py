@@ -14,7 +14,7 @@ from cranktopo.engine.states import main_load_cases
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.density.model import build_model
 from cranktopo.tasks.density.responses import quantities_of
-from cranktopo.tasks.shape.web_model import solved_design
+from cranktopo.tasks.web_shape.web_model import solved_design
 
 _CELL_MM = 4.0
 _TOLERANCE = 1e-4

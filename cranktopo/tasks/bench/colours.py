@@ -11,10 +11,10 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.units import KG_PER_TONNE, MPA_PER_GPA, NMM_PER_NM, density_tonne_per_mm3
 from cranktopo.numerics.tetrahedra.stress import strain_energy_density
 from cranktopo.tasks.fatigue.criterion import larger_end_MPa
-from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa
-from cranktopo.tasks.fatigue.safety_field import FatigueField
-from cranktopo.tasks.fatigue.stress_model import StressModel
-from cranktopo.tasks.fea.unit_fields import FieldKind
+from cranktopo.tasks.throw_fatigue.largest_stress import largest_of_field_MPa
+from cranktopo.tasks.throw_fatigue.safety_field import FatigueField
+from cranktopo.tasks.throw_fatigue.stress_model import StressModel
+from cranktopo.tasks.throw_fea.unit_fields import FieldKind
 
 _STIFFNESSES: dict[FieldKind, float] = {"torsion": NMM_PER_NM, "bending": 1.0}
 """Gauges of stiffness over that of the unit load of their field, N mm/rad and N/mm."""

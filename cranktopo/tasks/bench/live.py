@@ -25,17 +25,17 @@ from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.tasks.bench.bearing_forces import largest_bearing_force_N, polars
 from cranktopo.tasks.bench.engine_loads import EngineLoads
 from cranktopo.tasks.bench.engine_plots import line_plots, live_plots
-from cranktopo.tasks.fatigue.m53 import (
+from cranktopo.tasks.shaft.stage import of_stiffness
+from cranktopo.tasks.throw_fatigue.m53 import (
     LEAST_FACTOR,
     concentration_factors,
     dimensions,
     nominal_stresses,
     outside_validity,
 )
-from cranktopo.tasks.fatigue.m53_material import process_remark, uncovered_material
-from cranktopo.tasks.fatigue.needs import load_kinds
-from cranktopo.tasks.fatigue.rule_fillets import fillet_checks
-from cranktopo.tasks.shaft.stage import of_stiffness
+from cranktopo.tasks.throw_fatigue.m53_material import process_remark, uncovered_material
+from cranktopo.tasks.throw_fatigue.needs import load_kinds
+from cranktopo.tasks.throw_fatigue.rule_fillets import fillet_checks
 
 _CLOSED_FORM = "live, closed-form stiffness: up to 20 % too low"
 """Throws by elements are 1.0 to 1.56 times as stiff as in closed form, on the engines that were measured."""

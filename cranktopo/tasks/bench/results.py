@@ -16,12 +16,12 @@ from cranktopo.tasks.bench.study_words import STUDIES, loop_of
 from cranktopo.tasks.bound.result import BoundResult, ProvenBound
 from cranktopo.tasks.evaluate.result import EvaluationList
 from cranktopo.tasks.fatigue.criteria import shortfall_words
-from cranktopo.tasks.fatigue.result import FatigueResult, FieldFatigue, OutletAcceptance
-from cranktopo.tasks.fatigue.text import load_words
-from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.optimise.result import RunMetrics
 from cranktopo.tasks.shaft_safety.result import ShaftAssessment
-from cranktopo.tasks.shape.result import ShapeResult
+from cranktopo.tasks.throw_fatigue.result import FatigueResult, FieldFatigue, OutletAcceptance
+from cranktopo.tasks.throw_fatigue.text import load_words
+from cranktopo.tasks.throw_fea.result import EvaluationResult
+from cranktopo.tasks.web_shape.result import ShapeResult
 
 _REMODEL_S = 3600
 

@@ -28,17 +28,17 @@ from cranktopo.tasks.bench.live import (
     rests_on_stiffness,
     rule_values,
 )
-from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa
-from cranktopo.tasks.fatigue.needs import check_inputs
-from cranktopo.tasks.fatigue.remarks import yield_warning
-from cranktopo.tasks.fatigue.safety_field import FatigueField
-from cranktopo.tasks.fatigue.target_safety import fatigue_field
-from cranktopo.tasks.fea.evaluation import evaluate
-from cranktopo.tasks.fea.quantities import goal_values
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.film.stage import oil_films
 from cranktopo.tasks.shaft.stage import evaluate_shaft, of_stiffness, with_throw_stiffness
-from cranktopo.tasks.shape.start import kept_features
+from cranktopo.tasks.throw_fatigue.largest_stress import largest_of_field_MPa
+from cranktopo.tasks.throw_fatigue.needs import check_inputs
+from cranktopo.tasks.throw_fatigue.remarks import yield_warning
+from cranktopo.tasks.throw_fatigue.safety_field import FatigueField
+from cranktopo.tasks.throw_fatigue.target_safety import fatigue_field
+from cranktopo.tasks.throw_fea.evaluation import evaluate
+from cranktopo.tasks.throw_fea.quantities import goal_values
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.web_shape.start import kept_features
 
 _METHOD = "lsa"
 _SAFETY_ERROR_PERCENT = 1.0

@@ -11,9 +11,9 @@ from cranktopo.runs.kind import LOOP, RESULT_FILES
 from cranktopo.runs.stored import unchanged
 from cranktopo.tasks.accuracy.page import accuracy_headline, limit_lines, recommendation_table
 from cranktopo.tasks.bench.job_kinds import KEPT_EARLY
-from cranktopo.tasks.fea.studies import StudyResult
 from cranktopo.tasks.iterate.result import LoopResult
 from cranktopo.tasks.iterate.text import best_line, shape_line, steps_tables, unmade_lines
+from cranktopo.tasks.throw_fea.studies import StudyResult
 
 
 class StudyWords(NamedTuple):

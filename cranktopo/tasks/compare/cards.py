@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from cranktopo.base.units import change_text
 from cranktopo.report.page import Fact, FactStatus
 from cranktopo.tasks.compare.result import Comparison
-from cranktopo.tasks.fatigue.text import FatigueComparison, load_words
-from cranktopo.tasks.fea.quantities import (
+from cranktopo.tasks.optimise.text import fatigue_fact
+from cranktopo.tasks.throw_fatigue.text import FatigueComparison, load_words
+from cranktopo.tasks.throw_fea.quantities import (
     BENDING_PER_MASS,
     MASS,
     SAFETY,
@@ -16,7 +17,6 @@ from cranktopo.tasks.fea.quantities import (
     Quantity,
     quantity_text,
 )
-from cranktopo.tasks.optimise.text import fatigue_fact
 
 _LABELS = {
     MASS: "Lightest",

@@ -30,7 +30,7 @@ from cranktopo.tasks.fatigue.criteria import METHODS
 
 if TYPE_CHECKING:
     from cranktopo.engine.histories import HistoryKind
-    from cranktopo.tasks.fatigue.assessment import FatigueMethod
+    from cranktopo.tasks.throw_fatigue.assessment import FatigueMethod
 
 
 @click.command()
@@ -125,7 +125,7 @@ def command(
         check_report_path(page)
     from cranktopo.tasks.compare.printed import comparison_text
     from cranktopo.tasks.compare.stage import compare_targets, comparison_bound, report_comparison
-    from cranktopo.tasks.fea.stage import MeshRequest
+    from cranktopo.tasks.throw_fea.stage import MeshRequest
 
     request = MeshRequest(element_size_mm, accuracy, budget)
     found = compare_targets(targets, baseline, request, methods, design, align, loads, throw, fillet_fraction)

@@ -9,12 +9,12 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import note
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import HistoryKind
-from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
-from cranktopo.tasks.fatigue.needs import check_inputs
-from cranktopo.tasks.fatigue.stage import assess_by_methods
-from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
-from cranktopo.tasks.fatigue.text import FatigueComparison
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fatigue.assessment import FatigueAssessment, FatigueMethod
+from cranktopo.tasks.throw_fatigue.needs import check_inputs
+from cranktopo.tasks.throw_fatigue.stage import assess_by_methods
+from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.throw_fatigue.text import FatigueComparison
+from cranktopo.tasks.throw_fea.targets import Target
 
 _Refusals = Mapping[int, CranktopoError]
 """Why targets cannot be judged, by their rows."""

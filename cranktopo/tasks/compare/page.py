@@ -41,8 +41,10 @@ from cranktopo.tasks.compare.text import (
     star_lines,
 )
 from cranktopo.tasks.extraction.text import DesignUndercuts, undercut_table
-from cranktopo.tasks.fatigue.text import FatigueComparison
-from cranktopo.tasks.fea.quantities import (
+from cranktopo.tasks.loads.section import loads_section
+from cranktopo.tasks.plan.section import effects_section
+from cranktopo.tasks.throw_fatigue.text import FatigueComparison
+from cranktopo.tasks.throw_fea.quantities import (
     BENDING,
     MASS,
     TORSION,
@@ -50,16 +52,14 @@ from cranktopo.tasks.fea.quantities import (
     Quantity,
     comparison_sentence,
 )
-from cranktopo.tasks.fea.scatter import (
+from cranktopo.tasks.throw_fea.scatter import (
     LABELS,
     Point,
     draw_stiffness_over_mass,
     most_by_label,
     scatter_pictures,
 )
-from cranktopo.tasks.fea.section import stress_section
-from cranktopo.tasks.loads.section import loads_section
-from cranktopo.tasks.plan.section import effects_section
+from cranktopo.tasks.throw_fea.section import stress_section
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from cranktopo.design.loading import builtin_designs
 from cranktopo.runs.directories import RunStore, open_run, runs_named
 from cranktopo.runs.kind import SWEEP, kind_of, read_result, reading_results, resume_command
 from cranktopo.runs.stored import unchanged
-from cranktopo.tasks.fea.targets import TargetLike
 from cranktopo.tasks.sweep.result import SweepResult
 from cranktopo.tasks.sweep.text import condition_words
+from cranktopo.tasks.throw_fea.targets import TargetLike
 
 
 def with_picks(targets: Sequence[TargetLike]) -> list[TargetLike]:

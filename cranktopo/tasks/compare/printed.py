@@ -22,7 +22,7 @@ from cranktopo.tasks.compare.text import (
     safety_places,
     star_lines,
 )
-from cranktopo.tasks.fatigue.text import load_words
+from cranktopo.tasks.throw_fatigue.text import load_words
 
 
 @dataclass(frozen=True)

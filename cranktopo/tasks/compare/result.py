@@ -13,13 +13,13 @@ from cranktopo.design.goal.balance_moved import MovedBalance
 from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.design.published import Published
 from cranktopo.report.result_table import Cell
-from cranktopo.tasks.fatigue.result import FatigueResult, JudgedAs
-from cranktopo.tasks.fatigue.text import FatigueComparison
-from cranktopo.tasks.fatigue.verdicts import WORLDS
-from cranktopo.tasks.fea.error_bound import difference_bound_percent
-from cranktopo.tasks.fea.evaluation import Evaluation
-from cranktopo.tasks.fea.quantities import COMPARED, SAFETY, UNBALANCE, Quantity, evaluation_values
-from cranktopo.tasks.fea.result import EvaluationResult
+from cranktopo.tasks.throw_fatigue.result import FatigueResult, JudgedAs
+from cranktopo.tasks.throw_fatigue.text import FatigueComparison
+from cranktopo.tasks.throw_fatigue.verdicts import WORLDS
+from cranktopo.tasks.throw_fea.error_bound import difference_bound_percent
+from cranktopo.tasks.throw_fea.evaluation import Evaluation
+from cranktopo.tasks.throw_fea.quantities import COMPARED, SAFETY, UNBALANCE, Quantity, evaluation_values
+from cranktopo.tasks.throw_fea.result import EvaluationResult
 
 Fillets = Literal["as designed", "left out", "none", "as in the file"]
 """Of a compared body: those of its design, left out beside a run, none on the surface of a run."""

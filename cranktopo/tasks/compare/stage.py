@@ -41,17 +41,17 @@ from cranktopo.tasks.compare.picks import with_picks
 from cranktopo.tasks.compare.result import Comparison, Entry, Fillets, check_same_supports, compare
 from cranktopo.tasks.compare.text import fillet_lines
 from cranktopo.tasks.extraction.text import DesignUndercuts
-from cranktopo.tasks.fatigue.assessment import FatigueMethod
-from cranktopo.tasks.fatigue.result import FieldFatigue, JudgedAs
-from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
-from cranktopo.tasks.fatigue.text import FatigueComparison
-from cranktopo.tasks.fea.mirrored_webs import counted_alike
-from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS, goal_values
-from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
-from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_targets
-from cranktopo.tasks.fea.unit_fields import case_stress
 from cranktopo.tasks.importing.imported_body import half_surfaces
 from cranktopo.tasks.shaft.stage import with_throw_stiffness
+from cranktopo.tasks.throw_fatigue.assessment import FatigueMethod
+from cranktopo.tasks.throw_fatigue.result import FieldFatigue, JudgedAs
+from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.throw_fatigue.text import FatigueComparison
+from cranktopo.tasks.throw_fea.mirrored_webs import counted_alike
+from cranktopo.tasks.throw_fea.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS, goal_values
+from cranktopo.tasks.throw_fea.stage import MeshRequest, evaluate_targets
+from cranktopo.tasks.throw_fea.targets import Target, TargetLike, resolve_targets
+from cranktopo.tasks.throw_fea.unit_fields import case_stress
 from cranktopo.tasks.vibration.stage import first_frequency_Hz
 
 

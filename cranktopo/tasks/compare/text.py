@@ -16,9 +16,9 @@ from cranktopo.tasks.compare.result import (
     safety_by,
 )
 from cranktopo.tasks.fatigue import criteria
-from cranktopo.tasks.fatigue.result import FieldFatigue
-from cranktopo.tasks.fatigue.text import FatigueComparison, loads_by_target, web_safety_words
-from cranktopo.tasks.fea.quantities import (
+from cranktopo.tasks.throw_fatigue.result import FieldFatigue
+from cranktopo.tasks.throw_fatigue.text import FatigueComparison, loads_by_target, web_safety_words
+from cranktopo.tasks.throw_fea.quantities import (
     BENDING,
     COMPARED,
     SAFETY,

@@ -12,10 +12,10 @@ from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.harmonic_balance import DampedBody
 from cranktopo.numerics.turning_body import TurningBody
-from cranktopo.tasks.fea.unit_fields import UnitField
 from cranktopo.tasks.modes.reduced_throw import HeldFields, ReducedThrow, reduced_throw, section_shapes
 from cranktopo.tasks.modes.stage import moving_kg
 from cranktopo.tasks.shaft.loaded_throw import LOADS, LoadedThrow, ThrowBody, loaded_throw
+from cranktopo.tasks.throw_fea.unit_fields import UnitField
 
 SECTIONS = 12
 """Motions of both sections: the first unknowns."""

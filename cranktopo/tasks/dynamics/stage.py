@@ -28,7 +28,6 @@ from cranktopo.tasks.dynamics.result import (
     SectionSwing,
     ShaftDynamics,
 )
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.modes.carried import without_mass
 from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings
 from cranktopo.tasks.shaft.condensed_throw import once_each
@@ -36,6 +35,7 @@ from cranktopo.tasks.shaft.cycle import cycle_forces, shaft_cycle
 from cranktopo.tasks.shaft.loaded_throw import ThrowBody
 from cranktopo.tasks.shaft.result import ContinuousShaft
 from cranktopo.tasks.shaft.web_sections import WebSections, web_sections
+from cranktopo.tasks.throw_fea.targets import Target
 
 _SAME_RPM = 0.5
 """Difference up to which a resonance is one of the speeds asked for."""

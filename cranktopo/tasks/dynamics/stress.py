@@ -12,9 +12,9 @@ from cranktopo.base.arrays import Array
 from cranktopo.numerics.tetrahedra.stress import joined
 from cranktopo.tasks.dynamics.moving_shaft import MovingCycle
 from cranktopo.tasks.dynamics.moving_throw import SECTIONS, MovingThrow
-from cranktopo.tasks.fatigue.shaft_stress import ShaftStress
-from cranktopo.tasks.fatigue.stress_model import StressModel, stress_model
 from cranktopo.tasks.shaft.loaded_throw import ACTING, SWING
+from cranktopo.tasks.throw_fatigue.shaft_stress import ShaftStress
+from cranktopo.tasks.throw_fatigue.stress_model import StressModel, stress_model
 
 
 def moving_stress(stress: ShaftStress, throw: MovingThrow, fillet_fraction: float) -> ShaftStress:

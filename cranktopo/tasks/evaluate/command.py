@@ -54,8 +54,8 @@ def command(
 
     Example: cranktopo evaluate mikron-iiic --accuracy 1%
     """
-    from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
-    from cranktopo.tasks.fea.targets import resolve_targets, unlike_fillet_line
+    from cranktopo.tasks.throw_fea.stage import MeshRequest, evaluate_targets
+    from cranktopo.tasks.throw_fea.targets import resolve_targets, unlike_fillet_line
 
     request, texts = MeshRequest(element_size_mm, accuracy, budget), targets or (DEFAULT_DESIGN,)
     if web and not sensitivities:
@@ -88,13 +88,13 @@ def command(
         tell(EvaluationList(evaluations=tuple(entries)).as_json())
     else:
         from cranktopo.report.result_table import terminal
-        from cranktopo.tasks.fea.quantities import evaluation_table, result_line
+        from cranktopo.tasks.throw_fea.quantities import evaluation_table, result_line
 
         tell(terminal(evaluation_table(found.evaluations)) + "\n")
         for evaluation in found.evaluations:
             tell(result_line(evaluation))
         for one in worth:
-            from cranktopo.tasks.shape.text import sensitivity_text
+            from cranktopo.tasks.web_shape.text import sensitivity_text
 
             tell("\n" + "\n".join(sensitivity_text(one.table, one.scene.name)))
     warn_missed(found.missed, accuracy)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from cranktopo.base.result import UNLESS_NONE, Result
-from cranktopo.tasks.fea.result import EvaluationResult
-from cranktopo.tasks.shape.result import SensitivityTable
+from cranktopo.tasks.throw_fea.result import EvaluationResult
+from cranktopo.tasks.web_shape.result import SensitivityTable
 
 
 class WebSensitivities(SensitivityTable):

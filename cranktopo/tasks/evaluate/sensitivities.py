@@ -20,17 +20,21 @@ from cranktopo.runs.kind import LOOP, SHAPE, kind_of, reading_results
 from cranktopo.runs.stored import unchanged
 from cranktopo.tasks.designs.run_webs import REMODEL, WebTarget, parametric_scene, web_target
 from cranktopo.tasks.evaluate.result import WebSensitivities
-from cranktopo.tasks.fatigue.needs import check_inputs
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.iterate.result import Settings
 from cranktopo.tasks.refit.family import free_dimensions, with_free
 from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.read_web import WebRead
-from cranktopo.tasks.shape.mesh_model import MeshedWebs
-from cranktopo.tasks.shape.result import DimensionSensitivity
-from cranktopo.tasks.shape.rules import rules_at
-from cranktopo.tasks.shape.sensitivities import active_constraints, dimension_sensitivities, sensitivity_table
-from cranktopo.tasks.shape.start import scene_start
+from cranktopo.tasks.throw_fatigue.needs import check_inputs
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.web_shape.mesh_model import MeshedWebs
+from cranktopo.tasks.web_shape.result import DimensionSensitivity
+from cranktopo.tasks.web_shape.rules import rules_at
+from cranktopo.tasks.web_shape.sensitivities import (
+    active_constraints,
+    dimension_sensitivities,
+    sensitivity_table,
+)
+from cranktopo.tasks.web_shape.start import scene_start
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLimits
 
 _COARSER = 2.0

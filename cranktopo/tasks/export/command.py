@@ -97,9 +97,9 @@ def _reduced(design: str, file: Path) -> str:
     """Write the reduced model; return what it holds in words."""
     from cranktopo.design.assumed import CARRIED
     from cranktopo.tasks.export.reduced import export_reduced
-    from cranktopo.tasks.fea.stage import print_assumed
-    from cranktopo.tasks.fea.targets import resolve_target
     from cranktopo.tasks.shaft.stage import shaft_tables
+    from cranktopo.tasks.throw_fea.stage import print_assumed
+    from cranktopo.tasks.throw_fea.targets import resolve_target
 
     target = resolve_target(design, fillets=True, whole=True, crank=True)
     print_assumed([target], (*shaft_tables(target.scene, "spring"), *CARRIED))

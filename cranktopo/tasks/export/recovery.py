@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
-from cranktopo.tasks.fatigue.shaft_stress import ShaftStress
-from cranktopo.tasks.fatigue.stress_model import Image
+from cranktopo.tasks.throw_fatigue.shaft_stress import ShaftStress
+from cranktopo.tasks.throw_fatigue.stress_model import Image
 
 _ACROSS_X, _ACROSS_Z = np.array([3, 5]), np.array([4, 5])
 """Components of xx, yy, zz, xy, yz, zx that a mirror across x or z turns around."""

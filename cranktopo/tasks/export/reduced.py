@@ -25,12 +25,12 @@ from cranktopo.tasks.dynamics.moving_shaft import MovingShaft
 from cranktopo.tasks.dynamics.stage import check_dynamics, dynamic_shaft
 from cranktopo.tasks.dynamics.stress import moving_stress
 from cranktopo.tasks.export.recovery import FilletRecovery, fillet_stress
-from cranktopo.tasks.fatigue.shaft_stress import solve_shaft_stress
-from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, check_fillets
-from cranktopo.tasks.fea.targets import TargetLike, resolve_target
 from cranktopo.tasks.modes.carried import without_mass
 from cranktopo.tasks.shaft.loaded_throw import LOADS
 from cranktopo.tasks.shaft.stage import throw_targets
+from cranktopo.tasks.throw_fatigue.shaft_stress import solve_shaft_stress
+from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION, check_fillets
+from cranktopo.tasks.throw_fea.targets import TargetLike, resolve_target
 
 SCHEMA_VERSION = 1
 _EQUATION = (

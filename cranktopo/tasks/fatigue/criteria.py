@@ -22,7 +22,7 @@ PLANE_METHODS = {
     "dang_van": "cranktopo.tasks.fatigue.dang_van:DANG_VAN",
 }
 """Methods that judge the stress tensors of all load states."""
-METHODS = {**LOCAL_METHODS, "m53": "cranktopo.tasks.fatigue.m53:M53", **PLANE_METHODS}
+METHODS = {**LOCAL_METHODS, "m53": "cranktopo.tasks.throw_fatigue.m53:M53", **PLANE_METHODS}
 """Name on the command line: the method as "module:constant", loaded when it is taken."""
 
 

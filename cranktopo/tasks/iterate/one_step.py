@@ -33,8 +33,6 @@ from cranktopo.runs.kind import result_file
 from cranktopo.runs.stored import unchanged, unchanged_result, write_recorded
 from cranktopo.tasks.density import stage
 from cranktopo.tasks.extraction.release import shaped_undercuts
-from cranktopo.tasks.fea.evaluation import Evaluation, evaluate
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.importing.imported_body import half_throw_of, half_throw_surface, read_half_throw
 from cranktopo.tasks.importing.original import original_file
 from cranktopo.tasks.iterate.result import LoopStep, Settings, step_of
@@ -43,6 +41,8 @@ from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation
 from cranktopo.tasks.refit.fit import fit_web
 from cranktopo.tasks.refit.process import fit_limits
 from cranktopo.tasks.refit.shape_error import shape_error
+from cranktopo.tasks.throw_fea.evaluation import Evaluation, evaluate
+from cranktopo.tasks.throw_fea.targets import Target
 from cranktopo.throw.envelope import StlEnvelope
 
 _RAYS = 61

@@ -26,7 +26,9 @@ from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
 from cranktopo.runs.kind import SHAPE
 from cranktopo.runs.manifest import Manifest
 from cranktopo.tasks.bound.text import bound_sections
-from cranktopo.tasks.fea.quantities import (
+from cranktopo.tasks.iterate.result import LoopResult, StepRow
+from cranktopo.tasks.iterate.text import best_line, shape_line, steps_estimate, steps_tables
+from cranktopo.tasks.throw_fea.quantities import (
     BENDING,
     BENDING_PER_MASS,
     MASS,
@@ -36,8 +38,6 @@ from cranktopo.tasks.fea.quantities import (
     comparison_sentence,
     quantity_text,
 )
-from cranktopo.tasks.iterate.result import LoopResult, StepRow
-from cranktopo.tasks.iterate.text import best_line, shape_line, steps_estimate, steps_tables
 
 _LINES = (
     (MASS, "s-", "0.45"),

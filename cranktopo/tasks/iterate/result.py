@@ -21,9 +21,9 @@ from cranktopo.runs.kind import SHAPE
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.designs.run_webs import LoopWeb, best_web
 from cranktopo.tasks.extraction.result import ShapedUndercuts
-from cranktopo.tasks.fea.evaluation import Evaluation
-from cranktopo.tasks.fea.quantities import percent_of, throw_values
 from cranktopo.tasks.refit.fit import usual_limits
+from cranktopo.tasks.throw_fea.evaluation import Evaluation
+from cranktopo.tasks.throw_fea.quantities import percent_of, throw_values
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 _THIN_SHARE = 0.4

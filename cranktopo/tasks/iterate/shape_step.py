@@ -19,9 +19,9 @@ from cranktopo.runs.kind import SHAPE
 from cranktopo.tasks.extraction.text import release_text
 from cranktopo.tasks.iterate.one_step import transition_mm
 from cranktopo.tasks.iterate.result import LoopStep, Settings, ShapeOutcome
-from cranktopo.tasks.shape.result import ShapeResult
-from cranktopo.tasks.shape.run import shape_in, shape_settings
-from cranktopo.tasks.shape.search import HELD
+from cranktopo.tasks.web_shape.result import ShapeResult
+from cranktopo.tasks.web_shape.run import shape_in, shape_settings
+from cranktopo.tasks.web_shape.search import HELD
 
 
 class ShapeStep(NamedTuple):

@@ -13,7 +13,8 @@ from cranktopo.report.goal_table import goal_words
 from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
 from cranktopo.tasks.bound.text import bound_lines
 from cranktopo.tasks.extraction.text import release_text, release_verdict
-from cranktopo.tasks.fea.quantities import (
+from cranktopo.tasks.iterate.result import LoopResult, ShapeOutcome, StepRow
+from cranktopo.tasks.throw_fea.quantities import (
     BENDING,
     BENDING_PER_MASS,
     MASS,
@@ -21,7 +22,6 @@ from cranktopo.tasks.fea.quantities import (
     TORSION_PER_MASS,
     estimate_line,
 )
-from cranktopo.tasks.iterate.result import LoopResult, ShapeOutcome, StepRow
 
 LOOP_FILES = {"csv": "steps.csv", "plot": "steps.png", "json": "iterate.json", "report": "report.html"}
 """Files of a loop in its directory, beside the folders of its steps."""

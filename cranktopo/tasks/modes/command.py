@@ -54,12 +54,12 @@ def command(
     """
     from cranktopo.base.notes import note
     from cranktopo.design.assumed import CARRIED
-    from cranktopo.tasks.fea.stage import print_assumed
-    from cranktopo.tasks.fea.targets import resolve_target
     from cranktopo.tasks.modes.stage import shaft_modes
     from cranktopo.tasks.modes.text import modes_text
     from cranktopo.tasks.shaft.assembly import Bearings
     from cranktopo.tasks.shaft.stage import shaft_tables
+    from cranktopo.tasks.throw_fea.stage import print_assumed
+    from cranktopo.tasks.throw_fea.targets import resolve_target
 
     resolved = resolve_target(target, design, align=align, whole=True, crank=True)
     support: Bearings = next(name for name in get_args(Bearings) if name == bearings)

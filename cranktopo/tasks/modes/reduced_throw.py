@@ -25,7 +25,6 @@ from cranktopo.numerics.tetrahedra.component_modes import inertial_fields, reduc
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mass_matrix, mean_displacement
 from cranktopo.numerics.tetrahedra.rigid_motions import body_motions, plane_nodes
 from cranktopo.numerics.turning_body import TurningBody
-from cranktopo.tasks.fea.condense import Lateral, loaded_mm
 from cranktopo.tasks.modes.station import (
     MassPiece,
     PointMass,
@@ -38,6 +37,7 @@ from cranktopo.tasks.modes.station import (
 )
 from cranktopo.tasks.shaft.assembly import MIRROR, SPLITS
 from cranktopo.tasks.shaft.loaded_throw import LoadedBlock, ThrowBody
+from cranktopo.tasks.throw_fea.condense import Lateral, loaded_mm
 
 DEGREE = 3
 """Of the polynomials by which mid-journal sections deform."""

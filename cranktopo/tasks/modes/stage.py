@@ -25,8 +25,6 @@ from cranktopo.numerics.section_shapes import SectionShapes
 from cranktopo.numerics.turning_body import FreeModes, modes_at_rest
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.manifest import timestamp
-from cranktopo.tasks.fea.evaluation import mesh_target
-from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
 from cranktopo.tasks.modes.campbell import OverSpeed, crossings, over_speed
 from cranktopo.tasks.modes.carried import without_mass
 from cranktopo.tasks.modes.kinds import energy_shares, kind_of, station_motions
@@ -40,6 +38,8 @@ from cranktopo.tasks.shaft.condensed_throw import once_each
 from cranktopo.tasks.shaft.loaded_throw import ThrowBody, throw_body
 from cranktopo.tasks.shaft.result import ShaftEvaluation
 from cranktopo.tasks.shaft.stage import evaluate_shaft, shaft_tables, throw_targets
+from cranktopo.tasks.throw_fea.evaluation import mesh_target
+from cranktopo.tasks.throw_fea.targets import Target, TargetLike, resolve_target
 
 STEPS = 2
 """Steps of the reduction: the second one tells what the first leaves out."""

@@ -11,7 +11,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.numerics.tetrahedra.component_modes import weighted
 from cranktopo.numerics.tetrahedra.rigid_motions import RX, RZ, UX, UY, UZ, body_motions
 from cranktopo.numerics.turning_body import TurningBody, rigid_stiffening
-from cranktopo.tasks.fea.condense import Lateral
+from cranktopo.tasks.throw_fea.condense import Lateral
 
 RIGID_OF: dict[Lateral, tuple[int, ...]] = {"even": (1, 2, 3), "odd": (0, 4, 5), "none": tuple(range(6))}
 """Rigid motions that have a lateral symmetry."""

@@ -110,9 +110,9 @@ def command(design: str | None, out: Path | None, resume: str | None, as_json: b
 
     last = ""
     with Companion(_LIBRARIES) as beside, _Bar() as bar:
-        from cranktopo.tasks.fea.mirrored_webs import next_line
         from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation
         from cranktopo.tasks.optimise.text import run_summary
+        from cranktopo.tasks.throw_fea.mirrored_webs import next_line
 
         if resume:
             run = resume_optimisation(resume, options["max_iterations"], bar, began, beside)

@@ -29,11 +29,11 @@ from cranktopo.tasks.density.problem import DensityProblem
 from cranktopo.tasks.density.stage import Prepared
 from cranktopo.tasks.density.state import State
 from cranktopo.tasks.extraction.checked_surface import checked_surface
-from cranktopo.tasks.fea.evaluation import evaluate
-from cranktopo.tasks.fea.quantities import goal_values
-from cranktopo.tasks.fea.result import EvaluationResult
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.importing.original import original_file, without_its_fillets
+from cranktopo.tasks.throw_fea.evaluation import evaluate
+from cranktopo.tasks.throw_fea.quantities import goal_values
+from cranktopo.tasks.throw_fea.result import EvaluationResult
+from cranktopo.tasks.throw_fea.targets import Target
 
 _ROUNDS = 3
 """Most times that the limits are moved."""

@@ -29,10 +29,6 @@ from cranktopo.tasks.accuracy.page import (
 )
 from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.extraction.result import RunSurface
-from cranktopo.tasks.fea.quantities import MASS, PER_MASS, STIFFNESS, Quantity
-from cranktopo.tasks.fea.scatter import LABELS, Point, scatter_pictures
-from cranktopo.tasks.fea.section import clearance_sections, stress_section
-from cranktopo.tasks.fea.studies import StudyResult
 from cranktopo.tasks.loads.section import loads_section
 from cranktopo.tasks.optimise.picture import PANELS, views_figure
 from cranktopo.tasks.optimise.result import CaseMetrics, OriginalWeb, RunMetrics
@@ -40,6 +36,10 @@ from cranktopo.tasks.optimise.run_record import RunRecord
 from cranktopo.tasks.optimise.text import facts, headline
 from cranktopo.tasks.plan.section import effects_section
 from cranktopo.tasks.refit.page import refit_section
+from cranktopo.tasks.throw_fea.quantities import MASS, PER_MASS, STIFFNESS, Quantity
+from cranktopo.tasks.throw_fea.scatter import LABELS, Point, scatter_pictures
+from cranktopo.tasks.throw_fea.section import clearance_sections, stress_section
+from cranktopo.tasks.throw_fea.studies import StudyResult
 
 _NAMES = ("original web", "optimised")
 _THROW = replace(MASS, key="mass_of_throw")

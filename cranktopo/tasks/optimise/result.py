@@ -19,7 +19,7 @@ from cranktopo.runs.kind import read_result
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.density.state import CoarseStart
 from cranktopo.tasks.extraction.result import NoSurface, RunSurface, ThrowMasses, WallMeasures
-from cranktopo.tasks.fea.quantities import MASS, STIFFNESS, Quantity, percent_change
+from cranktopo.tasks.throw_fea.quantities import MASS, STIFFNESS, Quantity, percent_change
 
 
 class VolumeFraction(Result):

@@ -34,12 +34,12 @@ from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.material import MaterialInterpolation
 from cranktopo.tasks.extraction.checked_surface import web_fields
 from cranktopo.tasks.extraction.stage import stored_design
-from cranktopo.tasks.fatigue.result import FatigueResult
-from cranktopo.tasks.fea.studies import StudyResult
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.fea.unit_fields import CaseStress, case_stress
 from cranktopo.tasks.optimise.result import RunMetrics
 from cranktopo.tasks.refit.result import RefitResult
+from cranktopo.tasks.throw_fatigue.result import FatigueResult
+from cranktopo.tasks.throw_fea.studies import StudyResult
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.throw_fea.unit_fields import CaseStress, case_stress
 
 _FILE = "stress.npz"
 

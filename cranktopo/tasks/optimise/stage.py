@@ -45,10 +45,10 @@ from cranktopo.tasks.density.problem import DensityProblem, Progress
 from cranktopo.tasks.density.proposals import by_optimality_criteria, compile_optimality_criteria
 from cranktopo.tasks.density.stage import Prepared, first_state, iterate, note_model, prepare
 from cranktopo.tasks.density.state import State, from_checkpoint, to_checkpoint
-from cranktopo.tasks.fea.studies import OPTIMISER, load_study
 from cranktopo.tasks.importing.original import check_original
 from cranktopo.tasks.optimise.evaluated_goal import enforce_limits_by_fea, evaluated_goal
 from cranktopo.tasks.optimise.result import OptimisedRun
+from cranktopo.tasks.throw_fea.studies import OPTIMISER, load_study
 
 if TYPE_CHECKING:
     from cranktopo.tasks.optimise.finalise import Prefetched

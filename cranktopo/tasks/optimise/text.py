@@ -30,8 +30,9 @@ from cranktopo.tasks.extraction.text import (
     without_draft_text,
 )
 from cranktopo.tasks.fatigue.criteria import shortfall_words
-from cranktopo.tasks.fatigue.result import FatigueResult
-from cranktopo.tasks.fea.quantities import (
+from cranktopo.tasks.optimise.result import RunMetrics
+from cranktopo.tasks.throw_fatigue.result import FatigueResult
+from cranktopo.tasks.throw_fea.quantities import (
     MASS,
     NOTICEABLE_PERCENT,
     TORSION,
@@ -39,7 +40,6 @@ from cranktopo.tasks.fea.quantities import (
     percent_change,
     worse_line,
 )
-from cranktopo.tasks.optimise.result import RunMetrics
 
 if TYPE_CHECKING:
     from cranktopo.tasks.optimise.run_record import RunRecord

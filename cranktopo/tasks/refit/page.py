@@ -9,13 +9,6 @@ from cranktopo.report.page import Fact, FactStatus, Page, Section, pairs, versio
 from cranktopo.report.result_table import Column, ResultTable, labelled, tabulate, terminal
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
 from cranktopo.tasks.extraction.text import release_text, release_verdict
-from cranktopo.tasks.fea.quantities import (
-    MASS,
-    NOTICEABLE_PERCENT,
-    estimate_line,
-    percent_change,
-    worse_line,
-)
 from cranktopo.tasks.refit.result import (
     RefitResult,
     RefitStiffness,
@@ -24,6 +17,13 @@ from cranktopo.tasks.refit.result import (
     UnrepresentedRegion,
 )
 from cranktopo.tasks.refit.select import FitTrial
+from cranktopo.tasks.throw_fea.quantities import (
+    MASS,
+    NOTICEABLE_PERCENT,
+    estimate_line,
+    percent_change,
+    worse_line,
+)
 
 _FILES = ("report", "design", "step", "stl", "drawing", "drawing_svg", "json")
 _TRIALS: tuple[Column[FitTrial], ...] = (

@@ -10,8 +10,8 @@ from cranktopo.base.result import UNLESS_NONE, FileName, Result
 from cranktopo.design.goal.balance_moved import MovedBalance, balance_quantities
 from cranktopo.report.report_file import REPORT
 from cranktopo.tasks.extraction.result import ShapedUndercuts
-from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.refit.select import FitTrial, ResidualRegion
+from cranktopo.tasks.throw_fea.result import EvaluationResult
 from cranktopo.throw.manufacturing_limits import ProcessLimits
 
 _Point = tuple[float, float, float]

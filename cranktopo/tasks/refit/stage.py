@@ -30,8 +30,6 @@ from cranktopo.tasks.drawing.sheet import write_drawing
 from cranktopo.tasks.drawing.views import Sheet
 from cranktopo.tasks.extraction.release import shaped_undercuts
 from cranktopo.tasks.extraction.result import ShapedUndercuts
-from cranktopo.tasks.fea.evaluation import evaluate
-from cranktopo.tasks.fea.targets import Target, resolve_target
 from cranktopo.tasks.importing.imported_body import read_half_throw
 from cranktopo.tasks.refit.family import parameter_unit
 from cranktopo.tasks.refit.fit import FittedWeb, fit_web, usual_limits
@@ -50,6 +48,8 @@ from cranktopo.tasks.refit.result import (
     WebMasses,
 )
 from cranktopo.tasks.refit.shape_error import ShapeError, shape_error
+from cranktopo.tasks.throw_fea.evaluation import evaluate
+from cranktopo.tasks.throw_fea.targets import Target, resolve_target
 from cranktopo.throw.manufacturing_limits import ProcessLimits
 
 

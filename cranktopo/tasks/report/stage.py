@@ -41,11 +41,11 @@ def _page(run: RunStore, stresses: bool) -> Page:
             code=ExitCode.USAGE,
         )
     if kind == SHAPE:
-        from cranktopo.tasks.shape.run import finished_page as shape_run_page
+        from cranktopo.tasks.web_shape.run import finished_page as shape_run_page
 
         return shape_run_page(run)
     if kind == EACH_WEB:
-        from cranktopo.tasks.shape.each_web.run import finished_page as each_web_run_page
+        from cranktopo.tasks.web_shape.each_web.run import finished_page as each_web_run_page
 
         return each_web_run_page(run)
     if kind == LOOP:

@@ -97,9 +97,9 @@ def _summary(kind: RunKind, result: Any, folder: Path) -> str:
     from cranktopo.runs.kind import EACH_WEB, LOOP, SHAPE, SWEEP
     from cranktopo.tasks.iterate.text import loop_summary
     from cranktopo.tasks.optimise.text import run_summary
-    from cranktopo.tasks.shape.each_web.text import each_web_summary
-    from cranktopo.tasks.shape.text import shape_summary
     from cranktopo.tasks.sweep.text import sweep_summary
+    from cranktopo.tasks.web_shape.each_web.text import each_web_summary
+    from cranktopo.tasks.web_shape.text import shape_summary
 
     summaries: dict[RunKind, Any] = {
         LOOP: loop_summary,

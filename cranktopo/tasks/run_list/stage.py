@@ -11,12 +11,12 @@ from cranktopo.base.files import as_path
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.runs.directories import RUNS, RunStore, list_runs, remove_run
 from cranktopo.runs.kind import EACH_WEB, LOOP, SHAPE, SWEEP, RunKind, kind_of, read_result, reading_results
-from cranktopo.tasks.fea.quantities import PER_MASS, STIFFNESS
 from cranktopo.tasks.iterate.result import LoopResult
 from cranktopo.tasks.optimise.result import RunMetrics
-from cranktopo.tasks.shape.each_web.result import EachWebResult
-from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.sweep.result import SweepResult
+from cranktopo.tasks.throw_fea.quantities import PER_MASS, STIFFNESS
+from cranktopo.tasks.web_shape.each_web.result import EachWebResult
+from cranktopo.tasks.web_shape.result import ShapeResult
 
 
 class RunEntry(Result):

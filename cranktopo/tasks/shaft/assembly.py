@@ -16,7 +16,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
 from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, RZ, UX, UY
 from cranktopo.numerics.tetrahedra.superelement import Superelement
-from cranktopo.tasks.fea.condense import Lateral, condense
+from cranktopo.tasks.throw_fea.condense import Lateral, condense
 
 Bearings = Literal["free", "rigid", "spring"]
 ShaftBearings = Literal["free", "rigid", "spring", "clearance", "film"]

@@ -18,9 +18,6 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import bearing_tilt_spring_Nmm_per_rad
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
 from cranktopo.numerics.tetrahedra.superelement import Superelement
-from cranktopo.tasks.fea.discretisation_error import discretisation_errors
-from cranktopo.tasks.fea.error_bound import TORSION_VOLUME_FACTOR, bound_percent
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.assembly import (
     Bearings,
     ShaftStiffness,
@@ -30,6 +27,9 @@ from cranktopo.tasks.shaft.assembly import (
     throw_matrix,
 )
 from cranktopo.tasks.shaft.loaded_throw import LoadedBlock, ThrowBody, throw_body
+from cranktopo.tasks.throw_fea.discretisation_error import discretisation_errors
+from cranktopo.tasks.throw_fea.error_bound import TORSION_VOLUME_FACTOR, bound_percent
+from cranktopo.tasks.throw_fea.targets import Target
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,9 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, mean_displacement, swing_force
 from cranktopo.numerics.tetrahedra.rigid_motions import RX, RZ, UY
 from cranktopo.numerics.tetrahedra.superelement import Superelement
-from cranktopo.tasks.fea.condense import Lateral, condense, loaded_mm
-from cranktopo.tasks.fea.turning_load import turning_load
 from cranktopo.tasks.shaft.assembly import SPLITS, symmetries, throw_matrix
+from cranktopo.tasks.throw_fea.condense import Lateral, condense, loaded_mm
+from cranktopo.tasks.throw_fea.turning_load import turning_load
 
 _PIN = ("radial", "tangential")
 LOADS = (*_PIN, "radial aside", "tangential aside", "centrifugal")

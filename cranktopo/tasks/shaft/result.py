@@ -7,11 +7,11 @@ from pydantic.json_schema import SkipJsonSchema
 
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
-from cranktopo.tasks.fea.evaluation import SCHEMA_VERSION
 from cranktopo.tasks.film.permitted import LeastFilm, beyond_permitted
 from cranktopo.tasks.film.result import ConservingFilm
 from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings, ShaftStiffness, linear_bearings
 from cranktopo.tasks.shaft.web_sections import WebSections
+from cranktopo.tasks.throw_fea.evaluation import SCHEMA_VERSION
 
 
 class WebMoment(Result):

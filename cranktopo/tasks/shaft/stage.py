@@ -26,9 +26,6 @@ from cranktopo.engine.plan.planning import left_off, plan
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.engine.vibration.shaft_chain import bare_chain
 from cranktopo.numerics.tetrahedra.mesh import RATIO
-from cranktopo.tasks.fea.error_bound import change_bound_percent
-from cranktopo.tasks.fea.evaluation import mesh_target, meshed_throw_kg, throw_inertia_kg_mm2
-from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
 from cranktopo.tasks.film.permitted import films_hold
 from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings, ShaftStiffness, linear_bearings
 from cranktopo.tasks.shaft.condensed_throw import (
@@ -43,6 +40,9 @@ from cranktopo.tasks.shaft.continuous import continuous_shafts
 from cranktopo.tasks.shaft.loaded_throw import ThrowBody, loaded_throw
 from cranktopo.tasks.shaft.on_film import Support
 from cranktopo.tasks.shaft.result import ContinuousShaft, OpenTorsion, ShaftEvaluation, TorsionError
+from cranktopo.tasks.throw_fea.error_bound import change_bound_percent
+from cranktopo.tasks.throw_fea.evaluation import mesh_target, meshed_throw_kg, throw_inertia_kg_mm2
+from cranktopo.tasks.throw_fea.targets import Target, TargetLike, resolve_target
 
 _SAME_RPM = 0.5
 """Difference up to which a speed is that at which the torque swings most."""

@@ -109,14 +109,14 @@ def command(
     Example: cranktopo shaft mikron-iiic --bearings free
     """
     from cranktopo.design.assumed import FATIGUE
-    from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
     from cranktopo.tasks.fatigue.taken_keys import assumed_by, note_unused
-    from cranktopo.tasks.fea.stage import print_assumed
-    from cranktopo.tasks.fea.targets import resolve_target
     from cranktopo.tasks.shaft.assembly import ShaftBearings
     from cranktopo.tasks.shaft.stage import shaft_tables, stands_on_bearings
     from cranktopo.tasks.shaft_safety.stage import assess_shaft
     from cranktopo.tasks.shaft_safety.text import shaft_text
+    from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION
+    from cranktopo.tasks.throw_fea.stage import print_assumed
+    from cranktopo.tasks.throw_fea.targets import resolve_target
 
     method = method or ("lsa" if report is not None else None)
     resolved = resolve_target(target, design, fillets=method is not None, align=align, whole=True, crank=True)

@@ -15,14 +15,14 @@ from cranktopo.tasks.dynamics.moving_throw import MovingThrow
 from cranktopo.tasks.dynamics.result import ShaftDynamics
 from cranktopo.tasks.dynamics.stage import DynamicShaft, dynamic_shaft
 from cranktopo.tasks.dynamics.stress import moving_stress
-from cranktopo.tasks.fatigue.shaft_stress import ShaftStress
-from cranktopo.tasks.fea.evaluation import mesh_target
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.assembly import ShaftBearings
 from cranktopo.tasks.shaft.loaded_throw import ThrowBody, throw_body
 from cranktopo.tasks.shaft.result import ShaftEvaluation
 from cranktopo.tasks.shaft.stage import evaluate_shaft, throw_targets
 from cranktopo.tasks.shaft_safety.judged import JudgedShaft, judged_by_stresses, stresses_of_throws
+from cranktopo.tasks.throw_fatigue.shaft_stress import ShaftStress
+from cranktopo.tasks.throw_fea.evaluation import mesh_target
+from cranktopo.tasks.throw_fea.targets import Target
 
 
 @dataclass(frozen=True)

@@ -18,20 +18,7 @@ from cranktopo.engine.histories import WebHistory
 from cranktopo.tasks.dynamics.stage import DynamicShaft
 from cranktopo.tasks.dynamics.stress import moving_factors
 from cranktopo.tasks.fatigue.criteria import check_method, criterion
-from cranktopo.tasks.fatigue.least import PARTS, Part, least_safeties
-from cranktopo.tasks.fatigue.mesh_quality import JudgedQuality
-from cranktopo.tasks.fatigue.remarks import cut_outlet_words, mesh_shortfall, note_quality, note_yielding
-from cranktopo.tasks.fatigue.safety_field import FatigueField, field_of_states
-from cranktopo.tasks.fatigue.shaft_stress import (
-    ShaftStress,
-    SolvedCycle,
-    factors_of,
-    solve_shaft_stress,
-    solved_cycle,
-)
-from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, check_fillets
 from cranktopo.tasks.fatigue.taken_keys import assumed_by
-from cranktopo.tasks.fea.targets import USED, Target
 from cranktopo.tasks.shaft.assembly import ShaftBearings
 from cranktopo.tasks.shaft.cycle import loads_on_bearings_N
 from cranktopo.tasks.shaft.on_film import Support
@@ -57,6 +44,24 @@ from cranktopo.tasks.shaft_safety.result import (
     WorstPlace,
 )
 from cranktopo.tasks.shaft_safety.worst_stress import stress_over_cycle
+from cranktopo.tasks.throw_fatigue.least import PARTS, Part, least_safeties
+from cranktopo.tasks.throw_fatigue.mesh_quality import JudgedQuality
+from cranktopo.tasks.throw_fatigue.remarks import (
+    cut_outlet_words,
+    mesh_shortfall,
+    note_quality,
+    note_yielding,
+)
+from cranktopo.tasks.throw_fatigue.safety_field import FatigueField, field_of_states
+from cranktopo.tasks.throw_fatigue.shaft_stress import (
+    ShaftStress,
+    SolvedCycle,
+    factors_of,
+    solve_shaft_stress,
+    solved_cycle,
+)
+from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION, check_fillets
+from cranktopo.tasks.throw_fea.targets import USED, Target
 
 
 def judged_shaft(

@@ -5,9 +5,9 @@ from __future__ import annotations
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
 from cranktopo.tasks.dynamics.result import ShaftDynamics
-from cranktopo.tasks.fatigue.mesh_quality import JudgedQuality
-from cranktopo.tasks.fatigue.result import CriticalPoint
 from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftEvaluation
+from cranktopo.tasks.throw_fatigue.mesh_quality import JudgedQuality
+from cranktopo.tasks.throw_fatigue.result import CriticalPoint
 
 
 class WebSafety(Result):

@@ -18,8 +18,6 @@ from cranktopo.runs.destination import check_file
 from cranktopo.runs.manifest import timestamp
 from cranktopo.tasks.dynamics.result import ShaftDynamics
 from cranktopo.tasks.dynamics.stage import check_dynamics
-from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
-from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
 from cranktopo.tasks.shaft.assembly import ShaftBearings
 from cranktopo.tasks.shaft.on_film import check_film
 from cranktopo.tasks.shaft.result import ShaftEvaluation
@@ -29,6 +27,8 @@ from cranktopo.tasks.shaft_safety.in_motion import judged_in_motion, shaft_in_mo
 from cranktopo.tasks.shaft_safety.judged import check_judged, judged_shaft
 from cranktopo.tasks.shaft_safety.page import shaft_page
 from cranktopo.tasks.shaft_safety.result import ShaftAssessment, assessment
+from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.throw_fea.targets import Target, TargetLike, resolve_target
 
 
 def assess_shaft(

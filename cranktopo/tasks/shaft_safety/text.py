@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from cranktopo.base.units import N_PER_KN
 from cranktopo.report.result_table import ResultTable, Row, labelled, terminal
 from cranktopo.tasks.fatigue.criteria import shortfall_words
-from cranktopo.tasks.fatigue.least import PARTS
 from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftEvaluation
 from cranktopo.tasks.shaft_safety.dynamics_text import dynamic_safety_text, dynamics_text
 from cranktopo.tasks.shaft_safety.result import ShaftAssessment, ShaftSafety
+from cranktopo.tasks.throw_fatigue.least import PARTS
 
 ON_ENDS = "Parts that the ends carry, their weight and inertia left out; largest over the cycle"
 _BEARING_DIGITS = {

@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.tasks.fatigue.result import CriticalPoint
-from cranktopo.tasks.fatigue.safety_field import FatigueField
-from cranktopo.tasks.fatigue.stress_model import Image
 from cranktopo.tasks.fatigue.superposition import signed_von_mises
 from cranktopo.tasks.shaft_safety.result import StressOverCycle
+from cranktopo.tasks.throw_fatigue.result import CriticalPoint
+from cranktopo.tasks.throw_fatigue.safety_field import FatigueField
+from cranktopo.tasks.throw_fatigue.stress_model import Image
 
 _SQUARE = 1e-3
 """Sine of the angle between a surface's normal and the crank axis below which a face is square to that."""

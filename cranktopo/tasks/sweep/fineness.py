@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fea.evaluation import Evaluation, evaluate
-from cranktopo.tasks.fea.levels import ErrorTarget, evaluate_to
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fea.evaluation import Evaluation, evaluate
+from cranktopo.tasks.throw_fea.levels import ErrorTarget, evaluate_to
+from cranktopo.tasks.throw_fea.targets import Target
 
 if TYPE_CHECKING:
-    from cranktopo.tasks.shape.optimum import ShapeSettings
+    from cranktopo.tasks.web_shape.optimum import ShapeSettings
 
 _COARSER = 1.5
 """Elements and cells of a first look over those of full accuracy: the error bounds of differences are

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
-from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.sweep.points import SweepPoint
 from cranktopo.tasks.sweep.result import DONE, ERRORS, PointResult
+from cranktopo.tasks.throw_fea.error_bound import difference_bound_percent
 
 Rows = Sequence[PointResult]
 OBJECTIVES: Mapping[str, int] = {

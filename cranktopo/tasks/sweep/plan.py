@@ -25,7 +25,6 @@ from cranktopo.design.pitch import JOURNAL_LENGTHS
 from cranktopo.design.scene_files import with_resolved_files
 from cranktopo.design.schema import Scene
 from cranktopo.design.toml_text import parse_toml
-from cranktopo.tasks.fea.stage import MeshRequest
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.variation import (
     MOST,
@@ -35,6 +34,7 @@ from cranktopo.tasks.sweep.variation import (
     varied_limits,
     with_goal_tables,
 )
+from cranktopo.tasks.throw_fea.stage import MeshRequest
 
 Stage = Literal["evaluate", "fatigue", "optimise", "remodel", "shape"]
 _STAGES: tuple[Stage, ...] = get_args(Stage)

@@ -17,10 +17,10 @@ from cranktopo.design.scene_files import input_files
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.runs.manifest import file_hash, settings_hash
-from cranktopo.tasks.fatigue.needs import alone_left_off
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.plan import OPTIMISED, Stage, SweepPlan
 from cranktopo.tasks.sweep.variation import STAGE, Value
+from cranktopo.tasks.throw_fatigue.needs import alone_left_off
 
 _ID_LETTERS = 12
 _LENGTHS = ("thickness_mm", "length_mm")

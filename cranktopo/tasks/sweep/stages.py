@@ -23,16 +23,16 @@ from cranktopo.report.viewer.small_web import packed_web
 from cranktopo.runs.directories import open_run, status_of
 from cranktopo.runs.stored import unchanged
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
-from cranktopo.tasks.fea.result import EvaluationResult
-from cranktopo.tasks.fea.targets import Target, simulated
 from cranktopo.tasks.importing.imported_body import half_surfaces
 from cranktopo.tasks.optimise.result import RunMetrics, read_metrics
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.plan import Stage
 from cranktopo.tasks.sweep.result import IMPOSSIBLE, VIEW
+from cranktopo.tasks.throw_fea.result import EvaluationResult
+from cranktopo.tasks.throw_fea.targets import Target, simulated
 
 if TYPE_CHECKING:
-    from cranktopo.tasks.shape.result import ShapeResult
+    from cranktopo.tasks.web_shape.result import ShapeResult
 
 _COARSER = 2
 """Than what a page shows of a single web: a quarter of the triangles, in half the time."""
@@ -107,7 +107,7 @@ def _evaluated(scene: Scene, folder: Path, fineness: Fineness) -> Json:
 
 
 def _fatigue(scene: Scene, folder: Path, fineness: Fineness) -> Json:
-    from cranktopo.tasks.fatigue.stage import assess_fatigue
+    from cranktopo.tasks.throw_fatigue.stage import assess_fatigue
 
     web = Target(scene.name, simulated(scene, fillets=True))
     found = assess_fatigue([web])
@@ -161,7 +161,7 @@ def _remodelled(scene: Scene, folder: Path, fineness: Fineness) -> Json:
 
 def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     from cranktopo.design.goal.scene_goal import with_goal
-    from cranktopo.tasks.shape.run import shape_in, shape_settings
+    from cranktopo.tasks.web_shape.run import shape_in, shape_settings
 
     run, stated = folder / RUN, scene if scene.goal is not None else with_goal(scene, minimise="mass")
     settings = fineness.shape_settings(shape_settings(stated), stated)

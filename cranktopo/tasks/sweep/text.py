@@ -11,8 +11,8 @@ from cranktopo.base.files import replacing, write_text
 from cranktopo.base.units import plain_number
 from cranktopo.engine.judged_histories import states_words
 from cranktopo.report.result_table import ResultTable, Row, no_formula, terminal
-from cranktopo.tasks.fea.quantities import SAFETY
 from cranktopo.tasks.sweep.result import COARSE, DONE, PointResult, SweepResult
+from cranktopo.tasks.throw_fea.quantities import SAFETY
 
 if TYPE_CHECKING:
     import pandas

@@ -77,8 +77,8 @@ def command(
     Example: cranktopo vibration my-engine.toml --report vibration.html
     """
     from cranktopo.design.assumed import LOADS, SHAFT, VIBRATION, filter_by_table
-    from cranktopo.tasks.fea.targets import resolve_target
     from cranktopo.tasks.shaft.assembly import Bearings
+    from cranktopo.tasks.throw_fea.targets import resolve_target
     from cranktopo.tasks.vibration.result import vibration_result
     from cranktopo.tasks.vibration.stage import misfire_option, shaft_vibration
     from cranktopo.tasks.vibration.text import vibration_text

@@ -30,11 +30,11 @@ from cranktopo.engine.vibration.study import (
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.destination import check_file
 from cranktopo.runs.manifest import timestamp
-from cranktopo.tasks.fea.stage import print_assumed
-from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
 from cranktopo.tasks.shaft.assembly import Bearings
 from cranktopo.tasks.shaft.result import ShaftEvaluation
 from cranktopo.tasks.shaft.stage import evaluate_shaft, shaft_tables, stiffness_source
+from cranktopo.tasks.throw_fea.stage import print_assumed
+from cranktopo.tasks.throw_fea.targets import Target, TargetLike, resolve_target
 from cranktopo.tasks.vibration.page import vibration_page
 
 

@@ -26,7 +26,7 @@ from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.model_fill import smooth_step
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.start import outline_start
+from cranktopo.tasks.web_shape.start import outline_start
 from cranktopo.throw.bevel import FittedBevel
 from tests.physics.density.throw_cases import clamped_beam
 

@@ -9,7 +9,7 @@ import pytest
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.density.problem import model_error_percent
-from cranktopo.tasks.fea.evaluation import evaluate
+from cranktopo.tasks.throw_fea.evaluation import evaluate
 from tests.random_throws import random_throw
 from tests.studies.cell_models import REFERENCE, featured, model_errors, own_model, ranking
 from tests.studies.error_bounds import pair_errors, single_errors, size_mm, stored_names, target_of, truth

@@ -15,12 +15,12 @@ from cranktopo.numerics.tetrahedra.elasticity import mass_matrix
 from cranktopo.tasks.dynamics.moving_shaft import MovingShaft, moving_cycle, moving_shaft
 from cranktopo.tasks.dynamics.moving_throw import MovingThrow, moving_throw
 from cranktopo.tasks.dynamics.stress import moving_factors, moving_stress
-from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, solve_shaft_stress
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.modes.reduced_throw import reduced_throw, section_shapes
 from cranktopo.tasks.shaft.assembly import SPLITS
 from cranktopo.tasks.shaft.cycle import CycleForces
 from cranktopo.tasks.shaft.loaded_throw import LoadedBlock
+from cranktopo.tasks.throw_fatigue.shaft_stress import ShaftStress, solve_shaft_stress
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.physics.dynamics.shafts import LOSS, body, forces_at, mikron, without_mass
 from tests.physics.shaft.test_shaft_safety import COARSE, by_web
 from tests.physics.shaft.test_shaft_safety import loads as still_loads

@@ -17,9 +17,9 @@ from cranktopo.engine.performance import pressure_words
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.engine.vibration.steady import vibration
 from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
-from cranktopo.tasks.fatigue.dossier_sections import engine_section
 from cranktopo.tasks.loads.stage import loads_at_speeds
 from cranktopo.tasks.loads.text import loads_text, sweep_text
+from cranktopo.tasks.throw_fatigue.dossier_sections import engine_section
 
 TEXT = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 PEAK = "peak_pressure_MPa = 5.16\npeak_angle_deg = 11.0\n"

@@ -16,7 +16,7 @@ from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.histories import load_history, radial_amplitude_N
 from cranktopo.engine.judged_histories import histories_of
 from cranktopo.engine.vibration.vibrating_shaft import worst_speed_rpm
-from cranktopo.tasks.fatigue.m53_outlet import check_outlets
+from cranktopo.tasks.throw_fatigue.m53_outlet import check_outlets
 from tests.fast_twin import ENGINE, fast_twin
 
 VIBRATING = INERTIA_EFFECTS | {"bending", "torsion", "torsional_vibration"}

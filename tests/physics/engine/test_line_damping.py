@@ -14,7 +14,7 @@ from cranktopo.design.assumed import VIBRATION, assumptions
 from cranktopo.design.checks.engine import is_damped
 from cranktopo.design.schema import Scene
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, estimated_chain
-from cranktopo.tasks.fatigue.dossier_sections import shaft_section
+from cranktopo.tasks.throw_fatigue.dossier_sections import shaft_section
 from tests.physics.engine.test_orders_of_a_slow_engine import LOSS, SHAFT, medium_speed
 
 PROPELLER = {"inertia_kg_m2": 700.0, "stiffness_Nm_per_rad": 3.9e6, "damping_Nms_per_rad": 2600.0}

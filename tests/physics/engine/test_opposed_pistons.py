@@ -21,7 +21,7 @@ from cranktopo.engine.chamber import Piston, chamber, chamber_of
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.motored import motored_curve
 from cranktopo.engine.performance import pressure_warnings
-from cranktopo.tasks.fatigue.dossier_sections import engine_section
+from cranktopo.tasks.throw_fatigue.dossier_sections import engine_section
 from tests.engine_arrangements import MIKRON, arranged
 
 R, L = 48.0, 166.0

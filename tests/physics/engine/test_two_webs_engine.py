@@ -26,9 +26,9 @@ from cranktopo.engine.balance.whole_engine import main_bearings
 from cranktopo.engine.throw_compliance import first_half_share, throw_torsion_rad_per_Nmm
 from cranktopo.engine.vibration.shaft_chain import shaft_chain
 from cranktopo.numerics.gmsh_session import cad_session
-from cranktopo.tasks.fea.evaluation import evaluate
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.stage import evaluate_shaft
+from cranktopo.tasks.throw_fea.evaluation import evaluate
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.physics.fea.test_two_webs import ACROSS, POCKET, SECOND, WEB, scene_with
 
 NEAR_MM, FAR_MM = -27.5, 30.5

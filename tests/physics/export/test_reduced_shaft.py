@@ -23,12 +23,12 @@ from cranktopo.numerics.tetrahedra.stress import von_mises
 from cranktopo.numerics.turning_body import modes_at_rest
 from cranktopo.tasks.dynamics.moving_shaft import MovingShaft, moving_cycle
 from cranktopo.tasks.export import reduced as written
-from cranktopo.tasks.fatigue.shaft_stress import ShaftStress
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.modes.shaft_model import shaft_model
 from cranktopo.tasks.shaft.assembly import Bearings
 from cranktopo.tasks.shaft.cycle import CycleForces, cycle_forces, load_shares, shaft_cycle, throw_states
 from cranktopo.tasks.shaft.loaded_throw import LOADS
+from cranktopo.tasks.throw_fatigue.shaft_stress import ShaftStress
+from cranktopo.tasks.throw_fea.targets import Target
 
 Array = NDArray[np.float64]
 File = Mapping[str, NDArray[Any]]

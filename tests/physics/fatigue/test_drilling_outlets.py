@@ -11,18 +11,18 @@ from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.engine.histories import load_history
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.numerics.tetrahedra.rigid_motions import plane_nodes
-from cranktopo.tasks.fatigue.m53 import FilletCheck, fatigue_strength_MPa
-from cranktopo.tasks.fatigue.m53_outlet import (
+from cranktopo.tasks.throw_fatigue.m53 import FilletCheck, fatigue_strength_MPa
+from cranktopo.tasks.throw_fatigue.m53_outlet import (
     check_outlets,
     outlet_equivalent_MPa,
     outlet_factors,
     pin_outlets,
 )
-from cranktopo.tasks.fatigue.outlet_elements import element_outlet_factors
-from cranktopo.tasks.fatigue.rule_fillets import element_factors
-from cranktopo.tasks.fatigue.stress_model import solve_stresses
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.fea.unit_fields import unit_fields
+from cranktopo.tasks.throw_fatigue.outlet_elements import element_outlet_factors
+from cranktopo.tasks.throw_fatigue.rule_fillets import element_factors
+from cranktopo.tasks.throw_fatigue.stress_model import solve_stresses
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.throw_fea.unit_fields import unit_fields
 from tests.physics.fatigue.cross_hole import DIAMETER_MM, outlet_peaks, peterson_bending, peterson_torsion
 from tests.physics.fatigue.stepped_shaft import AXIAL, BENDING, TORSION
 from tests.physics.fea.test_two_webs import scene_with

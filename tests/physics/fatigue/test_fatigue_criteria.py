@@ -14,16 +14,16 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import LoadHistory, load_history
 from cranktopo.tasks.fatigue.criteria import METHODS, safety_method
 from cranktopo.tasks.fatigue.lsa import lsa_strength, point_strength_MPa
-from cranktopo.tasks.fatigue.needs import load_kinds
-from cranktopo.tasks.fatigue.picture import save_fatigue_picture
 from cranktopo.tasks.fatigue.plane_criterion import HistoryBounds, PlaneCriterion, PlaneDiagram, Severity
 from cranktopo.tasks.fatigue.plane_field import histories
-from cranktopo.tasks.fatigue.safety_field import FatigueField, safety_field, unit_loads
-from cranktopo.tasks.fatigue.spectrum import speed_histories
-from cranktopo.tasks.fatigue.stage import assess_by_methods
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
-from cranktopo.tasks.fatigue.target_safety import with_lives
-from cranktopo.tasks.fea.targets import resolve_targets
+from cranktopo.tasks.throw_fatigue.needs import load_kinds
+from cranktopo.tasks.throw_fatigue.picture import save_fatigue_picture
+from cranktopo.tasks.throw_fatigue.safety_field import FatigueField, safety_field, unit_loads
+from cranktopo.tasks.throw_fatigue.spectrum import speed_histories
+from cranktopo.tasks.throw_fatigue.stage import assess_by_methods
+from cranktopo.tasks.throw_fatigue.target_safety import with_lives
+from cranktopo.tasks.throw_fea.targets import resolve_targets
 
 
 def test_the_registry_names_every_method_as_it_names_itself() -> None:

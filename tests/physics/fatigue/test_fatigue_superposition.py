@@ -16,7 +16,7 @@ from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_for
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.rigid_motions import section_motions
 from cranktopo.numerics.tetrahedra.stress import von_mises
-from cranktopo.tasks.fea.unit_fields import unit_fields
+from cranktopo.tasks.throw_fea.unit_fields import unit_fields
 from tests.physics.fatigue.point_stress import point_stress
 from tests.physics.fea.evaluation_cases import elastic, mikron_with
 

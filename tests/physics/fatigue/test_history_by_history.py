@@ -19,11 +19,11 @@ from cranktopo.engine.histories import (
     rated_histories,
 )
 from cranktopo.engine.judged_histories import histories_of
-from cranktopo.tasks.fatigue.needs import load_kinds
-from cranktopo.tasks.fatigue.safety_field import FatigueField, safety_field, unit_loads
-from cranktopo.tasks.fatigue.target_safety import fatigue_field, least_field
-from cranktopo.tasks.fatigue.text import field_remarks
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fatigue.needs import load_kinds
+from cranktopo.tasks.throw_fatigue.safety_field import FatigueField, safety_field, unit_loads
+from cranktopo.tasks.throw_fatigue.target_safety import fatigue_field, least_field
+from cranktopo.tasks.throw_fatigue.text import field_remarks
+from cranktopo.tasks.throw_fea.targets import Target
 
 SCENE = load_scene("mikron-iiic-plain")
 ENABLED = load_kinds(SCENE, "cycle")[0]

@@ -17,11 +17,11 @@ from cranktopo.engine.plan.planning import left_off, plan, plan_for_stress
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.numerics.tetrahedra.sharp_edges import near_sharp_edges
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface
-from cranktopo.tasks.fatigue.fillets import cut_outlet_nodes
-from cranktopo.tasks.fatigue.remarks import note_quality
-from cranktopo.tasks.fatigue.target_safety import fatigue_field
-from cranktopo.tasks.fatigue.text import not_judged
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fatigue.fillets import cut_outlet_nodes
+from cranktopo.tasks.throw_fatigue.remarks import note_quality
+from cranktopo.tasks.throw_fatigue.target_safety import fatigue_field
+from cranktopo.tasks.throw_fatigue.text import not_judged
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.fast_twin import ENGINE
 from tests.physics.fatigue.stepped_shaft import Shaft, shaft_mesh
 from tests.physics.numerics.test_surface_stress import POISSON, YOUNGS, upright

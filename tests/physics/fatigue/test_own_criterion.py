@@ -11,8 +11,8 @@ import pytest
 from cranktopo.tasks.compare.printed import comparison_text
 from cranktopo.tasks.compare.stage import compare_targets
 from cranktopo.tasks.fatigue import criteria
-from cranktopo.tasks.fatigue.stage import assess_fatigue
-from cranktopo.tasks.fea.stage import MeshRequest
+from cranktopo.tasks.throw_fatigue.stage import assess_fatigue
+from cranktopo.tasks.throw_fea.stage import MeshRequest
 
 DESIGN = "mikron-iiic-plain"
 FILE = '''

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fatigue.safety_field import FatigueField
-from cranktopo.tasks.fatigue.target_safety import fatigue_field
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fatigue.safety_field import FatigueField
+from cranktopo.tasks.throw_fatigue.target_safety import fatigue_field
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.unit.refit.remodel_cases import table
 
 FLOOR_MM = 12.0

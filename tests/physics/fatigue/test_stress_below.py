@@ -14,12 +14,12 @@ from cranktopo.engine.histories import load_history
 from cranktopo.numerics.tetrahedra import unit_stress
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
 from cranktopo.numerics.tetrahedra.stress import NodalStress, nodal_stress, von_mises
-from cranktopo.tasks.fatigue.needs import load_kinds
-from cranktopo.tasks.fatigue.safety_field import unit_loads
-from cranktopo.tasks.fatigue.stress_below import notch_shape, stress_share
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
-from cranktopo.tasks.fatigue.target_safety import fatigue_field
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fatigue.needs import load_kinds
+from cranktopo.tasks.throw_fatigue.safety_field import unit_loads
+from cranktopo.tasks.throw_fatigue.stress_below import notch_shape, stress_share
+from cranktopo.tasks.throw_fatigue.target_safety import fatigue_field
+from cranktopo.tasks.throw_fea.targets import Target
 
 DEPTHS_MM = (0.2, 0.4, 0.8, 1.2, 2.0)
 

@@ -8,12 +8,12 @@ import pytest
 from cranktopo.design.named import with_values
 from cranktopo.engine.histories import LoadHistory, rated_histories
 from cranktopo.engine.judged_histories import histories_of
-from cranktopo.tasks.fatigue.needs import load_kinds
-from cranktopo.tasks.fatigue.safety_field import safety_field
-from cranktopo.tasks.fatigue.stress_model import solve_stresses
-from cranktopo.tasks.fatigue.target_safety import least_field
-from cranktopo.tasks.fatigue.verdicts import SAME
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fatigue.needs import load_kinds
+from cranktopo.tasks.throw_fatigue.safety_field import safety_field
+from cranktopo.tasks.throw_fatigue.stress_model import solve_stresses
+from cranktopo.tasks.throw_fatigue.target_safety import least_field
+from cranktopo.tasks.throw_fatigue.verdicts import SAME
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.physics.fatigue.test_least_safety import drilled
 
 

@@ -10,11 +10,11 @@ from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import mean_displacement
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.tasks.fatigue.fillets import place
-from cranktopo.tasks.fatigue.target_safety import fatigue_field
-from cranktopo.tasks.fea.condense import loaded_mm
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.fea.unit_fields import FieldKind, unit_fields
+from cranktopo.tasks.throw_fatigue.fillets import place
+from cranktopo.tasks.throw_fatigue.target_safety import fatigue_field
+from cranktopo.tasks.throw_fea.condense import loaded_mm
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.throw_fea.unit_fields import FieldKind, unit_fields
 from tests.physics.fatigue.test_fatigue_superposition import (
     RADIAL_N,
     REFLECTED,

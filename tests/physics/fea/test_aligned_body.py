@@ -14,12 +14,12 @@ from cranktopo.bodies.solid.step import kernel_surface, step_solid
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
-from cranktopo.tasks.fea.evaluation import evaluate
-from cranktopo.tasks.fea.targets import resolve_target
 from cranktopo.tasks.importing.cad_body import moved_rigidly
 from cranktopo.tasks.importing.exact_motion import exact_motions
 from cranktopo.tasks.importing.imported_body import mesh_file
 from cranktopo.tasks.importing.placement import placed
+from cranktopo.tasks.throw_fea.evaluation import evaluate
+from cranktopo.tasks.throw_fea.targets import resolve_target
 
 
 @pytest.fixture(scope="module")

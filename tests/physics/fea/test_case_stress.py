@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from cranktopo.engine.load_case import LoadCase
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.fea.unit_fields import CaseStress, case_stress
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.throw_fea.unit_fields import CaseStress, case_stress
 from tests.physics.fea.evaluation_cases import LOPSIDED, mikron_with
 
 SIZE_MM = 14.0

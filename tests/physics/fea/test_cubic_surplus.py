@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from cranktopo.tasks.fea.evaluation import evaluate
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fea.evaluation import evaluate
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.physics.fea.evaluation_cases import mikron_with
 from tests.studies.cubic_elements import both_orders
 

@@ -20,7 +20,7 @@ from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mean_displaceme
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.rigid_motions import RZ
 from cranktopo.numerics.tetrahedra.superelement import Superelement
-from cranktopo.tasks.fea.condense import (
+from cranktopo.tasks.throw_fea.condense import (
     BendingSupport,
     TorsionSupport,
     bending_stiffness_N_per_mm,

@@ -18,7 +18,7 @@ from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
 from cranktopo.numerics.tetrahedra.mesh import TetMesh, quadratic
 from cranktopo.numerics.tetrahedra.solver import largest_eigenvalue
-from cranktopo.tasks.fea.throw_stiffness import condensed_stiffness
+from cranktopo.tasks.throw_fea.throw_stiffness import condensed_stiffness
 from tests.physics.fea.evaluation_cases import mikron_with
 
 Array = NDArray[np.float64]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from cranktopo.tasks.fea.evaluation import evaluate, evaluate_on_mesh
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fea.evaluation import evaluate, evaluate_on_mesh
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.physics.fea.evaluation_cases import mikron_with
 from tests.physics.fea.test_evaluation_reference import BENDING, TORSION
 from tests.studies.error_bounds import limit

@@ -13,7 +13,7 @@ import pytest
 
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fea.condense import condense, torsional_stiffness_Nm_per_rad
+from cranktopo.tasks.throw_fea.condense import condense, torsional_stiffness_Nm_per_rad
 from cranktopo.throw.outline import ObroundWeb
 from tests.physics.fea.evaluation_cases import elastic, throw_scene
 

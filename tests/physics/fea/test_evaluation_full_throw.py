@@ -19,8 +19,12 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.rigid_motions import RX, RZ, UX, UY, plane_nodes, section_motions
-from cranktopo.tasks.fea.condense import bending_stiffness_N_per_mm, condense, torsional_stiffness_Nm_per_rad
 from cranktopo.tasks.shaft.assembly import throw_blocks, throw_matrix
+from cranktopo.tasks.throw_fea.condense import (
+    bending_stiffness_N_per_mm,
+    condense,
+    torsional_stiffness_Nm_per_rad,
+)
 from tests.physics.fea.evaluation_cases import LOPSIDED, elastic, mikron_with
 
 Array = NDArray[np.float64]

@@ -12,8 +12,8 @@ from cranktopo.bodies.solid.throw import add_half_throw
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.gmsh_session import cad_session
-from cranktopo.tasks.fea.evaluation import evaluate
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fea.evaluation import evaluate
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.physics.fea.evaluation_cases import LOPSIDED, elastic, mikron_with, throw_scene
 
 STEEL_KG_PER_MM3 = 7.85e-6

@@ -9,9 +9,9 @@ from __future__ import annotations
 import pytest
 
 from cranktopo.design.halves import default_element_size_mm
-from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.fea.throw_stiffness import Stiffness
+from cranktopo.tasks.throw_fea.evaluation import evaluate_on_mesh
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.throw_fea.throw_stiffness import Stiffness
 from tests.physics.fea.evaluation_cases import mikron_with
 
 TORSION = {"free": 138.2e3, "held": 187.3e3}

@@ -17,8 +17,8 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.numerics.tetrahedra.mesh import tetrahedralise
-from cranktopo.tasks.fea.throw_stiffness import condensed_stiffness
 from cranktopo.tasks.importing.imported_body import mesh_file
+from cranktopo.tasks.throw_fea.throw_stiffness import condensed_stiffness
 from tests.physics.fea.evaluation_cases import mikron_with
 
 SIZE = 12.0

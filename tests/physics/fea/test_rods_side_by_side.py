@@ -15,7 +15,7 @@ from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mean_displacement
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, von_mises
-from cranktopo.tasks.fea.condense import bending_motion, condense, loaded_mm
+from cranktopo.tasks.throw_fea.condense import bending_motion, condense, loaded_mm
 from tests.physics.fea.evaluation_cases import elastic
 
 Array = NDArray[np.float64]

@@ -6,9 +6,9 @@ import pytest
 
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.refit.fit import scaled_throw
+from cranktopo.tasks.throw_fea.evaluation import evaluate_on_mesh
+from cranktopo.tasks.throw_fea.targets import Target
 
 COARSE_MM = 14.0
 

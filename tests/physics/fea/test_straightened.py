@@ -14,8 +14,12 @@ from cranktopo.numerics.tetrahedra.elasticity import Elasticity
 from cranktopo.numerics.tetrahedra.hierarchical_error import straightened
 from cranktopo.numerics.tetrahedra.mesh import EDGES, TetMesh
 from cranktopo.numerics.tetrahedra.superelement import Superelement
-from cranktopo.tasks.fea.condense import bending_stiffness_N_per_mm, condense, torsional_stiffness_Nm_per_rad
-from cranktopo.tasks.fea.error_bound import bending_shares, torsion_shares
+from cranktopo.tasks.throw_fea.condense import (
+    bending_stiffness_N_per_mm,
+    condense,
+    torsional_stiffness_Nm_per_rad,
+)
+from cranktopo.tasks.throw_fea.error_bound import bending_shares, torsion_shares
 from tests.physics.fea.evaluation_cases import elastic, mikron_with
 
 HOLE = {"shape": "cylinder", "x_mm": 12.0, "y_mm": 24.0, "diameter_mm": 12.0}

@@ -18,10 +18,10 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.plan.planning import plan, plan_for_stress
 from cranktopo.numerics.tetrahedra.elasticity import assemble, centrifugal_force
-from cranktopo.tasks.fatigue.target_safety import fatigue_field
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.fea.turning_load import turning_load
 from cranktopo.tasks.shaft.loaded_throw import loaded_throw, throw_body
+from cranktopo.tasks.throw_fatigue.target_safety import fatigue_field
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.throw_fea.turning_load import turning_load
 from tests.physics.fatigue.test_least_safety import single
 from tests.unit.throw.counterweight_cases import PLAIN, THIN, roomy_scene, weighted
 

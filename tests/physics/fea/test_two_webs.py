@@ -26,7 +26,11 @@ from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.tetrahedra.elasticity import mean_displacement
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.superelement import Superelement
-from cranktopo.tasks.fea.condense import bending_stiffness_N_per_mm, condense, torsional_stiffness_Nm_per_rad
+from cranktopo.tasks.throw_fea.condense import (
+    bending_stiffness_N_per_mm,
+    condense,
+    torsional_stiffness_Nm_per_rad,
+)
 from tests.physics.fea.calculix import displacements, handles
 from tests.physics.fea.evaluation_cases import elastic
 from tests.physics.fea.test_evaluation_full_throw import FLIPPED

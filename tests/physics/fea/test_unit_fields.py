@@ -11,7 +11,7 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.tetrahedra.elasticity import mean_displacement
 from cranktopo.numerics.tetrahedra.rigid_motions import section_motions
 from cranktopo.numerics.tetrahedra.stress import hooke
-from cranktopo.tasks.fea.unit_fields import UnitField, unit_fields
+from cranktopo.tasks.throw_fea.unit_fields import UnitField, unit_fields
 from tests.physics.fea.evaluation_cases import LOPSIDED, elastic, mikron_with
 
 KINDS = ("bending", "tangential", "torsion", "centrifugal")

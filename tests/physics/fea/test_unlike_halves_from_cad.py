@@ -14,9 +14,9 @@ from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import save_scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.tasks.fea.evaluation import evaluate
-from cranktopo.tasks.fea.targets import resolve_target
 from cranktopo.tasks.importing.imported_body import half_surfaces, half_throw_surface, mesh_file
+from cranktopo.tasks.throw_fea.evaluation import evaluate
+from cranktopo.tasks.throw_fea.targets import resolve_target
 
 
 def bevelled_far_web() -> tuple[Scene, Scene]:

@@ -15,7 +15,6 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT, TOO_LOW_PERCENT, few_throws
 from cranktopo.numerics.tetrahedra.rigid_motions import UX, UY, UZ
 from cranktopo.numerics.turning_body import modes_at_rest
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.modes.page import modes_page
 from cranktopo.tasks.modes.reduced_throw import reduced_throw, section_shapes
 from cranktopo.tasks.modes.result import ShaftModes
@@ -25,6 +24,7 @@ from cranktopo.tasks.modes.text import modes_text
 from cranktopo.tasks.shaft.assembly import Bearings
 from cranktopo.tasks.shaft.loaded_throw import throw_body
 from cranktopo.tasks.shaft.stage import evaluate_shaft
+from cranktopo.tasks.throw_fea.targets import Target
 from cranktopo.tasks.vibration.text import DISKS
 from tests.studies.crank_modes import body_frequencies_Hz, crank_mesh, reduced_frequencies_Hz
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from cranktopo.design.loading import load_scene
 from cranktopo.numerics.turning_body import TurningBody, modes_at_rest
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.modes import stage
+from cranktopo.tasks.throw_fea.targets import Target
 
 Array = NDArray[np.float64]
 

@@ -18,10 +18,10 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.numerics.turning_body import modes_at_rest
 from cranktopo.tasks.dynamics.moving_throw import moving_throw
 from cranktopo.tasks.export import reduced
-from cranktopo.tasks.fatigue.shaft_stress import solve_shaft_stress
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.modes.shaft_model import shaft_model
 from cranktopo.tasks.shaft.assembly import Bearings
+from cranktopo.tasks.throw_fatigue.shaft_stress import solve_shaft_stress
+from cranktopo.tasks.throw_fea.targets import Target
 
 Array = NDArray[np.float64]
 COARSE, MODES, SPRING_N_PER_MM = 2.0, 10, 3e5

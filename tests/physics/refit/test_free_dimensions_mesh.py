@@ -10,7 +10,7 @@ import pytest
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import Layout, rounded_dimensions, scene_at
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.mesh_model import MeshModel
+from cranktopo.tasks.web_shape.mesh_model import MeshModel
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from tests.physics.shape.shape_cases import COARSE_FILLET, COARSE_MM, Array, free_throw
 

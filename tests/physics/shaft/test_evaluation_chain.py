@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.loading import load_scene
 from cranktopo.numerics.tetrahedra.rigid_motions import RZ
-from cranktopo.tasks.fea.evaluation import evaluate
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.assembly import Bearings, shaft_matrix, shaft_stiffness, throw_blocks, throw_matrix
 from cranktopo.tasks.shaft.stage import evaluate_shaft
+from cranktopo.tasks.throw_fea.evaluation import evaluate
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.physics.fea.evaluation_cases import elastic, mikron_with
 
 Array = NDArray[np.float64]

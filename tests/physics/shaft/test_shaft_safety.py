@@ -16,21 +16,21 @@ from cranktopo.engine.analysis import at_speed, at_worst_speed, engine_of
 from cranktopo.engine.histories import LoadHistory, WebLoads
 from cranktopo.engine.judged_speeds import speeds_of_range
 from cranktopo.numerics.tetrahedra.rigid_motions import RZ
-from cranktopo.tasks.fatigue import shaft_stress
-from cranktopo.tasks.fatigue.least import Part, least_safeties, web_parts
-from cranktopo.tasks.fatigue.needs import load_kinds
-from cranktopo.tasks.fatigue.safety_field import field_of_states, safety_field, unit_loads
-from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, solve_shaft_stress, worst_throw
-from cranktopo.tasks.fatigue.stage import assess_by_methods
-from cranktopo.tasks.fatigue.stress_model import solve_stresses
-from cranktopo.tasks.fatigue.text import field_remarks
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.assembly import SPLITS
 from cranktopo.tasks.shaft.cycle import CycleForces, cycle_forces, shaft_cycle, throw_states
 from cranktopo.tasks.shaft.loaded_throw import ACTING, LOADS, loaded_throw
 from cranktopo.tasks.shaft.stage import shaft_effects
 from cranktopo.tasks.shaft.web_loads import web_histories
 from cranktopo.tasks.shaft_safety.worst_stress import stress_over_cycle
+from cranktopo.tasks.throw_fatigue import shaft_stress
+from cranktopo.tasks.throw_fatigue.least import Part, least_safeties, web_parts
+from cranktopo.tasks.throw_fatigue.needs import load_kinds
+from cranktopo.tasks.throw_fatigue.safety_field import field_of_states, safety_field, unit_loads
+from cranktopo.tasks.throw_fatigue.shaft_stress import ShaftStress, solve_shaft_stress, worst_throw
+from cranktopo.tasks.throw_fatigue.stage import assess_by_methods
+from cranktopo.tasks.throw_fatigue.stress_model import solve_stresses
+from cranktopo.tasks.throw_fatigue.text import field_remarks
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.physics.fea.evaluation_cases import mikron_with
 from tests.physics.shaft.test_continuous_shaft import meshed_body
 

@@ -17,15 +17,15 @@ from cranktopo.engine.vibration.shaft_chain import moving_inertia_kg_mm2
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_torque
 from cranktopo.numerics.tetrahedra.elasticity import swing_force
 from cranktopo.numerics.tetrahedra.rigid_motions import RZ, UX
-from cranktopo.tasks.fatigue.safety_field import field_of_states, safety_field
-from cranktopo.tasks.fatigue.shaft_stress import solve_shaft_stress
-from cranktopo.tasks.fatigue.stress_model import solve_stresses
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.fea.unit_fields import FieldKind
 from cranktopo.tasks.shaft.cycle import CycleForces, ShaftCycle, cycle_forces, shaft_cycle, throw_states
 from cranktopo.tasks.shaft.loaded_throw import LoadedThrow, ThrowBody, loaded_throw, throw_body
 from cranktopo.tasks.shaft.web_loads import web_histories
 from cranktopo.tasks.shaft.web_sections import web_sections
+from cranktopo.tasks.throw_fatigue.safety_field import field_of_states, safety_field
+from cranktopo.tasks.throw_fatigue.shaft_stress import solve_shaft_stress
+from cranktopo.tasks.throw_fatigue.stress_model import solve_stresses
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.throw_fea.unit_fields import FieldKind
 from tests.fast_twin import fast_twin
 from tests.physics.engine.test_judged_torque import VIBRATING
 

@@ -13,11 +13,16 @@ import pytest
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fatigue.least import least_safeties, web_parts
 from cranktopo.tasks.fatigue.lsa import lsa_strength, point_strength_MPa
-from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, factors_of, solve_shaft_stress, solved_cycle
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.web_sections import WebSections, web_sections
+from cranktopo.tasks.throw_fatigue.least import least_safeties, web_parts
+from cranktopo.tasks.throw_fatigue.shaft_stress import (
+    ShaftStress,
+    factors_of,
+    solve_shaft_stress,
+    solved_cycle,
+)
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.fast_twin import LOSS, PULLEY_NM, THROW_NM, fast_twin
 from tests.physics.engine.twin_by_hand import TwinByHand
 

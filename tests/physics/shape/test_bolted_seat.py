@@ -24,10 +24,10 @@ from cranktopo.tasks.refit.fit import fit_problem, scene_with_web, usual_limits
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.refit.search import Fit, minimise_misfit
-from cranktopo.tasks.shape.optimum import ShapeSettings
-from cranktopo.tasks.shape.rules import Rules, rules_at
-from cranktopo.tasks.shape.stage import optimise_shape
-from cranktopo.tasks.shape.start import scene_start
+from cranktopo.tasks.web_shape.optimum import ShapeSettings
+from cranktopo.tasks.web_shape.rules import Rules, rules_at
+from cranktopo.tasks.web_shape.stage import optimise_shape
+from cranktopo.tasks.web_shape.start import scene_start
 from cranktopo.throw.fitted_pocket import FittedCylinder
 from tests.unit.bodies.test_bolt_holes import PAIR
 from tests.unit.bodies.test_seat import WEIGHT, with_weight

@@ -15,12 +15,12 @@ from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.tetrahedra.elasticity import assemble, centrifugal_force
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.tasks.fea.condense import Lateral
-from cranktopo.tasks.fea.turning_load import pull_slopes, pull_totals, turning_load
 from cranktopo.tasks.refit.family import Layout, exact_web_of
 from cranktopo.tasks.refit.fit import scene_with_web, usual_limits
-from cranktopo.tasks.shape.mesh_model import MeshModel
-from cranktopo.tasks.shape.start import scene_start
+from cranktopo.tasks.throw_fea.condense import Lateral
+from cranktopo.tasks.throw_fea.turning_load import pull_slopes, pull_totals, turning_load
+from cranktopo.tasks.web_shape.mesh_model import MeshModel
+from cranktopo.tasks.web_shape.start import scene_start
 from tests.physics.fatigue.test_least_safety import single
 
 TUNGSTEN = 17500.0

@@ -22,16 +22,16 @@ from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.bound import stage
 from cranktopo.tasks.bound.lower_bound import bound_model
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
-from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.refit.family import Layout, exact_web_of, free_dimensions, scene_at, with_free
 from cranktopo.tasks.refit.fit import scene_with_web, usual_limits
 from cranktopo.tasks.refit.model_fill import FILLET, FITS
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape import run
-from cranktopo.tasks.shape.mesh_model import MeshModel
-from cranktopo.tasks.shape.rules import rules_at
-from cranktopo.tasks.shape.start import scene_start
+from cranktopo.tasks.throw_fea.evaluation import evaluate_on_mesh
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.web_shape import run
+from cranktopo.tasks.web_shape.mesh_model import MeshModel
+from cranktopo.tasks.web_shape.rules import rules_at
+from cranktopo.tasks.web_shape.start import scene_start
 from cranktopo.throw.fitted_pocket import FittedBox
 from cranktopo.throw.web import web_bodies, web_spans
 from tests.unit.throw.counterweight_cases import PLAIN, roomy_scene, weighted

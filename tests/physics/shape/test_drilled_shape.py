@@ -9,8 +9,8 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.fit import usual_limits
-from cranktopo.tasks.shape.mesh_model import MeshModel
-from cranktopo.tasks.shape.start import scene_start
+from cranktopo.tasks.web_shape.mesh_model import MeshModel
+from cranktopo.tasks.web_shape.start import scene_start
 from cranktopo.throw.drilling.table import drill_bores
 
 DRILLING = {

@@ -14,14 +14,14 @@ from cranktopo.engine.histories import load_history
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface, surface_stress
-from cranktopo.tasks.fatigue.fillets import fillet_nodes
-from cranktopo.tasks.fatigue.mesh_quality import Quality
-from cranktopo.tasks.fatigue.needs import load_kinds
-from cranktopo.tasks.fatigue.safety_field import FatigueField, safety_field
-from cranktopo.tasks.fatigue.stress_model import StressModel, images_of
-from cranktopo.tasks.fatigue.text import field_remarks
-from cranktopo.tasks.fea.unit_fields import unit_fields
-from cranktopo.tasks.shape.mesh_model import MeshModel
+from cranktopo.tasks.throw_fatigue.fillets import fillet_nodes
+from cranktopo.tasks.throw_fatigue.mesh_quality import Quality
+from cranktopo.tasks.throw_fatigue.needs import load_kinds
+from cranktopo.tasks.throw_fatigue.safety_field import FatigueField, safety_field
+from cranktopo.tasks.throw_fatigue.stress_model import StressModel, images_of
+from cranktopo.tasks.throw_fatigue.text import field_remarks
+from cranktopo.tasks.throw_fea.unit_fields import unit_fields
+from cranktopo.tasks.web_shape.mesh_model import MeshModel
 from tests.physics.shape.shape_cases import COARSE_FILLET, COARSE_MM, full_web
 
 INDUCTION: dict[str, Any] = {

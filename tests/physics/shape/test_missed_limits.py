@@ -10,10 +10,10 @@ from cranktopo.design.loading import load_scene
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.process import process_limits
-from cranktopo.tasks.shape.optimum import ShapeSettings
-from cranktopo.tasks.shape.run import shape_goal
-from cranktopo.tasks.shape.stage import optimise_shape
-from cranktopo.tasks.shape.start import scene_start
+from cranktopo.tasks.web_shape.optimum import ShapeSettings
+from cranktopo.tasks.web_shape.run import shape_goal
+from cranktopo.tasks.web_shape.stage import optimise_shape
+from cranktopo.tasks.web_shape.start import scene_start
 
 DESIGN = """
 name = "vtwin"

@@ -13,9 +13,9 @@ from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.tasks.shape import run
-from cranktopo.tasks.shape.reachable import check_reachable
-from cranktopo.tasks.shape.run import shape_goal
+from cranktopo.tasks.web_shape import run
+from cranktopo.tasks.web_shape.reachable import check_reachable
+from cranktopo.tasks.web_shape.run import shape_goal
 from tests.cli.test_left_off_first import TWIN, stopped
 
 CELL_MM = 4.5
@@ -49,7 +49,7 @@ def test_what_a_web_may_meet_is_not() -> None:
 
 
 def test_nothing_is_solved_for_limits_of_the_original(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cranktopo.tasks.shape.reachable.build_domain", lambda *_: pytest.fail("cells"))
+    monkeypatch.setattr("cranktopo.tasks.web_shape.reachable.build_domain", lambda *_: pytest.fail("cells"))
     check(asked())
     free = load_scene("mikron-iiic-plain")
     shape = free.shape.model_copy(

@@ -11,10 +11,10 @@ import pytest
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fatigue.fillets import fillet_nodes
 from cranktopo.tasks.refit.family import Layout, free_dimensions, scene_at, with_free
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.mesh_model import MeshModel
+from cranktopo.tasks.throw_fatigue.fillets import fillet_nodes
+from cranktopo.tasks.web_shape.mesh_model import MeshModel
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted_pocket import FittedCylinder
 from cranktopo.throw.fitted_slot import FittedSlot

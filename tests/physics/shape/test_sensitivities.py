@@ -12,17 +12,17 @@ from cranktopo.design.goal.constraint import Constraint, LimitSense
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import Multipliers
-from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.refit.family import Layout, exact_web_of
 from cranktopo.tasks.refit.fit import scene_with_web, usual_limits
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
-from cranktopo.tasks.shape.result import DimensionSensitivity
-from cranktopo.tasks.shape.rules import ENVELOPE, rules_at
-from cranktopo.tasks.shape.search import prices_of
-from cranktopo.tasks.shape.search_goal import SearchGoal
-from cranktopo.tasks.shape.sensitivities import (
+from cranktopo.tasks.throw_fea.evaluation import evaluate_on_mesh
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.web_shape.mesh_model import MeshedWebs, MeshResponses
+from cranktopo.tasks.web_shape.result import DimensionSensitivity
+from cranktopo.tasks.web_shape.rules import ENVELOPE, rules_at
+from cranktopo.tasks.web_shape.search import prices_of
+from cranktopo.tasks.web_shape.search_goal import SearchGoal
+from cranktopo.tasks.web_shape.sensitivities import (
     active_constraints,
     dimension_sensitivities,
     worst_case_percent,

@@ -19,9 +19,9 @@ from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.tasks.refit.family import Layout, web_of
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
-from cranktopo.tasks.shape.search import best_values
-from cranktopo.tasks.shape.search_goal import SearchGoal
+from cranktopo.tasks.web_shape.mesh_model import MeshedWebs, MeshResponses
+from cranktopo.tasks.web_shape.search import best_values
+from cranktopo.tasks.web_shape.search_goal import SearchGoal
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from tests.physics.shape.shape_cases import COARSE_MM, Array

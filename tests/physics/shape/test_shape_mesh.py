@@ -20,16 +20,16 @@ from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, centr
 from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes, swing_slopes
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface, surface_stress
 from cranktopo.numerics.tetrahedra.stress_adjoint import stress_adjoint
-from cranktopo.tasks.fatigue.fillets import fillet_nodes
-from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa
-from cranktopo.tasks.fatigue.mesh_quality import Quality
-from cranktopo.tasks.fatigue.needs import load_kinds
-from cranktopo.tasks.fatigue.safety_field import safety_field
-from cranktopo.tasks.fatigue.stress_model import StressModel, images_of
-from cranktopo.tasks.fatigue.target_safety import least_field
-from cranktopo.tasks.fea.unit_fields import unit_fields
 from cranktopo.tasks.refit.family import Layout
-from cranktopo.tasks.shape.mesh_model import MeshModel, MeshResponses
+from cranktopo.tasks.throw_fatigue.fillets import fillet_nodes
+from cranktopo.tasks.throw_fatigue.largest_stress import largest_of_field_MPa
+from cranktopo.tasks.throw_fatigue.mesh_quality import Quality
+from cranktopo.tasks.throw_fatigue.needs import load_kinds
+from cranktopo.tasks.throw_fatigue.safety_field import safety_field
+from cranktopo.tasks.throw_fatigue.stress_model import StressModel, images_of
+from cranktopo.tasks.throw_fatigue.target_safety import least_field
+from cranktopo.tasks.throw_fea.unit_fields import unit_fields
+from cranktopo.tasks.web_shape.mesh_model import MeshModel, MeshResponses
 from tests.physics.shape.shape_cases import (
     COARSE_FILLET,
     COARSE_MM,

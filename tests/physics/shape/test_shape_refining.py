@@ -16,9 +16,9 @@ from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.mesh_model import MeshedWebs
-from cranktopo.tasks.shape.refining import CorrectedSurrogate, Refinement, merit, refined
-from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
+from cranktopo.tasks.web_shape.mesh_model import MeshedWebs
+from cranktopo.tasks.web_shape.refining import CorrectedSurrogate, Refinement, merit, refined
+from cranktopo.tasks.web_shape.search_goal import Quantities, SearchGoal
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from tests.physics.shape.shape_cases import Array

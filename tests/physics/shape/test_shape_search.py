@@ -17,10 +17,10 @@ from cranktopo.numerics.optimisers.gradient_search import multipliers
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.refit.family import Layout, with_free
 from cranktopo.tasks.refit.fit import usual_limits
-from cranktopo.tasks.shape.search import SearchResult, multipliers_of, search_on_cells
-from cranktopo.tasks.shape.search_goal import SearchGoal
-from cranktopo.tasks.shape.start import outline_start
-from cranktopo.tasks.shape.web_model import WebModel, web_model
+from cranktopo.tasks.web_shape.search import SearchResult, multipliers_of, search_on_cells
+from cranktopo.tasks.web_shape.search_goal import SearchGoal
+from cranktopo.tasks.web_shape.start import outline_start
+from cranktopo.tasks.web_shape.web_model import WebModel, web_model
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted_pocket import FittedBox
 from cranktopo.throw.fitted_slot import FittedSlot

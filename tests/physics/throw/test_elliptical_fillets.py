@@ -14,7 +14,7 @@ from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.gmsh_session import cad_session
-from cranktopo.tasks.fatigue.fillets import Fillet, fillet_nodes
+from cranktopo.tasks.throw_fatigue.fillets import Fillet, fillet_nodes
 from tests.physics.fea.evaluation_cases import mikron_with
 
 

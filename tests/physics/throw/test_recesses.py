@@ -20,10 +20,10 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.gmsh_session import cad_session
-from cranktopo.tasks.fatigue.fillets import fillet_nodes, place
-from cranktopo.tasks.fatigue.m53 import concentration_factors, dimensions
-from cranktopo.tasks.fea.evaluation import evaluate
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fatigue.fillets import fillet_nodes, place
+from cranktopo.tasks.throw_fatigue.m53 import concentration_factors, dimensions
+from cranktopo.tasks.throw_fea.evaluation import evaluate
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.physics.fea.evaluation_cases import mikron_with
 
 FILLET_MM, RECESSES_MM = 2.0, (0.5, 0.8)

@@ -28,9 +28,10 @@ from cranktopo.tasks.accuracy.page import (
 )
 from cranktopo.tasks.accuracy.stage import cheapest, pareto_front
 from cranktopo.tasks.accuracy.study import Study, run_studies
-from cranktopo.tasks.fea import levels, studies
-from cranktopo.tasks.fea.levels import LEVELS, ErrorTarget, evaluate_to, first_level
-from cranktopo.tasks.fea.studies import (
+from cranktopo.tasks.optimise.page import accuracy_section
+from cranktopo.tasks.throw_fea import levels, studies
+from cranktopo.tasks.throw_fea.levels import LEVELS, ErrorTarget, evaluate_to, first_level
+from cranktopo.tasks.throw_fea.studies import (
     BENDING,
     EVALUATION,
     OPTIMISER,
@@ -44,8 +45,7 @@ from cranktopo.tasks.fea.studies import (
     load_study,
     store_study,
 )
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.optimise.page import accuracy_section
+from cranktopo.tasks.throw_fea.targets import Target
 from tests.run_metrics import load_of, run_metrics
 
 MACHINE = Machine("a processor", 2, 0.1)

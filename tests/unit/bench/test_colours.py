@@ -8,11 +8,11 @@ import pytest
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.stress import hooke, strain_energy_density
 from cranktopo.tasks.bench.colours import removal_cost
-from cranktopo.tasks.fatigue.stress_model import StressModel, solve_stresses
-from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.fea.throw_stiffness import Stiffness
 from cranktopo.tasks.refit.fit import scene_with_web
+from cranktopo.tasks.throw_fatigue.stress_model import StressModel, solve_stresses
+from cranktopo.tasks.throw_fea.evaluation import evaluate_on_mesh
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.throw_fea.throw_stiffness import Stiffness
 from tests.unit.throw.test_web_features import RECTANGLE
 
 STEP_MM, SIZE_MM = 1.5, 8.0

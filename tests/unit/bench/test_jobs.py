@@ -24,11 +24,11 @@ from cranktopo.tasks.bench.jobs import BenchJob, Jobs, reap
 from cranktopo.tasks.bench.results import job_numbers, job_table, job_words, variant_of
 from cranktopo.tasks.bolts.result import BoltChecks
 from cranktopo.tasks.evaluate.result import EvaluationList
-from cranktopo.tasks.fatigue.result import FatigueResult
-from cranktopo.tasks.fea.studies import StudyResult
 from cranktopo.tasks.iterate.result import LoopResult, LoopStep, StepRow
 from cranktopo.tasks.shaft_safety.result import ShaftAssessment
-from cranktopo.tasks.shape.result import ShapeResult
+from cranktopo.tasks.throw_fatigue.result import FatigueResult
+from cranktopo.tasks.throw_fea.studies import StudyResult
+from cranktopo.tasks.web_shape.result import ShapeResult
 from tests.filled import filled
 
 TEXT = design_text("mikron-iiic-plain")

@@ -22,7 +22,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import with_free
 from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.start import first_on_cells, scene_start
+from cranktopo.tasks.web_shape.start import first_on_cells, scene_start
 
 POCKET = {"shape": "cylinder", "y_mm": 24.0, "diameter_mm": 10.0, "face": "pin", "depth_mm": 8.0}
 BOX = {"shape": "box", "x_min_mm": -16.0, "x_max_mm": 16.0, "y_min_mm": 16.0, "y_max_mm": 32.0}

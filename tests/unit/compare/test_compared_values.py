@@ -20,13 +20,13 @@ from cranktopo.tasks.compare.printed import comparison_text
 from cranktopo.tasks.compare.result import Entry, compare
 from cranktopo.tasks.compare.stage import balanced_kg_mm, pitch_lines
 from cranktopo.tasks.compare.text import star_lines
-from cranktopo.tasks.fatigue.mesh_quality import MeshChecks
-from cranktopo.tasks.fatigue.result import JudgedAs
-from cranktopo.tasks.fatigue.safety_field import FatigueField
-from cranktopo.tasks.fatigue.text import FatigueComparison
-from cranktopo.tasks.fatigue.verdicts import Summary, verdicts
-from cranktopo.tasks.fea.quantities import SAFETY, TORSION, UNBALANCE
-from cranktopo.tasks.fea.targets import Target, resolve_target
+from cranktopo.tasks.throw_fatigue.mesh_quality import MeshChecks
+from cranktopo.tasks.throw_fatigue.result import JudgedAs
+from cranktopo.tasks.throw_fatigue.safety_field import FatigueField
+from cranktopo.tasks.throw_fatigue.text import FatigueComparison
+from cranktopo.tasks.throw_fatigue.verdicts import Summary, verdicts
+from cranktopo.tasks.throw_fea.quantities import SAFETY, TORSION, UNBALANCE
+from cranktopo.tasks.throw_fea.targets import Target, resolve_target
 from tests.cli.test_comparison_report import NAMES, NO_FATIGUE, evaluated, invented
 
 

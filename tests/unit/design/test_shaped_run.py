@@ -12,7 +12,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import designs_folder, load_scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.runs.manifest import new_manifest
-from cranktopo.tasks.fea.targets import resolve_target
+from cranktopo.tasks.throw_fea.targets import resolve_target
 from tests.cli.test_comparison_report import invented
 
 PLAIN = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
@@ -46,7 +46,7 @@ def test_commands_take_its_name(
 ) -> None:
     """`compare best` and `export best` after `shape --out best`, with a web that is thinner."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("cranktopo.tasks.fea.stage.evaluate", invented)
+    monkeypatch.setattr("cranktopo.tasks.throw_fea.stage.evaluate", invented)
     web = shaped(tmp_path / "best") / "web.toml"
     web.write_text(web.read_text().replace("thickness_mm = 19.0", "thickness_mm = 17.0"))
     assert main(["compare", "best", "--baseline", "mikron-iiic-plain", "--format", "json"]) == 0

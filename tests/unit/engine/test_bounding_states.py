@@ -16,7 +16,7 @@ from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.histories import LoadHistory, cycle_histories, rated_histories
 from cranktopo.engine.judged_histories import histories_by_speed
 from cranktopo.engine.plan.planning import plan_for_stress, stress_left_off
-from cranktopo.tasks.fatigue.needs import alone_left_off, load_kinds
+from cranktopo.tasks.throw_fatigue.needs import alone_left_off, load_kinds
 from tests.hostile.featured_engines import featured_engine
 from tests.random_engines import random_engine
 

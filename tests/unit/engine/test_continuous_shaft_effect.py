@@ -15,9 +15,9 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.continuous_beam import PinLoads, Spans, bend_spans, span_bending
 from cranktopo.engine.plan.planning import left_off, plan, plan_for_stress
 from cranktopo.tasks.compare.judged import judge
-from cranktopo.tasks.fatigue import stage
-from cranktopo.tasks.fatigue.stage import assess_by_methods
-from cranktopo.tasks.fea.targets import Target, resolve_target
+from cranktopo.tasks.throw_fatigue import stage
+from cranktopo.tasks.throw_fatigue.stage import assess_by_methods
+from cranktopo.tasks.throw_fea.targets import Target, resolve_target
 from tests.engine_arrangements import VEE, arranged
 
 EI, SPAN_MM, ARM_MM, FORCE_N = 4e10, 90.0, 20.0, 1e4

@@ -17,9 +17,9 @@ from cranktopo.engine.judged_histories import histories_of
 from cranktopo.engine.judged_speeds import rated_speeds, slow_speed_rpm, speeds_of_range
 from cranktopo.engine.plan.context import PlanningContext
 from cranktopo.engine.plan.cost import Costing, CostRates
-from cranktopo.tasks.fatigue import shaft_stress
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.shape.each_web import loaded_shaft
+from cranktopo.tasks.throw_fatigue import shaft_stress
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.web_shape.each_web import loaded_shaft
 
 OVERSPEED_RPM = 6000.0
 

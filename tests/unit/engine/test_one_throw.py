@@ -15,7 +15,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.crank import crank_mass
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.one_throw import nominal_stresses_MPa, one_throw
-from cranktopo.tasks.fea.targets import resolve_target
+from cranktopo.tasks.throw_fea.targets import resolve_target
 from tests.engine_arrangements import MIKRON
 
 THIN, END = "thickness_mm = 16.0", "[[crank.end]]\nside = 'free'\n"

@@ -6,7 +6,7 @@ import pytest
 
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan, planned_scene, with_own_reasons
-from cranktopo.tasks.fea.targets import resolve_target
+from cranktopo.tasks.throw_fea.targets import resolve_target
 from cranktopo.throw.face_pocket import CylinderPocket
 from tests.unit.engine.plan_cases import MIKRON, with_effects, with_part
 

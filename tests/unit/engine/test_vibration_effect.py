@@ -21,7 +21,8 @@ from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.states import extreme_states, load_cases
 from cranktopo.engine.throw_compliance import web_lever_mm
 from cranktopo.engine.vibration import vibrating_shaft
-from cranktopo.tasks.fatigue.m53 import (
+from cranktopo.tasks.shaft.stage import with_throw_stiffness
+from cranktopo.tasks.throw_fatigue.m53 import (
     LEAST_FACTOR,
     concentration_factors,
     dimensions,
@@ -29,8 +30,7 @@ from cranktopo.tasks.fatigue.m53 import (
     nominal_stresses,
     pin_equivalent_MPa,
 )
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.shaft.stage import with_throw_stiffness
+from cranktopo.tasks.throw_fea.targets import Target
 
 FLYWHEEL = {"flywheel": {"inertia_kg_m2": 0.08}}
 PROPELLER = {"propeller": {"inertia_kg_m2": 0.6}}

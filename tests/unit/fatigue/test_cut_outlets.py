@@ -11,8 +11,8 @@ import pytest
 from cranktopo.base.arrays import Array
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fatigue.cut_outlets import judged_places
-from cranktopo.tasks.fatigue.fillets import cut_outlet_nodes
+from cranktopo.tasks.throw_fatigue.cut_outlets import judged_places
+from cranktopo.tasks.throw_fatigue.fillets import cut_outlet_nodes
 from tests.physics.fatigue.test_least_safety import drilled
 
 EVERYWHERE: Array = np.stack(np.meshgrid([0.0], [-24.0], np.linspace(0.0, 12.0, 25))).reshape(3, -1)

@@ -14,12 +14,13 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import at_extreme_speeds
 from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.engine.vibration.vibrating_shaft import extreme_speeds_rpm
-from cranktopo.tasks.fatigue import rule_check
 from cranktopo.tasks.fatigue.criteria import shortfall_words
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.fkm import FkmStrength, fkm
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
-from cranktopo.tasks.fatigue.m53 import (
+from cranktopo.tasks.optimise.text import fatigue_fact
+from cranktopo.tasks.throw_fatigue import rule_check
+from cranktopo.tasks.throw_fatigue.m53 import (
     ConcentrationFactors,
     Dimensions,
     Nominal,
@@ -30,10 +31,9 @@ from cranktopo.tasks.fatigue.m53 import (
     outside_validity,
     pin_equivalent_MPa,
 )
-from cranktopo.tasks.fatigue.result import FatigueResult, FieldFatigue
-from cranktopo.tasks.fatigue.text import FatigueComparison, field_remarks, inclusions
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.optimise.text import fatigue_fact
+from cranktopo.tasks.throw_fatigue.result import FatigueResult, FieldFatigue
+from cranktopo.tasks.throw_fatigue.text import FatigueComparison, field_remarks, inclusions
+from cranktopo.tasks.throw_fea.targets import Target
 
 # J. Voparil, Brno University of Technology, 2011: amplitude, mean, related gradient of two crank webs.
 ORIGINAL, VARIANT_II = (241.08, 330.95, 0.228), (226.27, 309.58, 0.235)

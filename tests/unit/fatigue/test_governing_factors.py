@@ -14,27 +14,27 @@ from cranktopo.base.notes import redirected
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.bench import live
-from cranktopo.tasks.fatigue.m53 import (
+from cranktopo.tasks.throw_fatigue.m53 import (
     FilletCheck,
     concentration_factors,
     dimensions,
     nominal_stresses,
     outside_validity,
 )
-from cranktopo.tasks.fatigue.m53_material import process_remark, uncovered_material
-from cranktopo.tasks.fatigue.mesh_quality import RuleQuality
-from cranktopo.tasks.fatigue.result import (
+from cranktopo.tasks.throw_fatigue.m53_material import process_remark, uncovered_material
+from cranktopo.tasks.throw_fatigue.mesh_quality import RuleQuality
+from cranktopo.tasks.throw_fatigue.result import (
     AlternatingLoads,
     FatigueResult,
 )
-from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
-from cranktopo.tasks.fatigue.rule_tables import acceptability_table, quality_table
-from cranktopo.tasks.fatigue.rule_text import rule_remarks, rule_table
-from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
-from cranktopo.tasks.fatigue.text import compare_fatigue
-from cranktopo.tasks.fatigue.throw_verdict import throw_verdict
-from cranktopo.tasks.fatigue.verdicts import verdicts
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fatigue.rule_check import RuleCheck, check_rule
+from cranktopo.tasks.throw_fatigue.rule_tables import acceptability_table, quality_table
+from cranktopo.tasks.throw_fatigue.rule_text import rule_remarks, rule_table
+from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.throw_fatigue.text import compare_fatigue
+from cranktopo.tasks.throw_fatigue.throw_verdict import throw_verdict
+from cranktopo.tasks.throw_fatigue.verdicts import verdicts
+from cranktopo.tasks.throw_fea.targets import Target
 
 ALLOWED = FilletCheck(200.0, 240.0)
 """Q = 1.2."""
@@ -302,7 +302,7 @@ def test_a_default_mesh_that_leaves_a_place_open_is_made_finer_once(
         asked.append(given[-1])
         return replace(check(ALLOWED, WEAK), quality=MISSED)
 
-    monkeypatch.setattr("cranktopo.tasks.fatigue.rule_check._check", checked)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.rule_check._check", checked)
     lines: list[str] = []
     with redirected(lines.append):
         check_rule(Target("t", load_scene("mikron-iiic-plain")), fillet_fraction=fraction)

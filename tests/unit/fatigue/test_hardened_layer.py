@@ -11,7 +11,7 @@ import pytest
 
 from cranktopo.design.hardening import TENSILE_OF_HV, vickers
 from cranktopo.tasks.fatigue.fkm import load_rules
-from cranktopo.tasks.fatigue.hardened_layer import (
+from cranktopo.tasks.throw_fatigue.hardened_layer import (
     LAWS,
     HardenedLayer,
     layer_residual_MPa,

@@ -12,14 +12,14 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.fatigue.criteria import check_method
-from cranktopo.tasks.fatigue.hardened_layer import HardenedLayer
-from cranktopo.tasks.fatigue.m53 import (
+from cranktopo.tasks.throw_fatigue.hardened_layer import HardenedLayer
+from cranktopo.tasks.throw_fatigue.m53 import (
     FilletCheck,
     concentration_factors,
     dimensions,
     nominal_stresses,
 )
-from cranktopo.tasks.fatigue.m53_hardening import (
+from cranktopo.tasks.throw_fatigue.m53_hardening import (
     FilletStress,
     local_bending,
     local_torsion,
@@ -29,7 +29,7 @@ from cranktopo.tasks.fatigue.m53_hardening import (
     transition_strength_MPa,
     treated_check,
 )
-from cranktopo.tasks.fatigue.rule_fillets import fillet_checks
+from cranktopo.tasks.throw_fatigue.rule_fillets import fillet_checks
 from tests.unit.fatigue.hardened_layers import INDUCTION, NITRIDED
 
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from cranktopo.report.result_table import terminal
-from cranktopo.tasks.fatigue.mesh_quality import Quality
-from cranktopo.tasks.fatigue.safety_field import FatigueField
-from cranktopo.tasks.fatigue.text import field_table
-from cranktopo.tasks.fatigue.verdicts import verdicts
+from cranktopo.tasks.throw_fatigue.mesh_quality import Quality
+from cranktopo.tasks.throw_fatigue.safety_field import FatigueField
+from cranktopo.tasks.throw_fatigue.text import field_table
+from cranktopo.tasks.throw_fatigue.verdicts import verdicts
 
 
 def field(name: str, outlet: float | None) -> Any:

@@ -14,29 +14,29 @@ from cranktopo.design.halves import halves
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.bench.results import _outlet_words
-from cranktopo.tasks.fatigue import rule_page
-from cranktopo.tasks.fatigue.m53 import (
+from cranktopo.tasks.throw_fatigue import rule_page
+from cranktopo.tasks.throw_fatigue.m53 import (
     FilletCheck,
     concentration_factors,
     dimensions,
 )
-from cranktopo.tasks.fatigue.m53_outlet import (
+from cranktopo.tasks.throw_fatigue.m53_outlet import (
     OutletCheck,
     check_outlets,
     outlet_equivalent_MPa,
     unchecked_journal_outlets,
 )
-from cranktopo.tasks.fatigue.mesh_quality import MeshChecks
-from cranktopo.tasks.fatigue.outlet_elements import OutletFactors
-from cranktopo.tasks.fatigue.result import (
+from cranktopo.tasks.throw_fatigue.mesh_quality import MeshChecks
+from cranktopo.tasks.throw_fatigue.outlet_elements import OutletFactors
+from cranktopo.tasks.throw_fatigue.result import (
     OutletAcceptance,
     OutletElementsAcceptance,
 )
-from cranktopo.tasks.fatigue.rule_check import check_rule
-from cranktopo.tasks.fatigue.rule_tables import acceptability_table, size_table
-from cranktopo.tasks.fatigue.rule_text import outlet_table, rule_remarks, rule_table
-from cranktopo.tasks.fatigue.throw_verdict import throw_verdict
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fatigue.rule_check import check_rule
+from cranktopo.tasks.throw_fatigue.rule_tables import acceptability_table, size_table
+from cranktopo.tasks.throw_fatigue.rule_text import outlet_table, rule_remarks, rule_table
+from cranktopo.tasks.throw_fatigue.throw_verdict import throw_verdict
+from cranktopo.tasks.throw_fea.targets import Target
 from cranktopo.throw.drilling.table import drill_bores
 from tests.unit.fatigue.test_governing_factors import ALLOWED, MISSED, WEAK, check
 
@@ -49,7 +49,8 @@ def test_the_mass_is_that_of_the_drilled_throw(monkeypatch: pytest.MonkeyPatch) 
     plain["throw"]["drilling"] = [drilling_of("first", 6.0)]
     scene = scene_from_dict(plain, "drilled", whole=True)
     monkeypatch.setattr(
-        "cranktopo.tasks.fatigue.rule_check._check", lambda *_: replace(check(ALLOWED, ALLOWED), web="first")
+        "cranktopo.tasks.throw_fatigue.rule_check._check",
+        lambda *_: replace(check(ALLOWED, ALLOWED), web="first"),
     )
     exact = throw_volume_mm3(scene) * scene.material.density_kg_m3 * 1e-9
     found = check_rule(Target("drilled", scene))
@@ -86,10 +87,12 @@ def test_elements_of_a_web_have_the_drilling_that_it_alone_has(monkeypatch: pyte
         return SimpleNamespace(throw_kg=1.0, quality=replace(MISSED, jump_percent=4.0))
 
     factors = concentration_factors(dimensions(scene))
-    monkeypatch.setattr("cranktopo.tasks.fatigue.rule_check.solve_stresses", model)
-    monkeypatch.setattr("cranktopo.tasks.fatigue.rule_check.element_factors", lambda _: factors)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.rule_check.solve_stresses", model)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.rule_check.element_factors", lambda _: factors)
     by_elements = OutletFactors(2.4, 4.4, MeshChecks(1.0, 1.0))
-    monkeypatch.setattr("cranktopo.tasks.fatigue.m53_outlet.element_outlet_factors", lambda *_: by_elements)
+    monkeypatch.setattr(
+        "cranktopo.tasks.throw_fatigue.m53_outlet.element_outlet_factors", lambda *_: by_elements
+    )
     found = check_rule(Target("drilled", scene))
     assert len(solved) == 2
     for of_web, place_mm in zip(solved, (8.0, 10.0), strict=True):

@@ -11,8 +11,9 @@ import pytest
 from cranktopo import load_scene
 from cranktopo.base.arrays import Array
 from cranktopo.tasks.fatigue.criterion import LocalStress
-from cranktopo.tasks.fatigue.hardened_layer import HardenedLayer
-from cranktopo.tasks.fatigue.hardening import (
+from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
+from cranktopo.tasks.throw_fatigue.hardened_layer import HardenedLayer
+from cranktopo.tasks.throw_fatigue.hardening import (
     TreatedFillet,
     at_nodes,
     fillet_result,
@@ -22,9 +23,8 @@ from cranktopo.tasks.fatigue.hardening import (
     over_depth,
     safety_at,
 )
-from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
-from cranktopo.tasks.fatigue.m53 import concentration_factors, dimensions
-from cranktopo.tasks.fatigue.stress_below import NotchShape, notch_shape, stress_share, web_middle_mm
+from cranktopo.tasks.throw_fatigue.m53 import concentration_factors, dimensions
+from cranktopo.tasks.throw_fatigue.stress_below import NotchShape, notch_shape, stress_share, web_middle_mm
 from tests.unit.fatigue.hardened_layers import INDUCTION, NITRIDED
 
 STRENGTH = LsaStrength(495, 525, 900, 1100)

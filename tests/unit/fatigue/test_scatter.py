@@ -10,13 +10,13 @@ import pytest
 
 from cranktopo import load_scene, with_values
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fatigue import stage
 from cranktopo.tasks.fatigue.criteria import criterion
 from cranktopo.tasks.fatigue.criterion import LocalStress
-from cranktopo.tasks.fatigue.result import PointScatter
-from cranktopo.tasks.fatigue.scatter import counts_scatter, lognormal, point_scatter
-from cranktopo.tasks.fatigue.stress_model import StressModel
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fatigue import stage
+from cranktopo.tasks.throw_fatigue.result import PointScatter
+from cranktopo.tasks.throw_fatigue.scatter import counts_scatter, lognormal, point_scatter
+from cranktopo.tasks.throw_fatigue.stress_model import StressModel
+from cranktopo.tasks.throw_fea.targets import Target
 
 AMPLITUDE, MEAN, GRADIENT = 340.0, 90.0, 0.7
 LOCAL = LocalStress(*(np.array([value]) for value in (AMPLITUDE, MEAN, GRADIENT)))

@@ -15,12 +15,12 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import LoadHistory, load_history, throw_histories
 from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.numerics.tetrahedra.stress import SurfaceStress
-from cranktopo.tasks.fatigue import stage
 from cranktopo.tasks.fatigue.criteria import safety_method
 from cranktopo.tasks.fatigue.criterion import LocalStress
-from cranktopo.tasks.fatigue.spectrum import counts_lives, damage, part_lives, rainflow, speed_histories
-from cranktopo.tasks.fatigue.stress_model import StressModel
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.throw_fatigue import stage
+from cranktopo.tasks.throw_fatigue.spectrum import counts_lives, damage, part_lives, rainflow, speed_histories
+from cranktopo.tasks.throw_fatigue.stress_model import StressModel
+from cranktopo.tasks.throw_fea.targets import Target
 
 SPECTRUM = Spectrum.model_validate({"step": [{"rpm": 2000.0, "share": 1.0}]})
 LIMIT_MPA = 100.0

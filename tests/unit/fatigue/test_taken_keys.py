@@ -12,13 +12,13 @@ import pytest
 from cranktopo import load_scene, with_values
 from cranktopo.design.assumed import FATIGUE, assumptions
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fatigue import stage
-from cranktopo.tasks.fatigue.assessment import FatigueMethod
 from cranktopo.tasks.fatigue.criteria import LOCAL_METHODS, METHODS, criterion, safety_method
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.lsa import lsa_strength
 from cranktopo.tasks.fatigue.taken_keys import assumed_by, taken_keys, unused_keys
-from cranktopo.tasks.fea.targets import Target, resolve_target
+from cranktopo.tasks.throw_fatigue import stage
+from cranktopo.tasks.throw_fatigue.assessment import FatigueMethod
+from cranktopo.tasks.throw_fea.targets import Target, resolve_target
 
 OTHERS = {
     "surface_treatment_factor": 1.2,

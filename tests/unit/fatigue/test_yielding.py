@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from cranktopo.base.notes import redirected
-from cranktopo.tasks.fatigue.remarks import note_yielding
+from cranktopo.tasks.throw_fatigue.remarks import note_yielding
 
 
 def told(amplitude_MPa: float, mean_MPa: float, yield_MPa: float | None) -> list[str]:

@@ -9,8 +9,8 @@ import pytest
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import new_run
-from cranktopo.tasks.fea.stage import print_assumed
-from cranktopo.tasks.fea.targets import resolve_target
+from cranktopo.tasks.throw_fea.stage import print_assumed
+from cranktopo.tasks.throw_fea.targets import resolve_target
 
 
 def narrow_bored() -> Scene:

@@ -8,7 +8,7 @@ from pathlib import Path
 from cranktopo.design.loading import load_scene
 from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.tasks.compare.stage import _like_for_like
-from cranktopo.tasks.fea.targets import Target, unlike_fillet_line
+from cranktopo.tasks.throw_fea.targets import Target, unlike_fillet_line
 
 
 def test_beside_the_surface_of_a_run_designs_have_no_fillets() -> None:

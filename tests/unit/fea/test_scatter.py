@@ -6,8 +6,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from cranktopo.tasks.bound.result import NoBound
-from cranktopo.tasks.fea.quantities import TORSION
-from cranktopo.tasks.fea.scatter import (
+from cranktopo.tasks.throw_fea.quantities import TORSION
+from cranktopo.tasks.throw_fea.scatter import (
     LABELS,
     Point,
     draw_stiffness_over_mass,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from cranktopo.report.result_table import terminal
-from cranktopo.tasks.fea.evaluation import Evaluation
-from cranktopo.tasks.fea.quantities import evaluation_table, result_line
-from cranktopo.tasks.fea.throw_stiffness import Stiffness
+from cranktopo.tasks.throw_fea.evaluation import Evaluation
+from cranktopo.tasks.throw_fea.quantities import evaluation_table, result_line
+from cranktopo.tasks.throw_fea.throw_stiffness import Stiffness
 
 
 def evaluated(torsion: str = "free", bending: str = "pinned") -> Evaluation:

@@ -34,11 +34,12 @@ TASKS = (
     "designs",
     "importing",
     "crank_import",
-    "fea",
+    "throw_fea",
     "shaft",
     "vibration",
     "modes",
     "fatigue",
+    "throw_fatigue",
     "dynamics",
     "shaft_safety",
     "export",
@@ -50,7 +51,7 @@ TASKS = (
     "refit",
     "bound",
     "accuracy",
-    "shape",
+    "web_shape",
     "optimise",
     "iterate",
     "evaluate",
@@ -117,7 +118,7 @@ def files_of(name: str) -> set[Path]:
     }
 
 
-@pytest.mark.parametrize("task", ["fea", "fatigue"])
+@pytest.mark.parametrize("task", ["throw_fea", "throw_fatigue"])
 def test_the_check_never_reaches_what_it_checks(task: str) -> None:
     """Neither by itself nor through any module it uses, late imports included."""
     found, waiting = set(), set((PACKAGE / "tasks" / task).glob("*.py"))
@@ -174,21 +175,10 @@ def test_numerics_names_no_part_of_an_engine() -> None:
         assert theirs or not re.search(r"(?<![a-z])journal", text, re.I), file
 
 
-METHODS_OF_FATIGUE = (
-    "criteria",
-    "criterion",
-    "dang_van",
-    "findley",
-    "fkm",
-    "lsa",
-    "plane_criterion",
-    "plane_field",
-    "planes",
-    "smooth_extremes",
-    "superposition",
-    "taken_keys",
+METHODS_OF_FATIGUE = sorted(
+    file.stem for file in PACKAGE.glob("tasks/fatigue/*.py") if file.name != "__init__.py"
 )
-"""Modules of `tasks/fatigue` that judge the surface of any part."""
+"""All modules of `tasks/fatigue`: they judge the surface of any part."""
 BESIDE_THE_CRANK = sorted(
     [
         *(file for part in ("rod", "bolts", "balancer") for file in PACKAGE.glob(f"tasks/{part}/*.py")),
@@ -196,6 +186,19 @@ BESIDE_THE_CRANK = sorted(
         PACKAGE / "bodies" / "solid" / "rod.py",
     ]
 )
+
+
+OF_THE_THROW = ("throw_fea", "throw_fatigue", "web_shape")
+"""Tasks that are done to a throw or its web alone, and are named so."""
+SHARED = {
+    "numerics/tetrahedra/rigid_motions.py": {"throw_fea", "web_shape", "rod"},
+    "numerics/tetrahedra/unit_stress.py": {"throw_fatigue", "web_shape", "rod"},
+    "numerics/optimisers/gradient_search.py": {"web_shape", "rod", "balancer"},
+    "numerics/optimisers/model_management.py": {"web_shape", "rod"},
+    "tasks/fatigue/smooth_extremes.py": {"web_shape", "rod"},
+    "tasks/fatigue/lsa.py": {"throw_fatigue", "balancer"},
+}
+"""Code for any part, and tasks of several parts that use it."""
 
 
 def known(file: Path) -> set[str]:
@@ -218,19 +221,40 @@ def test_methods_of_fatigue_know_no_part(name: str) -> None:
 
 def test_parts_beside_the_crank_take_nothing_of_the_throw() -> None:
     """All the same they mesh, solve, recover stresses, judge and move meshes as the web does."""
-    general = {f"tasks/fatigue/{one}.py" for one in METHODS_OF_FATIGUE}
-    of_throw = ("throw/", "tasks/fea/", "tasks/fatigue/", "tasks/shaft/", "bodies/mesh/solid_mesh.py")
-    taken = {file: known(file) - general for file in BESIDE_THE_CRANK}
-    forbidden = (*of_throw, "bodies/solid/throw.py")
+    rooms = ("throw/", *(f"tasks/{task}/" for task in (*OF_THE_THROW, "shaft")))
+    forbidden = (*rooms, "bodies/mesh/solid_mesh.py", "bodies/solid/throw.py")
+    taken = {file: known(file) for file in BESIDE_THE_CRANK}
     assert not [(file, one) for file, names in taken.items() for one in names if one.startswith(forbidden)]
 
 
-@pytest.mark.parametrize("task", ["fatigue", "shape", "rod"])
+@pytest.mark.parametrize("task", ["throw_fatigue", "web_shape", "rod"])
 def test_web_and_rod_take_one_path_through_stresses(task: str) -> None:
     """None of them takes the way back from stresses by itself."""
     taken = {name for file in (PACKAGE / "tasks" / task).glob("*.py") for name in known(file)}
     assert "numerics/tetrahedra/unit_stress.py" in taken
     assert "numerics/tetrahedra/stress_adjoint.py" not in taken
+
+
+@pytest.mark.parametrize("module", sorted(SHARED))
+def test_parts_share_what_is_of_no_part(module: str) -> None:
+    """Beside a web the rod or the balancer shaft uses it: neither has another of its own."""
+    assert len(SHARED[module] - set(OF_THE_THROW)) > 0
+    for task in SHARED[module]:
+        taken = {name for file in (PACKAGE / "tasks" / task).rglob("*.py") for name in known(file)}
+        assert module in taken, task
+
+
+def test_rooms_without_the_name_of_a_part_know_none() -> None:
+    """Methods of finite elements and of searches are in `numerics`, those of fatigue in `tasks/fatigue`.
+
+    No room of their bare names is left that could know a part, and no optimiser outside `numerics`.
+    """
+    assert not {"fea", "shape"} & set(TASKS)
+    optimising = {
+        file for file in FILES if any(name.split(".")[0] == "nlopt" for name in facts(file).imports)
+    }
+    assert optimising
+    assert all(room_of(file) == ("numerics",) for file in optimising)
 
 
 def test_docstrings_are_statements() -> None:
@@ -262,7 +286,7 @@ def test_packages_of_extras_are_imported_where_they_are_needed_alone() -> None:
         if {name.partition(".")[0] for name in facts(file).imports} & OF_EXTRAS
     }
     others = {name for name in importing if not name.startswith(("bench/", "sweep/"))}
-    assert others == {"fatigue/fkm.py", "fatigue/spectrum.py"}
+    assert others == {"fatigue/fkm.py", "throw_fatigue/spectrum.py"}
 
 
 def test_help_loads_nothing_heavy() -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from cranktopo.tasks.fea.quantities import estimate_line
 from cranktopo.tasks.iterate.result import StepRow
 from cranktopo.tasks.iterate.text import steps_estimate
 from cranktopo.tasks.refit.page import refit_text
 from cranktopo.tasks.refit.result import RefitResult
+from cranktopo.tasks.throw_fea.quantities import estimate_line
 from tests.told_evaluation import told_evaluation
 
 

@@ -15,7 +15,7 @@ from cranktopo.tasks.iterate import shape_step
 from cranktopo.tasks.iterate.result import LoopResult, LoopStep, StepRow, loop_settings
 from cranktopo.tasks.iterate.shape_step import ShapeStep
 from cranktopo.tasks.iterate.text import shape_line
-from cranktopo.tasks.shape import run as shape_run
+from cranktopo.tasks.web_shape import run as shape_run
 from tests.shape_stand_in import ORIGINAL, ShapeStandIn
 
 

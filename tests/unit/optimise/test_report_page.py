@@ -21,10 +21,10 @@ from cranktopo.report.result_table import ResultTable
 from cranktopo.report.viewer.scene3d import MOST_FACES, DesignSnapshot, Scene3D, ShownBody, packed
 from cranktopo.tasks.extraction.result import WallMeasures
 from cranktopo.tasks.extraction.text import length_lines
-from cranktopo.tasks.fea.quantities import worse_line
 from cranktopo.tasks.optimise.result import RunMetrics
 from cranktopo.tasks.optimise.run_record import MOST_CELLS, coarsened, evenly_spread
 from cranktopo.tasks.optimise.text import facts, fatigue_fact, headline, run_summary, run_undercuts_fact
+from cranktopo.tasks.throw_fea.quantities import worse_line
 from tests.packed_scenes import unpacked
 from tests.run_metrics import SURFACE, load_of, run_metrics
 

@@ -16,10 +16,10 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.page import Section
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, quantiles_MPa, stress_scales
 from cranktopo.runs.directories import RunStore
-from cranktopo.tasks.fea.section import stress_section
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.fea.unit_fields import CaseStress
 from cranktopo.tasks.optimise.run_record import read_run_stress, solve_run_stress
+from cranktopo.tasks.throw_fea.section import stress_section
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.throw_fea.unit_fields import CaseStress
 
 TORSION = LoadCase(name="torsion", kind="torsion", torque_Nm=685.7, source="by hand")
 BENDING = LoadCase(name="bending", kind="bending", radial_N=32377.0, source="by hand")

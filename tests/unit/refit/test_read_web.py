@@ -13,7 +13,7 @@ from cranktopo.design.writing import toml_text
 from cranktopo.tasks.refit.family import Layout, web_of, with_free
 from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.read_web import read_web
-from cranktopo.tasks.shape.start import outline_start, scene_start
+from cranktopo.tasks.web_shape.start import outline_start, scene_start
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted import FittedFeature
 from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder

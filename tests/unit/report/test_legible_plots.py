@@ -16,10 +16,10 @@ from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.engine.vibration.study import Misfire, Swing, VibrationStudy, study_vibration
 from cranktopo.report.plot import Picture, emptiest_deg, name_above, picture, plain_decades, polar_frame
-from cranktopo.tasks.fea.scatter import LABELS, Point, scatter_pictures
 from cranktopo.tasks.modes.plots import _draw_turning
-from cranktopo.tasks.shape.page import draw_goal, draw_worst_limit
+from cranktopo.tasks.throw_fea.scatter import LABELS, Point, scatter_pictures
 from cranktopo.tasks.vibration.plots import _draw_modes, vibration_pictures
+from cranktopo.tasks.web_shape.page import draw_goal, draw_worst_limit
 from tests.physics.engine.test_line_damping import LINE, PROPELLER
 from tests.physics.engine.test_orders_of_a_slow_engine import medium_speed
 

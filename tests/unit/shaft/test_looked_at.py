@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cranktopo.tasks.fatigue.least import looked_at
+from cranktopo.tasks.throw_fatigue.least import looked_at
 
 
 def test_a_resonance_between_even_speeds_is_looked_at() -> None:

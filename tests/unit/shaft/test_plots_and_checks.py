@@ -10,11 +10,11 @@ import pytest
 
 from cranktopo import Target, load_scene
 from cranktopo.base.notes import redirected
-from cranktopo.tasks.fatigue import stress_model
-from cranktopo.tasks.fatigue.mesh_quality import MeshCheck, Quality
 from cranktopo.tasks.shaft.web_sections import WebSections
 from cranktopo.tasks.shaft_safety.judged import JudgedShaft
 from cranktopo.tasks.shaft_safety.plots import web_pictures
+from cranktopo.tasks.throw_fatigue import stress_model
+from cranktopo.tasks.throw_fatigue.mesh_quality import MeshCheck, Quality
 
 
 def test_names_of_axes_lie_within_the_picture_and_no_two_curves_look_alike() -> None:

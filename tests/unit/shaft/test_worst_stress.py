@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.tasks.fatigue.stress_model import Image
 from cranktopo.tasks.shaft_safety.worst_stress import stress_over_cycle
+from cranktopo.tasks.throw_fatigue.stress_model import Image
 
 AROUND_DEG, ALONG_DEG = 150.0, 30.0
 TURN, RISE = math.radians(AROUND_DEG), math.radians(ALONG_DEG)

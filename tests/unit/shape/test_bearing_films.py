@@ -14,7 +14,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.bound.webs import convex_problem
 from cranktopo.tasks.film.stage import oil_films
 from cranktopo.tasks.refit.family import scene_at
-from cranktopo.tasks.shape.bearing_films import film_slopes, film_values
+from cranktopo.tasks.web_shape.bearing_films import film_slopes, film_values
 from tests.physics.shape.shape_cases import Array, free_throw
 
 BEARINGS = {"clearance_mm": 0.05, "oil": "ISO VG 100", "groove_mm": 15.0}

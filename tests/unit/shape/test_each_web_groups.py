@@ -12,8 +12,8 @@ from cranktopo.design.halves import halves
 from cranktopo.design.loading import load_scene
 from cranktopo.design.named import with_values
 from cranktopo.tasks.refit.fit import scene_with_web
-from cranktopo.tasks.shape.each_web.crank_files import MAIN, write_crank
-from cranktopo.tasks.shape.each_web.groups import is_mirrored, web_groups
+from cranktopo.tasks.web_shape.each_web.crank_files import MAIN, write_crank
+from cranktopo.tasks.web_shape.each_web.groups import is_mirrored, web_groups
 
 FOUR = (0.0, 180.0, 180.0, 0.0)
 SAFETIES = (1.6, 2.0, 1.60, 1.52, 1.67, 1.63, 1.70, 1.43)

@@ -15,13 +15,13 @@ from cranktopo.base.progress import StageMemory
 from cranktopo.design.loading import load_scene
 from cranktopo.design.named import with_goal
 from cranktopo.engine.histories import WebLoads
-from cranktopo.tasks.shape import evaluated_web
-from cranktopo.tasks.shape import run as shape_run
-from cranktopo.tasks.shape.each_web import rounds
-from cranktopo.tasks.shape.each_web.groups import WebGroup
-from cranktopo.tasks.shape.each_web.loaded_shaft import LoadedShaft
-from cranktopo.tasks.shape.each_web.rounds import CrankSearch
-from cranktopo.tasks.shape.run import ShapedRun, shape_settings
+from cranktopo.tasks.web_shape import evaluated_web
+from cranktopo.tasks.web_shape import run as shape_run
+from cranktopo.tasks.web_shape.each_web import rounds
+from cranktopo.tasks.web_shape.each_web.groups import WebGroup
+from cranktopo.tasks.web_shape.each_web.loaded_shaft import LoadedShaft
+from cranktopo.tasks.web_shape.each_web.rounds import CrankSearch
+from cranktopo.tasks.web_shape.run import ShapedRun, shape_settings
 from tests import shape_stand_in
 from tests.shaft_stand_in import told_shaft
 from tests.shape_stand_in import ORIGINAL, ShapeStandIn

@@ -12,10 +12,10 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.progress import StageMemory
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fea.evaluation import evaluate
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.shape import evaluated_web as module
-from cranktopo.tasks.shape.evaluated_web import evaluated_original
+from cranktopo.tasks.throw_fea.evaluation import evaluate
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.web_shape import evaluated_web as module
+from cranktopo.tasks.web_shape.evaluated_web import evaluated_original
 
 
 @pytest.fixture(scope="module")

@@ -20,13 +20,13 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.vibration.first_frequency import first_frequency
 from cranktopo.tasks.bound.webs import convex_problem
 from cranktopo.tasks.compare import stage as compare_stage
-from cranktopo.tasks.fea.evaluation import evaluate
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.shape import evaluated_web as module
-from cranktopo.tasks.shape.evaluated_web import Judging, coarse_shares, evaluated_web
-from cranktopo.tasks.shape.search_goal import goal_on_cells, search_goal_of
-from cranktopo.tasks.shape.shaft_frequency import frequency_of, needed_for
+from cranktopo.tasks.throw_fea.evaluation import evaluate
+from cranktopo.tasks.throw_fea.targets import Target
 from cranktopo.tasks.vibration.stage import shaft_vibration
+from cranktopo.tasks.web_shape import evaluated_web as module
+from cranktopo.tasks.web_shape.evaluated_web import Judging, coarse_shares, evaluated_web
+from cranktopo.tasks.web_shape.search_goal import goal_on_cells, search_goal_of
+from cranktopo.tasks.web_shape.shaft_frequency import frequency_of, needed_for
 
 LIMITS = ("natural_frequency >= 98 %", "stress <= 250 MPa")
 COARSE_MM = 12.0

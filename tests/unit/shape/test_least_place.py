@@ -18,20 +18,20 @@ from cranktopo.runs.manifest import new_manifest
 from cranktopo.tasks.compare.cards import best_facts
 from cranktopo.tasks.compare.printed import comparison_text
 from cranktopo.tasks.compare.result import Entry, compare
-from cranktopo.tasks.fatigue.result import CriticalPoint, FieldFatigue
-from cranktopo.tasks.fatigue.target_safety import fatigue_field
-from cranktopo.tasks.fatigue.text import FatigueComparison
-from cranktopo.tasks.fea.quantities import SAFETY
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.shape import evaluated_web as module
-from cranktopo.tasks.shape.evaluated_web import Judging, evaluated_web
-from cranktopo.tasks.shape.page import quantity_fact, shape_page
-from cranktopo.tasks.shape.result import ShapeResult
-from cranktopo.tasks.shape.text import shape_headline, shape_summary
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.page import sweep_html
 from cranktopo.tasks.sweep.stages import run_stage
 from cranktopo.tasks.sweep.text import frame_of, sweep_summary
+from cranktopo.tasks.throw_fatigue.result import CriticalPoint, FieldFatigue
+from cranktopo.tasks.throw_fatigue.target_safety import fatigue_field
+from cranktopo.tasks.throw_fatigue.text import FatigueComparison
+from cranktopo.tasks.throw_fea.quantities import SAFETY
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.web_shape import evaluated_web as module
+from cranktopo.tasks.web_shape.evaluated_web import Judging, evaluated_web
+from cranktopo.tasks.web_shape.page import quantity_fact, shape_page
+from cranktopo.tasks.web_shape.result import ShapeResult
+from cranktopo.tasks.web_shape.text import shape_headline, shape_summary
 from tests.cli.test_comparison_report import NO_FATIGUE, evaluated
 from tests.physics.fatigue.test_least_safety import drilled
 from tests.sweep_cases import point_result
@@ -86,7 +86,7 @@ def test_shape_names_both_places(monkeypatch: pytest.MonkeyPatch) -> None:
     text = shape_summary(found, Path("out"))
     assert f"least fatigue safety 0.970 at {OUTLET}; of the original 1.010 at {FILLET}" in text
     assert quantity_fact(found, "fatigue_safety").note.endswith(f"least at {OUTLET}; below 1: it fails")
-    monkeypatch.setattr("cranktopo.tasks.shape.page.gallery_picture", lambda *_: None)
+    monkeypatch.setattr("cranktopo.tasks.web_shape.page.gallery_picture", lambda *_: None)
     manifest = new_manifest(run="out", design="", command=(), scene={}, options={}, inputs={})
     page = shape_page(found, manifest, load_scene("mikron-iiic-plain"), ())
     assert f"at {OUTLET}; of the original" in page.sections[0].text
@@ -98,7 +98,7 @@ def test_shape_tells_what_its_safeties_leave_out(monkeypatch: pytest.MonkeyPatch
     found = ShapeResult.of_json(data, "shape.json")
     lines = shape_summary(found, Path("out")).splitlines()
     assert [line for line in lines if CUT in line or FAST in line] == [CUT, f"result: {FAST}"]
-    monkeypatch.setattr("cranktopo.tasks.shape.page.gallery_picture", lambda *_: None)
+    monkeypatch.setattr("cranktopo.tasks.web_shape.page.gallery_picture", lambda *_: None)
     manifest = new_manifest(run="out", design="", command=(), scene={}, options={}, inputs={})
     page = shape_page(found, manifest, load_scene("mikron-iiic-plain"), ())
     assert f"{CUT.removesuffix('.')}; result: {FAST.removesuffix('.')}" in page.sections[0].text
@@ -125,7 +125,7 @@ def test_a_result_of_an_earlier_version_names_none() -> None:
 
 def test_a_point_of_a_sweep_has_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assessed = SimpleNamespace(fields=(FIELD,), loads="extremes")
-    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.assess_fatigue", lambda *_: assessed)
+    monkeypatch.setattr("cranktopo.tasks.throw_fatigue.stage.assess_fatigue", lambda *_: assessed)
     monkeypatch.setattr("cranktopo.tasks.sweep.stages._judged", lambda *_: {"mass_kg": 2.0})
     monkeypatch.setattr("cranktopo.tasks.sweep.stages.web_view", lambda *_: "")
     told = run_stage("fatigue", load_scene("mikron-iiic-plain"), tmp_path, Fineness())

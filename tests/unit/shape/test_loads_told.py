@@ -9,7 +9,7 @@ import pytest
 
 from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene
-from cranktopo.tasks.shape import run as module
+from cranktopo.tasks.web_shape import run as module
 
 
 class _BegunError(Exception):

@@ -12,11 +12,11 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.loading import load_scene
 from cranktopo.tasks.refit.family import Layout
-from cranktopo.tasks.shape.mesh_model import MeshedWebs
-from cranktopo.tasks.shape.nearest_web import nearest_of, nearest_web, search_with_corrections
-from cranktopo.tasks.shape.refining import Step
-from cranktopo.tasks.shape.rules import EnvelopeClearance, rules_of
-from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
+from cranktopo.tasks.web_shape.mesh_model import MeshedWebs
+from cranktopo.tasks.web_shape.nearest_web import nearest_of, nearest_web, search_with_corrections
+from cranktopo.tasks.web_shape.refining import Step
+from cranktopo.tasks.web_shape.rules import EnvelopeClearance, rules_of
+from cranktopo.tasks.web_shape.search_goal import Quantities, SearchGoal
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 

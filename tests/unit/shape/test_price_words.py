@@ -13,7 +13,7 @@ from cranktopo.design.loading import load_scene
 from cranktopo.report.plot import picture
 from cranktopo.report.report_file import html, markdown_text
 from cranktopo.runs.manifest import new_manifest
-from cranktopo.tasks.shape.page import (
+from cranktopo.tasks.web_shape.page import (
     curves,
     draw_goal,
     draw_worst_limit,
@@ -21,8 +21,8 @@ from cranktopo.tasks.shape.page import (
     quantity_fact,
     shape_page,
 )
-from cranktopo.tasks.shape.result import ShapeResult
-from cranktopo.tasks.shape.text import (
+from cranktopo.tasks.web_shape.result import ShapeResult
+from cranktopo.tasks.web_shape.text import (
     multiplier_table,
     multiplier_text,
     shape_headline,
@@ -156,7 +156,7 @@ def test_summary_and_page_name_the_load_states_of_a_safety(
     found = _found(data | changed | {"goal_on_cells": {"minimise": "mass"}} | TOLD)
     assert f"\nfatigue safety {words}\n" in shape_summary(found, Path("run"))
     assert quantity_fact(found, "fatigue_safety").note.endswith(f"{words}; below 1: it fails")
-    monkeypatch.setattr("cranktopo.tasks.shape.page.gallery_picture", lambda *_: None)
+    monkeypatch.setattr("cranktopo.tasks.web_shape.page.gallery_picture", lambda *_: None)
     manifest = new_manifest(run="out", design="", command=(), scene={}, options={}, inputs={})
     page = shape_page(found, manifest, load_scene("mikron-iiic-plain"), ())
     page = replace(page, scene3d=None)

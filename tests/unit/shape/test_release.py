@@ -15,9 +15,9 @@ from cranktopo.tasks.extraction.release import shaped_undercuts
 from cranktopo.tasks.extraction.result import ShapedUndercuts
 from cranktopo.tasks.extraction.text import release_text, release_verdict
 from cranktopo.tasks.refit.fit import scene_with_web
-from cranktopo.tasks.shape.page import release_fact
-from cranktopo.tasks.shape.result import ShapeResult
-from cranktopo.tasks.shape.text import shape_headline, shape_summary
+from cranktopo.tasks.web_shape.page import release_fact
+from cranktopo.tasks.web_shape.result import ShapeResult
+from cranktopo.tasks.web_shape.text import shape_headline, shape_summary
 from tests.unit.refit.remodel_cases import table
 from tests.unit.shape.shape_results import invented_data
 

@@ -16,9 +16,9 @@ from cranktopo.engine.states import load_cases
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.rules import EnvelopeClearance
-from cranktopo.tasks.shape.search_goal import SearchGoal, goal_on_cells, search_goal_of
-from cranktopo.tasks.shape.start import outline_start
+from cranktopo.tasks.web_shape.rules import EnvelopeClearance
+from cranktopo.tasks.web_shape.search_goal import SearchGoal, goal_on_cells, search_goal_of
+from cranktopo.tasks.web_shape.start import outline_start
 
 ORIGINAL = {"mass": 1.5, "torsion": 150e3, "bending": 240e3, "unbalance": 30.0}
 TRUE = {"mass": 1.6, "torsion": 145e3, "bending": 230e3, "unbalance": 33.0}

@@ -20,12 +20,12 @@ from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import HistoryKind, WebLoads
 from cranktopo.engine.states import load_cases
-from cranktopo.tasks.shape import stage
-from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
-from cranktopo.tasks.shape.optimum import ShapeOptimum, ShapeSettings
-from cranktopo.tasks.shape.refining import Step
-from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
-from cranktopo.tasks.shape.stage import optimise_shape
+from cranktopo.tasks.web_shape import stage
+from cranktopo.tasks.web_shape.mesh_model import MeshedWebs, MeshResponses
+from cranktopo.tasks.web_shape.optimum import ShapeOptimum, ShapeSettings
+from cranktopo.tasks.web_shape.refining import Step
+from cranktopo.tasks.web_shape.search_goal import Quantities, SearchGoal
+from cranktopo.tasks.web_shape.stage import optimise_shape
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 ORIGINAL = {"mass": 1.6, "torsion": 140e3, "bending": 220e3, "fatigue_safety": 2.0}

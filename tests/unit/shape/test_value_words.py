@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import pytest
 
 from cranktopo.report.goal_table import missed_words
-from cranktopo.tasks.shape.result import ShapeResult
-from cranktopo.tasks.shape.text import rounds_table, value_words
+from cranktopo.tasks.web_shape.result import ShapeResult
+from cranktopo.tasks.web_shape.text import rounds_table, value_words
 from tests.unit.shape.shape_results import invented_data
 
 

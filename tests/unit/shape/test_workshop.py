@@ -12,8 +12,8 @@ from cranktopo.tasks.refit.family import Layout, exact_web_of
 from cranktopo.tasks.refit.fit import scene_with_web, usual_limits
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.process import process_limits
-from cranktopo.tasks.shape.feature_starts import end_starts
-from cranktopo.tasks.shape.start import outline_start, scene_start
+from cranktopo.tasks.web_shape.feature_starts import end_starts
+from cranktopo.tasks.web_shape.start import outline_start, scene_start
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder
 from cranktopo.throw.fitted_slot import FittedSlot

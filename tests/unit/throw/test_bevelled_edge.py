@@ -31,9 +31,9 @@ from cranktopo.tasks.drawing.views import Sheet
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.fit import scene_with_web, usual_limits
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.mesh_model import MeshModel
-from cranktopo.tasks.shape.start import scene_start
-from cranktopo.tasks.shape.web_faces import web_faces
+from cranktopo.tasks.web_shape.mesh_model import MeshModel
+from cranktopo.tasks.web_shape.start import scene_start
+from cranktopo.tasks.web_shape.web_faces import web_faces
 from cranktopo.throw.primitives import Polyline
 from tests.step_volume import step_volume_mm3
 from tests.unit.throw.counterweight_cases import DISC, OUTLINES, PLAIN, THIN, roomy_scene, weighted

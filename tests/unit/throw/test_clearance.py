@@ -18,9 +18,9 @@ from cranktopo.design.clearance import CRANKCASE, PISTON, ClearanceLimit, cleara
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.report.viewer.scene3d import ShownBody
-from cranktopo.tasks.fea.section import _draw_clearance, clearance_sections
 from cranktopo.tasks.loads.stage import loads_at_speeds
 from cranktopo.tasks.loads.text import loads_text
+from cranktopo.tasks.throw_fea.section import _draw_clearance, clearance_sections
 from tests.unit.throw.counterweight_cases import PLAIN, roomy_scene, weighted
 
 SKIRT_MM, GAP_MM = 52.0, 1.5

@@ -16,7 +16,7 @@ from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.volume import web_moments, web_volume_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import Layout
-from cranktopo.tasks.shape.web_faces import web_faces
+from cranktopo.tasks.web_shape.web_faces import web_faces
 from tests.unit.throw.counterweight_cases import DISC, PLAIN, roomy_scene, weighted
 
 ROUND = {**PLAIN, "corner_mm": 8.0}

@@ -22,8 +22,8 @@ from cranktopo.tasks.refit.family import Layout, exact_web_of
 from cranktopo.tasks.refit.fit import scene_with_web, usual_limits
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.process import process_limits
-from cranktopo.tasks.shape.feature_starts import end_starts
-from cranktopo.tasks.shape.start import outline_start, scene_start
+from cranktopo.tasks.web_shape.feature_starts import end_starts
+from cranktopo.tasks.web_shape.start import outline_start, scene_start
 from cranktopo.throw.bevel import EndBevel, FittedBevel
 from cranktopo.throw.bevel_arc import BevelArc
 from cranktopo.throw.bevel_tool import DraftedBevelTool

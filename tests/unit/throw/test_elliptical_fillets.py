@@ -12,10 +12,10 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.engine.plan.simulated import strip_features
-from cranktopo.tasks.fatigue.fillets import place
-from cranktopo.tasks.fatigue.needs import check_inputs
-from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.shape.start import scene_start
+from cranktopo.tasks.throw_fatigue.fillets import place
+from cranktopo.tasks.throw_fatigue.needs import check_inputs
+from cranktopo.tasks.throw_fea.targets import Target
+from cranktopo.tasks.web_shape.start import scene_start
 from cranktopo.throw.journal import FilletSection
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 

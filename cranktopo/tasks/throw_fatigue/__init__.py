@@ -1,0 +1,1 @@
+"""Fatigue safety of a throw: fillets, outlets, rounded edges, by local stress and by rule."""
