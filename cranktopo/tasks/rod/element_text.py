@@ -17,6 +17,8 @@ EYES: tuple[Column[EyeShape], ...] = (
     Column("permitted_um", 1, lambda e: e.permitted_um),
 )
 """Change of the bores, also of those in closed form."""
+VOLUME_PERCENT = 0.05
+"""Error of a mesh's volume from which it is told."""
 
 
 def elements_text(elements: RodElements, rod: RodStrength) -> str:
@@ -45,10 +47,21 @@ def elements_text(elements: RodElements, rod: RodStrength) -> str:
             f"Nearer than {elements.edge_distance_mm:.2g} mm to sharp inner edges the mesh decides: "
             f"{sharp.von_mises_MPa:.0f} MPa {_at(sharp.point_mm)}, not judged."
         )
+    lines += too_coarse(elements)
     lines += _by_bolts(elements.preload)
     lines.append("Change of the bores' diameters by finite elements")
     lines.append(terminal(tabulate(EYES, elements.eyes)))
     return "\n\n".join(lines)
+
+
+def too_coarse(elements: RodElements) -> Iterator[str]:
+    """Yield a line where elements that could not be bent to the surface miss a part of the body."""
+    if abs(elements.volume_error_percent) > VOLUME_PERCENT:
+        yield (
+            "THE MESH IS TOO COARSE for the shape: its volume is off by "
+            f"{elements.volume_error_percent:+.2g} %. Stresses where it leaves the surface are wrong; choose "
+            "smaller elements (--element-size-mm)."
+        )
 
 
 def _by_bolts(preload: RodPreload | None) -> Iterator[str]:
