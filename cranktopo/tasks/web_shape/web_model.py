@@ -134,7 +134,8 @@ class _SolvedWebs:
 
     def responses(self, web: ParametricWeb, values: Array, quantities: Collection[str]) -> Responses:
         """Do as `WebModel.responses`."""
-        found = self._model.responses(web, values, quantities, self._guess)
+        guess, self._guess = self._guess, None  # a solve takes it, also one that fails
+        found = self._model.responses(web, values, quantities, guess)
         self._guess = found.displacements
         return found
 

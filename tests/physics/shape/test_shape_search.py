@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from cranktopo.base.errors import CranktopoError
 from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.grid import equilibrium
 from cranktopo.numerics.optimisers.gradient_search import multipliers
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.refit.family import Layout, with_free
@@ -166,6 +169,21 @@ def test_a_search_makes_the_web_lighter_and_keeps_both_stiffnesses(model: WebMod
     for limit in limits:
         assert found.responses.values[limit.quantity] >= 0.998 * limit.bound
     assert model.web(layout).constraints(found.values).max() < 6e-3
+
+
+def test_a_web_that_cannot_be_solved_leaves_the_next_one_a_start(
+    model: WebModel, mikron: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A solve takes the displacements that it starts from, also one that fails."""
+    layout, webs = Layout(7, PARTS[:2]), model.webs()
+    web, values = webs.web(layout), values_of(mikron)[: len(layout.names)]
+    found = webs.responses(web, values, ("torsion",))
+    with monkeypatch.context() as patched:
+        patched.setattr(equilibrium, "METHODS", (replace(equilibrium.METHODS[0], cap=1),))
+        with pytest.raises(CranktopoError, match="relative residual"):
+            webs.responses(web, values + 0.5, ("torsion",))
+    again = webs.responses(web, values, ("torsion",))
+    assert again.values["torsion"] == pytest.approx(found.values["torsion"], rel=1e-4)
 
 
 @pytest.mark.slow
