@@ -258,14 +258,17 @@ def _cells(nodes: Array, low: float, high: float) -> slice:
 
 
 def _check_held(scene: Scene, bore: DrillBore) -> None:
-    """The envelope must hold a drilling and the wall around it between the web's faces."""
+    """The envelope must hold a drilling and the wall around it between the web's faces, but in the bores."""
     (start, end), envelope = scene.web_z_mm, scene.envelope
     points = bore.surface_mm(bore.wall_mm)
     edges = np.linspace(start, end, _CHECKED_HEIGHTS + 1)
     assert envelope is not None  # or there is nothing to design
     for low, high in pairwise(edges.tolist()):
         x, y, z = points[(points[:, 2] > low) & (points[:, 2] < high)].T
-        if not holds(envelope_section(envelope, (low + high) / 2)(y, z), x).all():
+        held = holds(envelope_section(envelope, (low + high) / 2)(y, z), x)
+        for journal, axis in scene.throw.journals:
+            held |= np.hypot(x, y - axis) <= journal.bore_radius_mm
+        if not held.all():
             raise invalid(
                 "envelope",
                 envelope.shape,

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import Pace, note
 from cranktopo.base.progress import StageMemory
 from cranktopo.base.result import Result
@@ -26,7 +26,7 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.histories import WebLoads
 from cranktopo.numerics.optimisers.dimension_search import SearchBudget
 from cranktopo.report.goal_table import missed_words
-from cranktopo.tasks.refit.family import Layout, with_free
+from cranktopo.tasks.refit.family import DECIMALS, Layout, rounded_dimensions, with_free
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.web_shape.evaluated_web import (
     EvaluatedWeb,
@@ -131,6 +131,21 @@ def _selection(
     return FeatureSelection(cells, coarse, goals, before.values, work)
 
 
+def responses_of_sound_web(webs: MeshedWebs, layout: Layout, values: Array) -> MeshResponses:
+    """Return the quantities of a web as it was found, or as it is written where that alone is sound.
+
+    Rules hold at places of the outline: a steep bevel may leave the web between two of them.
+    """
+    web = webs.web(layout)
+    try:
+        return webs.responses(web, values)
+    except CranktopoError as error:
+        if error.code != ExitCode.INVALID_INPUT:
+            raise
+        written = rounded_dimensions(webs.scene, layout, np.round(values, DECIMALS))
+        return webs.responses(web, written)
+
+
 def stresses_in(quantities: Collection[str]) -> frozenset[str]:
     """Return those of some quantities that are read off stresses, over the load states."""
     return frozenset(name for name in quantities if quantity_named(name).of_stress)
@@ -175,7 +190,7 @@ class _LocalRefinement:
             stressed=self._stressed,
             loads=settings.loads,
         )
-        work = LazyFuture(lambda: webs.responses(webs.web(self._layout), values))
+        work = LazyFuture(lambda: responses_of_sound_web(webs, self._layout, values))
         return self._coarse.setdefault(values.tobytes(), work)
 
     def rounds(self, start: Array) -> tuple[tuple[ShapeRound, ...], bool]:

@@ -14,7 +14,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.envelope_file import envelope_from_file, mirror_difference
 from cranktopo.bodies.volume import web_volume_mm3
-from cranktopo.design.loading import load_scene, parse_scene
+from cranktopo.design.loading import load_scene, parse_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
@@ -33,8 +33,10 @@ from cranktopo.tasks.iterate.one_step import (
 )
 from cranktopo.tasks.iterate.result import LoopStep, best_step, loop_settings, verdict
 from cranktopo.tasks.refit.fit import scene_with_web
+from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.envelope import StlEnvelope
 from cranktopo.throw.manufacturing_limits import ProcessLimits
+from tests.hostile.featured_engines import featured_engine
 from tests.unit.extraction.surface_cases import scene_with
 from tests.unit.refit.remodel_cases import WHOLE, known_scene
 
@@ -228,3 +230,13 @@ def test_the_next_envelope_holds_the_counterweight(name: str, tmp_path: Path) ->
     larger = inside.model_copy(update={"web": inside.web.model_copy(update={"counterweight": wider})})
     with pytest.raises(CranktopoError, match="reaches beyond the design space"):
         build_domain(larger, 4.0)
+
+
+def test_the_next_envelope_holds_a_drilling_that_crosses_a_bore(tmp_path: Path) -> None:
+    """The web's solid has the bores as holes, in which no wall is around a drilling."""
+    scene = scene_from_dict(featured_engine(35))
+    path = write_envelope(write_solids(scene, tmp_path).web, tmp_path)
+    inside = scene.model_copy(update={"envelope": StlEnvelope(shape="stl", file=str(path), symmetric=True)})
+    bore = drill_bores(scene)[0].surface_mm(0.0)
+    assert (np.hypot(*bore[:, :2].T) < scene.throw.main_journal.bore_radius_mm).any()
+    assert build_domain(inside, 3.0).design_fraction.sum() > 0
