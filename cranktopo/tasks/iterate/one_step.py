@@ -155,6 +155,8 @@ def _in_other_bore(place: np.ndarray, scene: Scene) -> bool:
 _STEP_FILE = "step.json"
 _STEP_FILES = ("web.toml", f"{HALF}.step", f"{HALF}.stl", WEB)
 """Beside it, of a step; the original web may have the surfaces alone."""
+_OTHER_CELLS = 0.85
+"""Cells of a second optimisation where the first one has no sound surface, over those of the loop."""
 _MOST_KEPT = 0.98
 """Largest volume fraction of a step: a little goes even where the re-model lost more than planned."""
 
@@ -216,7 +218,7 @@ def make_step(
     folder.mkdir(exist_ok=True)
     bounded, fraction = _bounded(folder, number, webs, settings)
     note(f"removing {100 * (1 - fraction):.0f} % of the envelope")
-    surface = optimised_surface(folder / _OPTIMISE, bounded)
+    surface = _sound_surface(folder, bounded)
     note("re-modelling")
     fitted = fit_web(surface, bounded, fit_limits(bounded, settings.limits))
     near = shape_error(fitted.scene, surface)
@@ -261,6 +263,18 @@ def _envelope_mm3(scene: Scene) -> float:
     """Return the designable volume of one web."""
     domain = stage.prepare(scene).domain
     return float((domain.design_fraction * domain.volume_mm3).sum()) / domain.symmetry_fraction / 2
+
+
+def _sound_surface(folder: Path, scene: Scene) -> SurfaceMesh:
+    """Return the surface of an optimisation, on other cells where it is not sound on those of the loop."""
+    try:
+        return optimised_surface(folder / _OPTIMISE, scene)
+    except CranktopoError as error:
+        if error.code != ExitCode.CRITERION_NOT_MET:
+            raise
+        cell = round(_OTHER_CELLS * scene.optimise.resolution_mm, 6)
+        note(f"{error.message} Once more on cells of {cell:.4g} mm.")
+        return optimised_surface(folder / f"{_OPTIMISE}-again", scene.with_optimise(resolution_mm=cell))
 
 
 def optimised_surface(folder: Path, scene: Scene) -> SurfaceMesh:

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from manifold3d import Manifold
 
-from cranktopo.base.errors import CranktopoError
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.envelope_file import envelope_from_file, mirror_difference
 from cranktopo.bodies.volume import web_volume_mm3
@@ -146,6 +146,50 @@ def test_a_step_is_fitted_within_what_its_process_allows(
     assert milled.pocket_radius_mm == 8.0
 
 
+def _unsound(folder: Path, code: ExitCode) -> CranktopoError:
+    return CranktopoError(f"{folder.name}: the optimised web has no sound surface.", code=code)
+
+
+@pytest.mark.parametrize(
+    ("failures", "code", "folders"),
+    [
+        (0, ExitCode.CRITERION_NOT_MET, ["optimise"]),
+        (1, ExitCode.CRITERION_NOT_MET, ["optimise", "optimise-again"]),
+        (2, ExitCode.CRITERION_NOT_MET, ["optimise", "optimise-again"]),
+        (1, ExitCode.SOLVER, ["optimise"]),
+    ],
+)
+def test_a_step_without_a_sound_surface_is_optimised_on_other_cells(
+    tmp_path: Path,
+    mikron: Scene,
+    monkeypatch: pytest.MonkeyPatch,
+    failures: int,
+    code: ExitCode,
+    folders: list[str],
+) -> None:
+    """Once; what fails for another reason is not tried again."""
+    tried: list[tuple[str, float]] = []
+
+    def optimised(folder: Path, scene: Scene) -> SurfaceMesh:
+        tried.append((folder.name, scene.optimise.resolution_mm))
+        if len(tried) <= failures:
+            raise _unsound(folder, code)
+        raise _FittedError
+
+    monkeypatch.setattr(one_step, "optimised_surface", optimised)
+    lost = failures == 2 or code == ExitCode.SOLVER
+    with pytest.raises(CranktopoError if lost else _FittedError, match=folders[-1] if lost else None):
+        make_step(
+            RunStore(tmp_path),
+            tmp_path / "step-01",
+            1,
+            [StepWeb(ORIGINAL, mikron, Solids(block(), block()))],
+            loop_settings(mikron),
+        )
+    assert [name for name, _ in tried] == folders
+    assert tried[-1][1] == pytest.approx(mikron.optimise.resolution_mm * 0.85 ** (len(tried) - 1))
+
+
 def test_the_design_of_a_step_can_be_read_where_its_web_is_wider_than_a_free_counterweight() -> None:
     """`iterate car-diesel` wrote a step that nothing could read: its web holds the least of the range."""
     design = load_scene("car-diesel")
@@ -226,6 +270,7 @@ def test_the_next_envelope_holds_the_counterweight(name: str, tmp_path: Path) ->
     inside = scene.model_copy(update={"envelope": StlEnvelope(shape="stl", file=str(path), symmetric=True)})
     assert build_domain(inside, 4.0).design_fraction.sum() > 0
     heavy = inside.web.counterweight
+    assert heavy is not None
     wider = heavy.model_copy(update={"outer_radius_mm": 1.005 * heavy.outer_radius_mm})
     larger = inside.model_copy(update={"web": inside.web.model_copy(update={"counterweight": wider})})
     with pytest.raises(CranktopoError, match="reaches beyond the design space"):
