@@ -61,9 +61,20 @@ def drilled(
     edges = _whole_edges(occ, body, list(outlets)) if outlets and not by_tools else {}
     rounded = _rounded(occ, body, edges)
     left = outlets if rounded is None else outlets.keys() - edges.keys()
-    return cut(
-        occ, rounded or body, tools([(bore, solid) for solid, bore in outlets.items() if solid in left])
-    )
+    rest = [(bore, solid) for solid, bore in outlets.items() if solid in left]
+    return _without_inverted(occ, cut(occ, rounded or body, tools(rest)))
+
+
+def _without_inverted(occ: Any, body: DimTags) -> DimTags:
+    """Return a body without tools that the kernel leaves in it inside out, beside what they have cut.
+
+    Seen where a rounding ends in the plane of symmetry. The check of the volume follows.
+    """
+    if len(body) < 2:
+        return body
+    inverted = [pair for pair in body if occ.getMass(*pair) < 0]
+    occ.remove(inverted, recursive=True)
+    return [pair for pair in body if pair not in inverted]
 
 
 def _tool(occ: Any, bore: DrillBore, solid: Solid, between_mm: Heights) -> DimTags:

@@ -12,9 +12,12 @@ from cranktopo.bodies.mesh import solid_mesh
 from cranktopo.bodies.solid import drilled as drilled_module
 from cranktopo.bodies.solid.checked import volume_mm3
 from cranktopo.bodies.solid.throw import add_half_throw
+from cranktopo.bodies.volume import half_throw_volume_mm3
+from cranktopo.design.loading import one_web, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.throw.drilling.moments import drilled
+from tests.hostile.featured_engines import featured_engine
 from tests.physics.throw.test_drillings import LEANING, STRAIGHT, mikron
 
 
@@ -77,3 +80,9 @@ def test_a_body_that_cannot_be_cut_is_meshed_with_tools(monkeypatch: pytest.Monk
     calls.clear()
     with pytest.raises(CranktopoError, match="cannot cut"):
         solid_mesh.mesh_throw(mikron(), 8.0)
+
+
+def test_a_tool_that_the_kernel_leaves_inside_out_is_no_body() -> None:
+    """Engine 52 with its first web twice: a rounding that the plane of symmetry cuts through."""
+    scene = one_web(scene_from_dict(featured_engine(52)), "first")
+    assert kernel_mm3(scene) == pytest.approx(half_throw_volume_mm3(scene), rel=1e-5)
