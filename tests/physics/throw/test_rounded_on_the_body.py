@@ -84,5 +84,5 @@ def test_a_body_that_cannot_be_cut_is_meshed_with_tools(monkeypatch: pytest.Monk
 
 def test_a_tool_that_the_kernel_leaves_inside_out_is_no_body() -> None:
     """Engine 52 with its first web twice: a rounding that the plane of symmetry cuts through."""
-    scene = one_web(scene_from_dict(featured_engine(52)), "first")
+    scene = one_web(scene_from_dict(featured_engine(52), whole=True), "first")
     assert kernel_mm3(scene) == pytest.approx(half_throw_volume_mm3(scene), rel=1e-5)
