@@ -43,10 +43,10 @@ from tests.unit.sweep.test_sweep_shown import sweep
 LINE = "left out although above the threshold of 2 %: tangential 25.2 % (set off in the scene)"
 TWIN = Path(__file__).parent.parent / "data" / "v-twin.toml"
 ALONE = (
-    ("fatigue mikron-iiic", "fatigue.stage.with_throw_stiffness"),
-    ("fatigue mikron-iiic --method m53", "fatigue.stage.with_throw_stiffness"),
-    ("compare mikron-iiic-hollow --baseline mikron-iiic --fatigue lsa", "fatigue.stage.with_throw_stiffness"),
-    ("shape mikron-iiic --minimise mass --out o", "shape.run.scene_start"),
+    ("fatigue mikron-iiic", "throw_fatigue.stage.with_throw_stiffness"),
+    ("fatigue mikron-iiic --method m53", "throw_fatigue.stage.with_throw_stiffness"),
+    ("compare mikron-iiic-hollow --baseline mikron-iiic --fatigue lsa", "throw_fatigue.stage.with_throw_stiffness"),
+    ("shape mikron-iiic --minimise mass --out o", "web_shape.run.scene_start"),
     ("sweep mikron-iiic --vary web.thickness_mm=18,20 --stage fatigue --out o", "sweep.run.new_run"),
     ("sweep mikron-iiic --vary web.thickness_mm=18,20 --stage shape --out o", "sweep.run.new_run"),
     ("optimise mikron-iiic --resolution-mm 4.5 --out o", "optimise.stage.build_problem"),
@@ -55,7 +55,7 @@ ALONE = (
 """Every command that tells the safety of a throw that stands alone, or keeps one, and where it is stopped."""
 IN_SHAFT = (
     ("shaft {design} --method lsa", "shaft_safety.stage.judged_shaft"),
-    ("fatigue {design}", "fatigue.stage.with_throw_stiffness"),
+    ("fatigue {design}", "throw_fatigue.stage.with_throw_stiffness"),
 )
 
 

@@ -16,10 +16,10 @@ from cranktopo.app.main import cli as group
 
 TASKS = Path(cranktopo.__file__).parent / "tasks"
 REACHED_BY = {
-    "fatigue/text.py": ("fatigue", "compare"),
-    "fatigue/rule_text.py": ("fatigue", "compare"),
-    "fatigue/verdicts.py": ("fatigue", "compare"),
-    "fatigue/remarks.py": ("fatigue", "compare", "shaft"),
+    "throw_fatigue/text.py": ("fatigue", "compare"),
+    "throw_fatigue/rule_text.py": ("fatigue", "compare"),
+    "throw_fatigue/verdicts.py": ("fatigue", "compare"),
+    "throw_fatigue/remarks.py": ("fatigue", "compare", "shaft"),
     "accuracy/optimiser_levels.py": ("optimise",),
     "designs/run_webs.py": ("evaluate",),
 }
