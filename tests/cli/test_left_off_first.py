@@ -42,10 +42,11 @@ from tests.unit.sweep.test_sweep_shown import sweep
 
 LINE = "left out although above the threshold of 2 %: tangential 25.2 % (set off in the scene)"
 TWIN = Path(__file__).parent.parent / "data" / "v-twin.toml"
+_JUDGED = "throw_fatigue.stage.with_throw_stiffness"
 ALONE = (
-    ("fatigue mikron-iiic", "throw_fatigue.stage.with_throw_stiffness"),
-    ("fatigue mikron-iiic --method m53", "throw_fatigue.stage.with_throw_stiffness"),
-    ("compare mikron-iiic-hollow --baseline mikron-iiic --fatigue lsa", "throw_fatigue.stage.with_throw_stiffness"),
+    ("fatigue mikron-iiic", _JUDGED),
+    ("fatigue mikron-iiic --method m53", _JUDGED),
+    ("compare mikron-iiic-hollow --baseline mikron-iiic --fatigue lsa", _JUDGED),
     ("shape mikron-iiic --minimise mass --out o", "web_shape.run.scene_start"),
     ("sweep mikron-iiic --vary web.thickness_mm=18,20 --stage fatigue --out o", "sweep.run.new_run"),
     ("sweep mikron-iiic --vary web.thickness_mm=18,20 --stage shape --out o", "sweep.run.new_run"),
@@ -55,7 +56,7 @@ ALONE = (
 """Every command that tells the safety of a throw that stands alone, or keeps one, and where it is stopped."""
 IN_SHAFT = (
     ("shaft {design} --method lsa", "shaft_safety.stage.judged_shaft"),
-    ("fatigue {design}", "throw_fatigue.stage.with_throw_stiffness"),
+    ("fatigue {design}", _JUDGED),
 )
 
 
