@@ -12,7 +12,7 @@ from cranktopo.tasks.refit.family import Layout, rounded_dimensions, scene_at
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.web_shape.mesh_model import MeshModel
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
-from tests.physics.shape.shape_cases import COARSE_FILLET, COARSE_MM, Array, free_throw
+from tests.physics.shape.shape_cases import COARSE_FILLET, COARSE_MM, Array, check_gradients, free_throw
 
 _CHANGE = [0.4, 0.3, -0.3, -1.0, 0.2, 0.5]
 """Of every dimension, mm: elements as coarse as these fold soon on a bore that grows."""
@@ -77,12 +77,7 @@ def test_both_ends_of_the_throw_stay_and_fillets_keep_their_arcs(case: Case) -> 
 
 def test_gradients_by_all_dimensions_at_once_are_those_of_differences(case: Case) -> None:
     """By steps so small that no point of integration of the pin's load crosses the web's face."""
-    found, step = case.model.responses(case.values), 2e-4
-    direction = np.random.default_rng(2).standard_normal(len(case.values))
-    above, below = (case.model.responses(case.values + s * step * direction) for s in (1, -1))
-    for name, value in found.values.items():
-        measured = (above.values[name] - below.values[name]) / (2 * step)
-        assert found.gradients[name] @ direction == pytest.approx(measured, rel=1e-5, abs=1e-8 * abs(value))
+    check_gradients(case.model, case.values, 2e-4, 2, 1e-5)
 
 
 @pytest.mark.slow

@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import Layout, free_dimensions, with_free, with_part
+from cranktopo.tasks.web_shape.mesh_model import MeshModel
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder
 from cranktopo.throw.fitted_slot import FittedSlot
@@ -99,3 +101,12 @@ def free_throw() -> tuple[Scene, Layout, Array]:
     data["shape"] = {"free": {**fillets, **bores, "web_thickness_mm": [17.0, 24.0]}}
     uneven = scene_from_dict(data)
     return uneven, *with_free(layout, values, uneven, free_dimensions(uneven))
+
+
+def check_gradients(model: MeshModel, values: Array, step: float, seed: int, rel: float) -> None:
+    """Gradients along a random direction of all parameters are those of central differences."""
+    found, direction = model.responses(values), np.random.default_rng(seed).standard_normal(len(values))
+    above, below = (model.responses(values + sign * step * direction) for sign in (1, -1))
+    for name, value in found.values.items():
+        measured = (above.values[name] - below.values[name]) / (2 * step)
+        assert found.gradients[name] @ direction == pytest.approx(measured, rel=rel, abs=1e-8 * abs(value))

@@ -19,7 +19,7 @@ from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted_pocket import FittedCylinder
 from cranktopo.throw.fitted_slot import FittedSlot
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
-from tests.physics.shape.shape_cases import COARSE_FILLET, COARSE_MM, Array
+from tests.physics.shape.shape_cases import COARSE_FILLET, COARSE_MM, Array, check_gradients
 
 RECESSES_MM = {"main_journal": 0.8, "crankpin": 1.2}
 _FREE: dict[str, list[float]] = {
@@ -92,24 +92,14 @@ def test_the_groove_keeps_its_depth_and_its_mouth(case: Case, number: int, side:
 
 
 def test_gradients_by_all_dimensions_at_once_are_those_of_differences(case: Case) -> None:
-    found, step = case.model.responses(case.values), 2e-4
-    direction = np.random.default_rng(2).standard_normal(len(case.values))
-    above, below = (case.model.responses(case.values + s * step * direction) for s in (1, -1))
-    for name, value in found.values.items():
-        measured = (above.values[name] - below.values[name]) / (2 * step)
-        assert found.gradients[name] @ direction == pytest.approx(measured, rel=1e-5, abs=1e-8 * abs(value))
+    check_gradients(case.model, case.values, 2e-4, 2, 1e-5)
 
 
 @pytest.mark.slow
 def test_a_web_between_given_recesses_has_exact_gradients() -> None:
     """Nothing of the throw is free: the grooves stand still, and are followed all the same."""
     case = made({})
-    found, step = case.model.responses(case.values), 1e-3
-    direction = np.random.default_rng(3).standard_normal(len(case.values))
-    above, below = (case.model.responses(case.values + s * step * direction) for s in (1, -1))
-    for name, value in found.values.items():
-        measured = (above.values[name] - below.values[name]) / (2 * step)
-        assert found.gradients[name] @ direction == pytest.approx(measured, rel=1e-4, abs=1e-8 * abs(value))
+    check_gradients(case.model, case.values, 1e-3, 3, 1e-4)
 
 
 @pytest.mark.slow
