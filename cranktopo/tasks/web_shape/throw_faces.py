@@ -66,8 +66,8 @@ class FilletFace(ThrowFace, LeadingFace):
         out, up = np.stack([out, up]) / np.hypot(out, up)  # the kernel's edges are off an ellipse by 1e-8 mm
         before, (section, distance, height) = section, self._centre(values)
         if section.recess_mm:
-            along = np.arctan2(-self._side * up, -out) * (section.arc_rad / before.arc_rad)
-            out, up = -np.cos(along), -self._side * np.sin(along)
+            along = np.arctan2(-_side(self.number) * up, -out) * (section.arc_rad / before.arc_rad)
+            out, up = -np.cos(along), -_side(self.number) * np.sin(along)
         x_mm, y_mm = (distance + section.radial_mm * out) * (across / far)
         return np.stack([x_mm, y + y_mm, height + section.axial_mm * up])
 
@@ -78,16 +78,12 @@ class FilletFace(ThrowFace, LeadingFace):
         sizes = range(len(values) - len(self.layout.dimensions), len(values))
         return central_difference(lambda to: self.moved(points_mm, start, to).T, values, STEP, sizes)
 
-    @property
-    def _side(self) -> float:
-        return 1.0 if self.number else -1.0
-
     def _centre(self, values: Array) -> tuple[FilletSection, float, float]:
         """Return the fillet's section, and radius and height of its centre circle."""
         scene = scene_at(self.scene, self.layout, values)
         journal, _ = scene.throw.journals[self.number]
         section = journal.fillet
-        height = scene.web_z_mm[self.number] + self._side * section.reach_mm
+        height = scene.web_z_mm[self.number] + _side(self.number) * section.reach_mm
         return section, journal.radius_mm + section.radial_mm, height
 
 
@@ -162,10 +158,15 @@ def _off_drilling(number: int, scene: Scene, at: Array) -> Array:
     return bore.off_axis_mm(at[0], at[1], at[2]) - bore.radius_mm
 
 
+def _side(number: int) -> float:
+    """Return the way along z from the web's face to the centre of a journal's fillet."""
+    return 1.0 if number else -1.0
+
+
 def off_fillet(number: int, scene: Scene, at: Array) -> Array:
     """Return the distance from the part of the ring that is the fillet; far from the rest."""
     journal, y = scene.throw.journals[number]
-    section, side = journal.fillet, 1.0 if number else -1.0
+    section, side = journal.fillet, _side(number)
     across = np.hypot(at[0], at[1] - y) - journal.radius_mm - section.radial_mm
     height = side * (at[2] - scene.web_z_mm[number]) - section.reach_mm
     beyond = (across > section.half_mouth_mm + _BESIDE_MM) | (height > _BESIDE_MM)

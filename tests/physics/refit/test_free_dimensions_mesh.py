@@ -12,7 +12,15 @@ from cranktopo.tasks.refit.family import Layout, rounded_dimensions, scene_at
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.web_shape.mesh_model import MeshModel
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
-from tests.physics.shape.shape_cases import COARSE_FILLET, COARSE_MM, Array, check_gradients, free_throw
+from tests.physics.shape.shape_cases import (
+    COARSE_FILLET,
+    COARSE_MM,
+    Array,
+    check_followed,
+    check_gradients,
+    check_same_change,
+    free_throw,
+)
 
 _CHANGE = [0.4, 0.3, -0.3, -1.0, 0.2, 0.5]
 """Of every dimension, mm: elements as coarse as these fold soon on a bore that grows."""
@@ -38,16 +46,7 @@ def case() -> Case:
 
 
 def test_nodes_follow_the_faces_of_the_throw_to_second_order(case: Case) -> None:
-    moved, step = case.model.moved, 0.02
-    motion = moved.velocities(moved.mesh, case.values)
-    before = moved.distances_mm(moved.mesh.points_mm, case.values).max()
-    assert before < 1e-6
-    for i in case.sizes:
-        changed = case.values + step * np.eye(len(case.values))[i]
-        off = moved.distances_mm(moved.mesh.points_mm + step * motion[:, :, i], changed).max()
-        unmoved = moved.distances_mm(moved.mesh.points_mm, changed).max()
-        assert off < 2 * before + step**2, case.layout.names[i]
-        assert unmoved > 20 * off, case.layout.names[i]
+    check_followed(case.model.moved, case.values, {i: case.layout.names[i] for i in case.sizes})
 
 
 def test_both_ends_of_the_throw_stay_and_fillets_keep_their_arcs(case: Case) -> None:
@@ -95,17 +94,9 @@ def test_gradients_by_each_dimension_are_those_of_differences(case: Case) -> Non
 
 @pytest.mark.slow
 def test_a_mesh_there_and_a_mesh_here_tell_the_same_change(case: Case) -> None:
-    """Each moved to the other's dimensions: their own scatter cancels. Masses are exact on a new mesh."""
     changed = case.values.copy()
     changed[case.sizes] += _CHANGE
-    meshes = [MeshModel(case.scene, case.layout, start, COARSE_MM) for start in (case.values, changed)]
-    before, after = ([m.responses(v).values for m in meshes] for v in (case.values, changed))
-    for name in ("torsion", "bending"):
-        there, back = (new[name] / old[name] - 1 for old, new in zip(before, after, strict=True))
-        assert abs(there) > 0.02, name
-        assert there == pytest.approx(back, rel=5e-3), name
-    for name in ("mass", "inertia", "unbalance"):
-        assert after[0][name] == pytest.approx(after[1][name], rel=1.5e-4), name
+    check_same_change(case.scene, case.layout, (case.values, changed), COARSE_MM, 0.02, 5e-3)
 
 
 def test_slopes_of_the_rules_are_those_of_differences(case: Case) -> None:

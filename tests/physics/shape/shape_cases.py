@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.moved_mesh import MovedMesh
 from cranktopo.tasks.refit.family import Layout, free_dimensions, with_free, with_part
 from cranktopo.tasks.web_shape.mesh_model import MeshModel
 from cranktopo.throw.bevel import FittedBevel
@@ -110,3 +112,34 @@ def check_gradients(model: MeshModel, values: Array, step: float, seed: int, rel
     for name, value in found.values.items():
         measured = (above.values[name] - below.values[name]) / (2 * step)
         assert found.gradients[name] @ direction == pytest.approx(measured, rel=rel, abs=1e-8 * abs(value))
+
+
+def check_followed(moved: MovedMesh, values: Array, names: Mapping[int, str]) -> None:
+    """Nodes follow the faces to second order, by each of some parameters, given by place and name."""
+    step = 0.02
+    motion = moved.velocities(moved.mesh, values)
+    before = moved.distances_mm(moved.mesh.points_mm, values).max()
+    assert before < 1e-6
+    for i, name in names.items():
+        changed = values + step * np.eye(len(values))[i]
+        off = moved.distances_mm(moved.mesh.points_mm + step * motion[:, :, i], changed).max()
+        unmoved = moved.distances_mm(moved.mesh.points_mm, changed).max()
+        assert off < 2 * before + step**2, name
+        assert unmoved > 20 * off, name
+
+
+def check_same_change(
+    scene: Scene, layout: Layout, both: tuple[Array, Array], size_mm: float, least: float, rel: float
+) -> None:
+    """A mesh there, moved here, and one here, moved there, tell the same change of the stiffnesses.
+
+    Their own scatter cancels. Masses are exact on a new mesh.
+    """
+    meshes = [MeshModel(scene, layout, start, size_mm) for start in both]
+    before, after = ([m.responses(v).values for m in meshes] for v in both)
+    for name in ("torsion", "bending"):
+        there, back = (new[name] / old[name] - 1 for old, new in zip(before, after, strict=True))
+        assert abs(there) > least, name
+        assert there == pytest.approx(back, rel=rel), name
+    for name in ("mass", "inertia", "unbalance"):
+        assert after[0][name] == pytest.approx(after[1][name], rel=1.5e-4), name

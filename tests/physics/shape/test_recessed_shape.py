@@ -19,7 +19,14 @@ from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted_pocket import FittedCylinder
 from cranktopo.throw.fitted_slot import FittedSlot
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
-from tests.physics.shape.shape_cases import COARSE_FILLET, COARSE_MM, Array, check_gradients
+from tests.physics.shape.shape_cases import (
+    COARSE_FILLET,
+    COARSE_MM,
+    Array,
+    check_followed,
+    check_gradients,
+    check_same_change,
+)
 
 RECESSES_MM = {"main_journal": 0.8, "crankpin": 1.2}
 _FREE: dict[str, list[float]] = {
@@ -61,15 +68,7 @@ def case() -> Case:
 
 
 def test_nodes_follow_recesses_to_second_order(case: Case) -> None:
-    moved, step = case.model.moved, 0.02
-    motion = moved.velocities(moved.mesh, case.values)
-    before = moved.distances_mm(moved.mesh.points_mm, case.values).max()
-    assert before < 1e-6
-    for i, name in enumerate(case.layout.names):
-        changed = case.values + step * np.eye(len(case.values))[i]
-        off = moved.distances_mm(moved.mesh.points_mm + step * motion[:, :, i], changed).max()
-        assert off < 2 * before + step**2, name
-        assert moved.distances_mm(moved.mesh.points_mm, changed).max() > 20 * off, name
+    check_followed(case.model.moved, case.values, dict(enumerate(case.layout.names)))
 
 
 @pytest.mark.parametrize(("number", "side"), [(0, -1.0), (1, 1.0)], ids=["journal", "pin"])
@@ -106,14 +105,7 @@ def test_a_web_between_given_recesses_has_exact_gradients() -> None:
 def test_a_mesh_there_and_a_mesh_here_tell_the_same_change(case: Case) -> None:
     changed = case.values.copy()
     changed[-len(case.layout.dimensions) :] += [0.2, -0.2, 0.4]
-    meshes = [MeshModel(case.scene, case.layout, start, COARSE_MM / 2) for start in (case.values, changed)]
-    before, after = ([m.responses(v).values for m in meshes] for v in (case.values, changed))
-    for name in ("torsion", "bending"):
-        there, back = (new[name] / old[name] - 1 for old, new in zip(before, after, strict=True))
-        assert abs(there) > 0.005, name
-        assert there == pytest.approx(back, rel=1e-2), name
-    for name in ("mass", "inertia", "unbalance"):
-        assert after[0][name] == pytest.approx(after[1][name], rel=1.5e-4), name
+    check_same_change(case.scene, case.layout, (case.values, changed), COARSE_MM / 2, 0.005, 1e-2)
 
 
 def rule_mm(layout: Layout, values: list[float], recess_mm: float, word: str) -> float:
