@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
+from cranktopo.base.frames import Z
 from cranktopo.base.spans import Section, polygon_area, polygon_section
 from cranktopo.bodies.solid.step import STEP_SUFFIXES, step_surface
 from cranktopo.design.schema import Scene
@@ -24,6 +25,8 @@ _ALIKE = 1e-6
 """Difference of the sides, over the volume, that is rounding."""
 _MESHED = 5e-4
 """The same for two sides of one shape that were triangulated differently."""
+_ROUNDED_MM = 1e-4
+"""Largest distance that the digits of a file, of metres even, may move a face by."""
 _LEAST_MM = 2.0
 """No web is smaller, in metres every one is."""
 
@@ -43,6 +46,20 @@ def envelope_from_file(path: Path, symmetric: bool = False, key: str = _KEY) -> 
     not symmetric though it should be.
     """
     return _body((_symmetric_surface(path, key)[0] if symmetric else _closed_surface(path, key)), path, key)
+
+
+def with_faces_at(body: Manifold, *heights_mm: float) -> Manifold:
+    """Return a body whose corners that a file rounds beside a height (mm) are moved onto it.
+
+    An STL holds 85.605 mm as 85.605003: what is cut or joined at that height would leave slivers.
+    """
+
+    def moved(points_mm: Array) -> Array:
+        for height in heights_mm:
+            points_mm[np.abs(points_mm[:, Z] - height) < _ROUNDED_MM, Z] = height
+        return points_mm
+
+    return body.warp_batch(moved)
 
 
 def bounds_mm(path: Path, symmetric: bool = False, key: str = _KEY) -> tuple[float, float, float, float]:

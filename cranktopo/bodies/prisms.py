@@ -12,7 +12,13 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.frames import X
 from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.bodies.drill_tool import drill_tool, segments
-from cranktopo.bodies.envelope_file import envelope_from_file, envelope_z_mm, mirror_difference, through_holes
+from cranktopo.bodies.envelope_file import (
+    envelope_from_file,
+    envelope_z_mm,
+    mirror_difference,
+    through_holes,
+    with_faces_at,
+)
 from cranktopo.bodies.seat import seat_z_mm, sector_less_web
 from cranktopo.bodies.zones import zone_solids
 from cranktopo.design.bolt_holes import bolt_holes, far_mm
@@ -179,7 +185,7 @@ def _whole_envelope(scene: Scene, grid: DensityGrid) -> Manifold:
     match envelope:
         case StlEnvelope(symmetric=symmetric):
             between = _prism(_rectangle(grid.origin_mm[:2] - 1e3, grid.upper_mm[:2] + 1e3), start, end)
-            return envelope_from_file(envelope.stl_file, symmetric) ^ between
+            return with_faces_at(envelope_from_file(envelope.stl_file, symmetric), start, end) ^ between
         case CylinderEnvelope(radius_mm=radius):
             return cylinder(radius, 0.0, (start, end))
         case BoxEnvelope(half_width_mm=half):

@@ -15,7 +15,7 @@ import numpy as np
 from manifold3d import Manifold
 
 from cranktopo.base.spans import Section, common, polygon_section, section_difference, superpose_sections
-from cranktopo.bodies.envelope_file import SECTIONS, envelope_from_file
+from cranktopo.bodies.envelope_file import SECTIONS, envelope_from_file, with_faces_at
 from cranktopo.bodies.seat import seat_section, seat_solid, seat_z_mm
 from cranktopo.bodies.solid.files import kernel_surface_of
 from cranktopo.design.halves import keeps_parts
@@ -129,10 +129,10 @@ def zone_solids(scene: Scene) -> tuple[Manifold, Manifold]:
 
 
 def _own_solid(scene: Scene) -> Manifold:
-    if scene.original is None:
-        return solid_of(kernel_surface_of(scene, "web"), "web")
     start, end = scene.web_z_mm
-    body = _original(scene).trim_by_plane((0.0, 0.0, 1.0), start)
+    if scene.original is None:
+        return with_faces_at(solid_of(kernel_surface_of(scene, "web"), "web"), start, end)
+    body = with_faces_at(_original(scene), start, end).trim_by_plane((0.0, 0.0, 1.0), start)
     return body.trim_by_plane((0.0, 0.0, -1.0), -end)
 
 
@@ -155,5 +155,5 @@ def _solid(zone: Zone, key: str, start_mm: float, end_mm: float) -> Manifold:
             body = Manifold.cylinder(high - low, radius, radius, _SIDES)
             return body.translate((zone.x_mm, zone.y_mm, low))
         case BodyZone():
-            body = _body(zone, key)
+            body = with_faces_at(_body(zone, key), low, high)
             return body.trim_by_plane((0.0, 0.0, 1.0), low).trim_by_plane((0.0, 0.0, -1.0), -high)

@@ -12,7 +12,9 @@ import trimesh
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.bodies.envelope_file import envelope_from_file, mirror_difference, symmetrised
+from cranktopo.bodies.prisms import envelope_solid
 from cranktopo.bodies.solid.step import step_surface
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
@@ -118,3 +120,24 @@ def test_sides_that_differ_are_refused(tmp_path: Path) -> None:
     path = lopsided_stl(tmp_path / "lopsided.stl", 0.6)
     with pytest.raises(CranktopoError, match=r"envelope\.symmetric.*0\.99 % of its volume"):
         envelope_from_file(path, symmetric=True)
+
+
+@pytest.mark.parametrize("rounding_mm", [0.0, 5e-5, -5e-5])
+def test_faces_that_a_file_rounds_lie_on_those_of_the_web(
+    mikron: Scene, tmp_path: Path, rounding_mm: float
+) -> None:
+    """Slivers between a rounded face and the exact one passed through each other in loops of random engines.
+
+    Heights of 85.605 mm are 85.605003 in an STL.
+    """
+    data = mikron.model_dump(mode="json", exclude_none=True)
+    data["throw"]["main_journal"]["length_mm"] += 0.202
+    data["envelope"] = {"shape": "stl", "file": str(tmp_path / "envelope.stl"), "symmetric": True}
+    scene = scene_from_dict(data)
+    start, end = scene.web_z_mm
+    assert start != float(np.float32(start))
+    round_body = trimesh.creation.cylinder(40.0, segment=([0, 20, start + rounding_mm], [0, 20, end]))
+    round_body.export(tmp_path / "envelope.stl")
+    grid = DensityGrid(np.array([-40.0, -20.0, start]), np.full(3, 4.0), np.ones((20, 20, 6)))
+    solid = envelope_solid(scene, grid)
+    assert set(np.asarray(solid.to_mesh64().vert_properties)[:, 2]) == {start, end}
