@@ -100,6 +100,18 @@ def cache_folder() -> Path | None:
     return private_cache(f"programs-{jax.__version__}-{_processor()}")
 
 
+def folder_of_programs() -> Path | None:
+    """Return the folder in which `double_precision()` keeps programs.
+
+    None outside it, where keeping is switched off, and where the user has set up a cache of JAX's own.
+    """
+    import jax
+
+    set_up = getattr(jax.config, _FOLDER_SETTING) if getattr(jax.config, _KEEPING) else None
+    folder = None if set_up is None else cache_folder()
+    return folder if str(folder) == set_up else None
+
+
 class CompileClock:
     """The time during which JAX traces or compiles from now on, in any thread of this process."""
 
@@ -179,6 +191,7 @@ def _tell_not_kept() -> None:
     )
 
 
+@cache
 def _processor() -> str:
     """Digest of the processor's features: a program compiled for one kind may not run on another."""
     try:

@@ -111,7 +111,7 @@ def solve_s(model: ThrowModel, design: jax.Array, precision: Precision) -> float
     limits = jnp.asarray(TOLERANCE), jnp.asarray(200)
 
     def solve() -> jax.Array:
-        hierarchy = build_hierarchy(tables, model.supports, design, precision)
+        hierarchy = build_hierarchy(tables, model.supports, design, precision=precision)
         result = multigrid_cg(
             system, hierarchy, jnp.asarray(METHODS[0].degree), jnp.zeros_like(model.forces), *limits
         )

@@ -70,7 +70,7 @@ def assembled(block: Block) -> tuple[System, GridTables]:
 def cycle(
     system: System, tables: GridTables, precision: Precision, solver: Callable[..., CgResult] = multigrid_cg
 ) -> tuple[float, float, int]:
-    hierarchy = build_hierarchy(tables, system.supports, system.moduli, precision)
+    hierarchy = build_hierarchy(tables, system.supports, system.moduli, precision=precision)
     start, limits = jnp.zeros_like(system.forces), (jnp.asarray(1e-8), jnp.asarray(200))
     result = solver(system, hierarchy, jnp.asarray(METHODS[0].degree), start, *limits)
     work = float(jnp.sum(system.forces * result.displacements))

@@ -19,7 +19,8 @@ def work(cells):
     with double_precision():
         tables, system = lopsided(cells)
         for _ in range(100):
-            jax.block_until_ready(build_hierarchy(tables, system.supports, system.moduli, "float32"))
+            built = build_hierarchy(tables, system.supports, system.moduli, precision="float32")
+            jax.block_until_ready(built)
 
 threads = [threading.Thread(target=work, args=(cells,), daemon=True) for cells in ((8, 20, 10), (8, 20, 12))]
 for thread in threads:

@@ -34,6 +34,7 @@ from cranktopo.numerics.grid.galerkin import CoarseMap
 from cranktopo.numerics.grid.lattice import AXIS, Partition
 from cranktopo.numerics.grid.multigrid import GridTables, Hierarchy, apply_cycle, build_hierarchy, project
 from cranktopo.numerics.grid.operator import apply_stiffness, stiffness_diagonal
+from cranktopo.numerics.kept_programs import kept_program
 from cranktopo.numerics.kernels.registry import apply_operator, kernel_or_jax
 from cranktopo.numerics.precision import Precision
 
@@ -109,7 +110,7 @@ def _by_kernel(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
     return add_section(supports, free, pushed), jnp.sum(works, axis=1) + jnp.sum(moved * pushed, axis=1)
 
 
-@partial(jax.jit, donate_argnames="guess")
+@kept_program(donated=("guess",))
 def multigrid_cg(
     system: System,
     hierarchy: Hierarchy,
@@ -291,7 +292,7 @@ def _program(partition: Partition, coarse: int, precision: Precision) -> Any:
     def solve(
         tables: GridTables, system: System, degree: jax.Array, guess: jax.Array, *limits: jax.Array
     ) -> CgResult:
-        hierarchy = build_hierarchy(tables, system.supports, system.moduli, precision)
+        hierarchy = build_hierarchy(tables, system.supports, system.moduli, precision=precision)
         return multigrid_cg(system, hierarchy, degree, guess, *limits)
 
     specs = _specs(partition, coarse)

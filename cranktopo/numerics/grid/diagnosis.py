@@ -15,6 +15,7 @@ from cranktopo.numerics.grid.conjugate_gradients import System
 from cranktopo.numerics.grid.lattice import WHOLE
 from cranktopo.numerics.grid.multigrid import project
 from cranktopo.numerics.grid.operator import strain_energy_densities
+from cranktopo.numerics.kept_programs import kept_program
 
 _Across = Literal["corners", "faces"]
 
@@ -33,7 +34,7 @@ def void_energy_share(system: System, u: jax.Array) -> Array:
     return np.asarray(np.where(work > 0, energy / np.where(work > 0, work, 1.0), 0.0))
 
 
-@jax.jit
+@kept_program()
 def void_energy_and_work(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Return twice the strain energy in void cells, and the work of the loads (cases,), over the modulus."""
     moduli = system.moduli

@@ -132,7 +132,7 @@ def run_method(
     if parts > 1:
         return SharedSolve(tables, system, method.degree, guess, limits, method.precision, parts).result()
     compile_multigrid(tables, system, method.precision)
-    hierarchy = build_hierarchy(tables, system.supports, system.moduli, method.precision)
+    hierarchy = build_hierarchy(tables, system.supports, system.moduli, precision=method.precision)
     return multigrid_cg(system, hierarchy, jnp.asarray(method.degree), guess, *limits)
 
 
@@ -247,12 +247,12 @@ def _compile(structure: Hashable, shapes: tuple[jax.ShapeDtypeStruct, ...], prec
     tables, system = jax.tree.unflatten(structure, shapes)
     limits = jnp.asarray(2), system.forces, jnp.asarray(1e-2), jnp.asarray(1)
     with ThreadPoolExecutor(2) as pool:
-        building = build_hierarchy.lower(tables, system.supports, system.moduli, precision)
+        building = build_hierarchy.begin(tables, system.supports, system.moduli, precision=precision)
         jobs = [pool.submit(building.compile)]
-        iterating = multigrid_cg.lower(system, building.out_info, *limits)
+        iterating = multigrid_cg.begin(system, building.out_info, *limits)
         jobs.append(pool.submit(iterating.compile))
         jobs += [
-            pool.submit(program.lower(system, system.forces).compile)
+            pool.submit(program.begin(system, system.forces).compile)
             for program in (void_energy_and_work, rounding)
         ]
         for job in jobs:

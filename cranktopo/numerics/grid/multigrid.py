@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import NamedTuple, TypeVar
 
 import jax
@@ -37,6 +37,7 @@ from cranktopo.numerics.grid.operator import (
     stiffness_diagonal,
 )
 from cranktopo.numerics.grid.smoothing import Smoother, SmootherState, jacobi_scaling, largest_eigenvalues
+from cranktopo.numerics.kept_programs import kept_program
 from cranktopo.numerics.precision import Precision
 
 _Count = TypeVar("_Count", int, jax.Array)
@@ -86,9 +87,13 @@ def build_tables(lattice: Lattice, levels: int) -> GridTables:
     return GridTables(layer_blocks(lattice), np.asarray(bound), coarse)
 
 
-@partial(jax.jit, static_argnames=("precision",))
+@kept_program("precision")
 def build_hierarchy(
-    tables: GridTables, supports: BoundaryConditions, moduli: jax.Array, precision: Precision = "float32"
+    tables: GridTables,
+    supports: BoundaryConditions,
+    moduli: jax.Array,
+    *,
+    precision: Precision = "float32",
 ) -> Hierarchy:
     """Return coarse operators and smoothers for one set of moduli; of a part, where the supports are cut."""
     partition = supports.partition

@@ -18,6 +18,7 @@ from cranktopo.numerics.grid.lattice import CORNERS, parity_sum_of
 from cranktopo.numerics.grid.multigrid import project
 from cranktopo.numerics.grid.operator import stiffness_diagonal
 from cranktopo.numerics.grid.slab_product import add_slabs
+from cranktopo.numerics.kept_programs import kept_program
 
 # Where the bound of rounding is above this share of a residual, it is measured again. What rounding adds is
 # 0.22 to 0.3 of its bound, and adds like a hypotenuse: below, it makes up 2 % at most.
@@ -34,7 +35,7 @@ def measured_again(system: System, result: CgResult) -> CgResult:
     return result._replace(relative_residual=fine_residual(system, result.displacements))
 
 
-@jax.jit
+@kept_program()
 def rounding(system: System, u: jax.Array) -> jax.Array:
     """Return what rounding of every displacement leaves out of balance, over the loads (cases,).
 

@@ -185,5 +185,7 @@ def _operands() -> tuple[jax.Array, jax.Array, jax.Array]:
     cases, cells = TRIAL
     shapes = (8, 3, 3, cells[2]), cells, (cases, 3, *(n + 1 for n in cells))
     random = np.random.default_rng(0)
-    blocks, moduli, field = (jax.numpy.asarray(random.random(shape, np.float32) - 0.5) for shape in shapes)
+    blocks, moduli, field = (
+        jax.device_put(random.random(shape, np.float32) - np.float32(0.5)) for shape in shapes
+    )
     return blocks * COUPLED[..., None], moduli, field

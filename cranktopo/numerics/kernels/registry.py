@@ -7,7 +7,7 @@ import logging
 import os
 import sys
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, partial
@@ -46,6 +46,7 @@ _FOLDER = "machine-code"  # versions before had one that others could read, "ker
 _KEEPING = "jax_enable_compilation_cache"
 _DIGEST_BYTES = 32
 _engines: list[llvm.ExecutionEngine] = []  # machine code lives as long as its engine
+_known: list[tuple[str, str]] = []
 
 
 def address_of(function: str, text: str) -> int:
@@ -287,7 +288,25 @@ def _registered(kernel: str, precision: str) -> str:
 def _register(kernel: str, precision: str, width: int, threads: int) -> str:
     name = f"cranktopo_{kernel}_{precision}_{width}_{threads}"
     register(name, _address(kernel, precision, width, threads))
+    _known.append((kernel, precision))
     return name
+
+
+def known_kernels() -> list[tuple[str, str]]:
+    """Return the kernels that XLA knows in this process, each with its precision."""
+    return list(_known)
+
+
+def make_known(kernels: Sequence[tuple[str, str]]) -> None:
+    """Have XLA know kernels: a program that is loaded calls them by their names."""
+    for kernel, precision in kernels:
+        _registered(kernel, precision)
+
+
+def kernel_settings() -> Hashable:
+    """Return what of this process decides which kernels a program calls, and with how much memory."""
+    widths = tuple(vector_width(precision) for precision in ("float32", "float64"))
+    return (_on_processor() and kernels_usable()) and (widths, _threads())
 
 
 @cache

@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.base.arrays import Array
@@ -133,7 +132,7 @@ class BoundModel:
         """Return displacements of the web with these densities; a failed solve raises CranktopoError."""
         moduli = self.webs.fixed.copy()
         moduli[:, :, self.webs.layers] += self.webs.design * (CONTRAST + (1 - CONTRAST) * density)
-        return solve(self.model, jnp.asarray(moduli), guess=guess, tolerance=tolerance).displacements
+        return solve(self.model, jax.device_put(moduli), guess=guess, tolerance=tolerance).displacements
 
     def underestimator(self, u: jax.Array) -> LinearUnderestimator:
         """Return what displacements prove about every web."""

@@ -50,8 +50,8 @@ def assess_original(
 
 
 def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, solid: Array) -> Assessment:
-    forces = case_forces(model, jnp.asarray(solid))
-    solution = solve(model, jnp.asarray(moduli), forces=forces, tolerance=TOLERANCE)
+    forces = case_forces(model, jax.device_put(solid))
+    solution = solve(model, jax.device_put(moduli), forces=forces, tolerance=TOLERANCE)
     found = compliances(model, solution.displacements, forces)
     work = [float(c) for c in found]
     cases = tuple(
@@ -68,7 +68,7 @@ def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, soli
     kg = solid * domain.volume_mm3 / domain.symmetry_fraction
     kg *= density_kg_per_mm3(scene.material.density_kg_m3)
     first, last = domain.web_layers
-    design = Design(jnp.asarray(moduli), jnp.asarray(solid), found, found, solution.displacements)
+    design = Design(jax.device_put(moduli), jax.device_put(solid), found, found, solution.displacements)
     known = quantities_of(scene, model)
     values = values_of(tuple(response.value for response in known.values()), design)
     bolted = bolted_mass(scene).volume

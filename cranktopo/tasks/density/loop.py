@@ -222,7 +222,7 @@ class _Solved(NamedTuple):
 
 def _solved(problem: DensityProblem, state: State) -> _Solved:
     """Return the state's design under its loads; also the eroded and dilated one where it is another."""
-    density_chain, x, beta = problem.density_chain, jnp.asarray(state.x), jnp.asarray(state.beta)
+    density_chain, x, beta = problem.density_chain, jax.device_put(state.x), jnp.asarray(state.beta)
     moduli, solid, volume, grey = _nominal(density_chain, x, beta)
     cases = len(problem.model.cases)
     design, solution = _loaded(problem, state, moduli, solid, state.displacements[:cases])
@@ -260,7 +260,7 @@ def final_design(problem: DensityProblem, state: State) -> WebDensities:
 
 def design_of(density_chain: MaterialInterpolation, x: Array, beta: float) -> WebDensities:
     """Return the densities of design variables at a projection steepness."""
-    filtered, physical = _densities(density_chain, jnp.asarray(x), jnp.asarray(beta))
+    filtered, physical = _densities(density_chain, jax.device_put(x), jnp.asarray(beta))
     return WebDensities(filtered=np.asarray(filtered), physical=np.asarray(physical))
 
 

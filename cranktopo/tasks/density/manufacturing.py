@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -218,9 +219,9 @@ def open_cells(scene: Scene, domain: Domain) -> Mask:
 def _die(scene: Scene, domain: Domain) -> ForgingConstraint:
     axis = pull_axis(scene)
     free = designable(scene, domain) > 0
-    kept = jnp.asarray(_behind_journals(scene, domain) * free) if axis == Z else None
+    kept = jax.device_put(_behind_journals(scene, domain) * free) if axis == Z else None
     return ForgingConstraint(
-        jnp.asarray(free), kept, axis, parting_of(domain, axis), _draft_slope(scene, domain, axis)
+        jax.device_put(free), kept, axis, parting_of(domain, axis), _draft_slope(scene, domain, axis)
     )
 
 

@@ -61,10 +61,10 @@ def build_interpolation(
     Call it inside `double_precision()`. `design` (nx, ny, nw) is designable, by default what the domain has.
     """
     first, last = domain.web_layers
-    free = jnp.asarray(domain.design_fraction[:, :, first:last] if design is None else design)
-    kernel = jnp.asarray(cone_kernel(web_cell_mm(domain), filter_radius_mm))
+    free = jax.device_put(domain.design_fraction[:, :, first:last] if design is None else design)
+    kernel = jax.device_put(cone_kernel(web_cell_mm(domain), filter_radius_mm))
     return MaterialInterpolation(
-        passive_fraction=jnp.asarray(domain.passive_fraction),
+        passive_fraction=jax.device_put(domain.passive_fraction),
         design_fraction=free,
         web_layers=(first, last),
         density_filter=cone_filter(free, kernel, domain.mirrored_x),

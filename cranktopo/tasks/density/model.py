@@ -87,7 +87,7 @@ def build_model(
         lattice=lattice,
         levels=domain.grid.levels,
         supports=supports._replace(springs=supports.springs / modulus),
-        forces=jnp.asarray(forces / modulus),
+        forces=jax.device_put(forces / modulus),
         cases=tuple(cases),
         modulus_MPa=modulus,
         share=domain.symmetry_fraction,

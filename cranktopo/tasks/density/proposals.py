@@ -12,6 +12,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from cranktopo.numerics.kept_programs import kept_program
 from cranktopo.numerics.optimisers.mma import Asymptotes, first_asymptotes, mma_step
 from cranktopo.tasks.density.material import (
     MaterialInterpolation,
@@ -170,7 +171,7 @@ def by_optimality_criteria(problem: DensityProblem, state: State, design: Design
     factors = factors / sum(problem.weights)
     by_moduli, by_solid = _objective_gradients(problem.model, eroded, factors)
     limits = jnp.asarray(problem.target), jnp.asarray(problem.schedule.largest_move(state.beta))
-    x = jnp.asarray(state.x)
+    x = jax.device_put(state.x)
     new = _update(problem.density_chain, x, jnp.asarray(state.beta), by_moduli, *limits, by_solid)
     return Proposal(np.asarray(new), float(jnp.dot(factors, design.compliances)))
 
@@ -183,7 +184,7 @@ def compile_optimality_criteria(problem: DensityProblem) -> None:
         for shape in (problem.density_chain.design_fraction.shape, problem.model.lattice.cells)
     )
     by_solid = cells if problem.model.spinning else None
-    _update.lower(problem.density_chain, x, number, cells, number, number, by_solid).compile()
+    _update.begin(problem.density_chain, x, number, cells, number, number, by_solid).compile()
 
 
 def _objective_gradients(
@@ -281,4 +282,4 @@ def vjp(
     return jax.vmap(lambda *by: pull(by)[0])(by_moduli, by_solid)
 
 
-_update = jax.jit(update)
+_update = kept_program()(update)

@@ -45,7 +45,7 @@ def solve(
     load = model.forces if forces is None else forces
     start = jnp.zeros_like(load) if guess is None else guess
     tables = build_tables(model.lattice, model.levels)
-    system = System(jnp.asarray(tables.blocks), model.supports, moduli, load)
+    system = System(jax.device_put(tables.blocks), model.supports, moduli, load)
     return solve_system(tables, system, start, tolerance, model.case_names, precision, _ADVICE)
 
 

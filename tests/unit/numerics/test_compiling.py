@@ -70,12 +70,12 @@ def test_a_solve_compiles_nothing_more(float64: None) -> None:
     jax.monitoring.register_event_duration_secs_listener(
         lambda event, _, **__: compiled.append(event) if event == EVENT else None
     )
-    hierarchy = build_hierarchy(tables, system.supports, moduli, "float32")
+    hierarchy = build_hierarchy(tables, system.supports, moduli, precision="float32")
     result = multigrid_cg(system, hierarchy, degree, guess, *limits)
     assert compiled == []
     assert float(jnp.max(result.relative_residual)) <= 1e-8
     compiled.clear()
-    build_hierarchy(tables, system.supports, moduli, "float64")
+    build_hierarchy(tables, system.supports, moduli, precision="float64")
     assert compiled == [EVENT]
 
 
@@ -225,7 +225,7 @@ with double_precision():
     moduli = jnp.asarray(np.random.default_rng(0).uniform(0.1, 1, model.lattice.cells))
     system = System(jnp.asarray(tables.blocks), model.supports, moduli, model.forces)
     for precision in ("float32", "float64"):
-        hierarchy = build_hierarchy(tables, system.supports, moduli, precision)
+        hierarchy = build_hierarchy(tables, system.supports, moduli, precision=precision)
         limits = jnp.asarray(2), jnp.zeros_like(model.forces), jnp.asarray(1e-8), jnp.asarray(99)
         print(np.asarray(multigrid_cg(system, hierarchy, *limits).displacements).tobytes().hex())
 """
