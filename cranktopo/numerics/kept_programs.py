@@ -40,7 +40,7 @@ _CACHE_HIT = "/jax/compilation_cache/cache_hits"
 
 
 @dataclass(frozen=True)
-class Begun:
+class LoweredProgram:
     """A program that is ready but for what its compiler does, which leaves the interpreter alone.
 
     Attributes:
@@ -53,7 +53,7 @@ class Begun:
 
 
 class _Key(NamedTuple):
-    """What tells the programs of a function apart within a process."""
+    """Structure, shapes and statics of a call: the same for two calls of one program."""
 
     structure: Hashable
     shapes: tuple[Hashable, ...]
@@ -85,21 +85,21 @@ class KeptProgram(Generic[_P, _R]):
         found: _R = self._programs[key](*args)
         return found
 
-    def begin(self, *args: Any, **statics: Any) -> Begun:
+    def begin(self, *args: Any, **statics: Any) -> LoweredProgram:
         """Load a program for arrays or shapes, or trace and lower it."""
         leaves, structure = jax.tree.flatten(args)
         folder = _folder()
         if folder is None:
             lowered = self._jitted.lower(*args, **statics)
-            return Begun(lowered.out_info, lowered.compile)
+            return LoweredProgram(lowered.out_info, lowered.compile)
         return self._begun(folder, _key(leaves, structure, statics), args, statics)
 
-    def _begun(self, folder: Path, key: _Key, args: Any, statics: Mapping[str, Any]) -> Begun:
+    def _begun(self, folder: Path, key: _Key, args: Any, statics: Mapping[str, Any]) -> LoweredProgram:
         name = f"{self._function.__name__}_{_digest_of_origin(self._function, key)}"
         kept = _loaded(folder / name)
         if kept is not None:
             self._programs[key] = kept.program
-            return Begun(kept.out_info, lambda: None)
+            return LoweredProgram(kept.out_info, lambda: None)
         lowered = self._jit(_renamed(self._function, name)).lower(*args, **statics)
 
         def finish() -> None:
@@ -108,7 +108,7 @@ class KeptProgram(Generic[_P, _R]):
             if not hits.any:
                 _keep(folder / name, program, lowered.out_info)
 
-        return Begun(lowered.out_info, finish)
+        return LoweredProgram(lowered.out_info, finish)
 
 
 def kept_program(
@@ -177,7 +177,7 @@ def _renamed(function: Callable[_P, _R], name: str) -> Callable[_P, _R]:
 
 
 class _CacheHits:
-    """Whether XLA's cache had what this thread compiles in a `with` block.
+    """Watch for what XLA's cache has of what this thread compiles in a `with` block.
 
     What it loads from there cannot be kept once more: a part of the machine code is missing then.
     """
