@@ -42,7 +42,10 @@ def test_a_pressure_that_cannot_be_is_told_before_the_work(
     words: list[str], uncharged, capsys, tmp_path, monkeypatch
 ):
     monkeypatch.chdir(tmp_path)
-    with stubbed(), patch("cranktopo.tasks.film.stage.films_at", side_effect=CranktopoError("no work here.")):
+    with (
+        stubbed(),
+        patch("cranktopo.tasks.film.stage.orbits_of", side_effect=CranktopoError("no work here.")),
+    ):
         main([words[0], uncharged, *words[1:]])
     assert capsys.readouterr().err.count(TOLD) == 1
 

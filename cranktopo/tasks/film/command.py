@@ -39,17 +39,21 @@ def command(
 
     Example: cranktopo film car-diesel --speed 1000:4000:500
     """
+    from cranktopo.base.formats import PLOTS
     from cranktopo.design.assumed import assumed_text
     from cranktopo.design.loading import load_scene
     from cranktopo.engine.one_throw import one_throw
+    from cranktopo.runs.destination import check_file
     from cranktopo.tasks.film.plot import plot_films
-    from cranktopo.tasks.film.stage import oil_films
+    from cranktopo.tasks.film.stage import films_and_orbits
     from cranktopo.tasks.film.text import film_text
 
     scene = one_throw(load_scene(design, whole=True), throw, all_fire=False)
-    result = oil_films(scene, speeds)
     if plot_path is not None:
-        plot_films(scene, plot_path, None if speeds is None else speeds[-1])
+        check_file(plot_path, "--plot", PLOTS)
+    result, orbits = films_and_orbits(scene, speeds)
+    if plot_path is not None:
+        plot_films(result.design, result.speeds[-1].rpm, orbits, plot_path)
     if as_json:
         tell(result.as_json())
         return

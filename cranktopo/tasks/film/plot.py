@@ -8,14 +8,10 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.files import replacing
-from cranktopo.base.formats import PLOTS
 from cranktopo.base.units import UM_PER_MM
-from cranktopo.design.named import DesignLike, as_scene
-from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.numerics.bearing_film.orbit import Orbit
 from cranktopo.report.plot import curve_style, name_above, plain_decades, save_figure
-from cranktopo.runs.destination import check_file
-from cranktopo.tasks.film.stage import LoadedBearing, orbits_at
+from cranktopo.tasks.film.stage import BearingOrbits, LoadedBearing
 
 _COLUMNS = 4
 _AXES_INCHES = 8.8
@@ -24,18 +20,14 @@ _ORBITS = (
 )
 
 
-def plot_films(scene: DesignLike, path: Path, speed_rpm: float | None = None) -> None:
+def plot_films(name: str, rpm: float, found: BearingOrbits, path: Path) -> None:
     """Write film and pressure over the crank angle, and the orbit of every journal; PNG, SVG or PDF.
 
     Raises:
-        CranktopoError: no `[bearings]`, no engine, an ending that is no plot format, or it cannot be written.
+        CranktopoError: it cannot be written.
     """
     from matplotlib.figure import Figure
 
-    check_file(path, "--plot", PLOTS)
-    scene = as_scene(scene)
-    at = scene if speed_rpm is None else at_speed(scene, speed_rpm)
-    found = orbits_at(at)
     rows = -(-len(found) // _COLUMNS)
     figure = Figure(figsize=(_AXES_INCHES + 1.2, 6 + 2.6 * rows), layout="constrained")
     parts: Any = figure.subfigures(2, 1, height_ratios=(6, 2.6 * rows))
@@ -47,13 +39,12 @@ def plot_films(scene: DesignLike, path: Path, speed_rpm: float | None = None) ->
         _draw_orbit(axes, loaded, steady)
     for axes in places[len(found) :]:
         axes.set_axis_off()
-    speed = f"{engine_of(at).speed_rpm:g} rpm"
-    figure.suptitle(f"Oil film of {scene.name} at {speed}, by the mobility method for all bearings")
+    figure.suptitle(f"Oil film of {name} at {rpm:g} rpm, by the mobility method for all bearings")
     with replacing(path) as temporary:
         save_figure(figure, temporary, dpi=120)
 
 
-def _draw_cycle(figure: Any, found: tuple[tuple[LoadedBearing, Orbit], ...]) -> None:
+def _draw_cycle(figure: Any, found: BearingOrbits) -> None:
     film, pressure = figure.subplots(2, 1, sharex=True)
     for number, (loaded, steady) in enumerate(found):
         style = {"color": "k", "lw": 1.5} if loaded is found[-1][0] else {"lw": 1.0, **curve_style(number)}

@@ -60,12 +60,24 @@ class LoadedBearing:
     tilt: Complex | None = None
 
 
+Case = tuple[Scene, Sequence[LoadedBearing], Array]
+"""A scene at its speed, its bearings, and the angles of their loads."""
+BearingOrbits = tuple[tuple[LoadedBearing, Orbit], ...]
+
+
 def oil_films(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> FilmResult:
     """Return the oil films of a design at some speeds, by default at the engine's.
 
     Raises:
         CranktopoError: no `[bearings]`, no engine, or an engine that stands still.
     """
+    return films_and_orbits(scene, speeds_rpm)[0]
+
+
+def films_and_orbits(
+    scene: DesignLike, speeds_rpm: Sequence[float] | None = None
+) -> tuple[FilmResult, BearingOrbits]:
+    """Return the films as `oil_films` does, and the orbits of the journals at the last speed."""
     scene = as_scene(scene)
     table, engine = plain_bearings(scene), engine_of(scene)
     speeds = speeds_rpm or [engine.speed_rpm]
@@ -74,10 +86,14 @@ def oil_films(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> F
             f"{scene.name}: a film carries only where the engine turns.", hint="Give a speed."
         )
     note_pressure(scene.name, scene, every_speed=speeds_rpm is not None)
-    every = films_at([at_speed(scene, rpm) for rpm in speeds], conserving=True)
-    found = tuple(FilmsAtSpeed(rpm=rpm, bearings=films) for rpm, films in zip(speeds, every, strict=True))
+    cases = _cases([at_speed(scene, rpm) for rpm in speeds])
+    every = orbits_of(cases)
+    films_at_speeds = _films_along(cases, every, conserving=True)
+    found = tuple(
+        FilmsAtSpeed(rpm=rpm, bearings=films) for rpm, films in zip(speeds, films_at_speeds, strict=True)
+    )
     conserving = {one.bearing for at in found for one in at.conserving}
-    return FilmResult(
+    result = FilmResult(
         design=scene.name,
         oil=table.oil if table.takes_grade else None,
         temperature_C=None if table.viscosity_mPas else table.temperature_C,
@@ -93,6 +109,7 @@ def oil_films(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> F
         near=NEAR if conserving else None,
         assumed=_assumed(scene, table, conserving),
     )
+    return result, tuple(zip(cases[-1][1], every[-1], strict=True))
 
 
 def plain_bearings(scene: Scene) -> PlainBearings:
@@ -128,16 +145,23 @@ def films_at(scenes: Sequence[Scene], *, conserving: bool = False) -> list[tuple
     Args:
         conserving: also the mass-conserving films of those near what is permitted or limited.
     """
-    cases = [(scene, *_loaded_bearings(scene)) for scene in scenes]
-    return films_of(cases, conserving=conserving)
+    return films_of(_cases(scenes), conserving=conserving)
 
 
-def films_of(
-    cases: Sequence[tuple[Scene, Sequence[LoadedBearing], Array]], *, conserving: bool = False
-) -> list[tuple[BearingFilm, ...]]:
+def films_of(cases: Sequence[Case], *, conserving: bool = False) -> list[tuple[BearingFilm, ...]]:
     """Return the films of the bearings of each scene, at its speed, with the angles of their loads."""
+    return _films_along(cases, orbits_of(cases), conserving=conserving)
+
+
+def _cases(scenes: Sequence[Scene]) -> list[Case]:
+    return [(scene, *_loaded_bearings(scene)) for scene in scenes]
+
+
+def _films_along(
+    cases: Sequence[Case], orbits: Sequence[Sequence[Orbit]], *, conserving: bool
+) -> list[tuple[BearingFilm, ...]]:
     every = []
-    for (scene, loaded, angle), own in zip(cases, orbits_of(cases), strict=True):
+    for (scene, loaded, angle), own in zip(cases, orbits, strict=True):
         films = tuple(_film(one, steady) for one, steady in zip(loaded, own, strict=True))
         if conserving:
             journals = [_journal(one, scene, angle) for one in loaded]
@@ -146,7 +170,7 @@ def films_of(
     return every
 
 
-def orbits_of(cases: Sequence[tuple[Scene, Sequence[LoadedBearing], Array]]) -> list[list[Orbit]]:
+def orbits_of(cases: Sequence[Case]) -> list[list[Orbit]]:
     """Return the orbits of the bearings of each scene; those over the same angles all at once."""
     found: list[list[Orbit]] = [[] for _ in cases]
     for count in dict.fromkeys(len(angle) for _, _, angle in cases):
@@ -156,13 +180,6 @@ def orbits_of(cases: Sequence[tuple[Scene, Sequence[LoadedBearing], Array]]) -> 
         for index in alike:
             found[index] = [next(steady) for _ in cases[index][1]]
     return found
-
-
-def orbits_at(scene: Scene) -> tuple[tuple[LoadedBearing, Orbit], ...]:
-    """Return the bearings with their loads and the orbits of their journals, in the same order."""
-    loaded, angle = _loaded_bearings(scene)
-    (found,) = orbits_of([(scene, loaded, angle)])
-    return tuple(zip(loaded, found, strict=True))
 
 
 def _loaded_bearings(scene: Scene) -> tuple[list[LoadedBearing], Array]:

@@ -19,6 +19,8 @@ from cranktopo.design.named import with_values
 from cranktopo.design.plain_bearings import PlainBearings
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, engine_of
+from cranktopo.numerics.bearing_film.orbit import orbits
+from cranktopo.tasks.film import stage
 from cranktopo.tasks.film.conserving import _warn_of_thin, near_limit, oil_feed
 from cranktopo.tasks.film.result import ConservingFilm
 from cranktopo.tasks.film.stage import (
@@ -295,7 +297,7 @@ def test_a_main_journal_of_its_own_has_its_own_bearing() -> None:
     assert main_bearing(other, 1).width_mm == 30.0
 
 
-def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     file = tmp_path / "a.toml"
     file.write_text(f"{MIKRON}\n[bearings]\n{OIL}", encoding="utf-8")
     assert main(["film", str(file), "--json"]) == 0
@@ -305,7 +307,13 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     single, speeds = tmp_path / "single.toml", ["--speed", "1000:2000:1000"]
     one = MIKRON.replace("cylinders = 4", "cylinders = 1").replace("[1, 3, 4, 2]", "[1]")
     single.write_text(f"{one}\n[bearings]\n{OIL}", encoding="utf-8")
-    assert main(["film", str(single), *speeds, "--plot", str(tmp_path / "films.png")]) == 0
+    solved = []
+    with monkeypatch.context() as patch:
+        patch.setattr(stage, "orbits", lambda *of: solved.append(of) or orbits(*of))
+        assert main(["film", str(single), *speeds, "--plot", str(tmp_path / "films.txt")]) == 2
+        assert not solved, "a file that is no plot is refused before the work"
+        assert main(["film", str(single), *speeds, "--plot", str(tmp_path / "films.png")]) == 0
+        assert len(solved) == 1, "what is drawn is not solved again"
     told = capsys.readouterr().out
     assert "least film" in told
     assert re.findall(r"(?m)^ *(1000|2000|2100) ", told) == ["1000", "2000"], "not that of the engine, 2100"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cranktopo.tasks.film import plot
-from cranktopo.tasks.film.stage import orbits_at
+from cranktopo.tasks.film.stage import films_and_orbits
 from tests.unit.film.test_film import scene
 
 
@@ -20,10 +20,10 @@ def test_orbits_are_drawn_in_their_clearance(tmp_path: Path, monkeypatch: pytest
     monkeypatch.setattr(
         plot, "save_figure", lambda figure, *to, **how: (drawn.append(figure), write(figure, *to, **how))
     )
-    plot.plot_films(own, tmp_path / "film.png")
+    _, found = films_and_orbits(own)
+    plot.plot_films(own.name, 2100.0, found, tmp_path / "film.png")
     assert (tmp_path / "film.png").stat().st_size > 10_000
     film, pressure, *places = drawn[0].axes
-    found = orbits_at(own)
     shown = [axes for axes in places if axes.axison and axes.get_title()]
     assert [axes.get_title() for axes in shown] == [loaded.name for loaded, _ in found]
     assert len(film.lines) == len(pressure.lines) == len(found)
