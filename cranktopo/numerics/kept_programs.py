@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import cache, partial, update_wrapper, wraps
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Generic, NamedTuple, ParamSpec, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import jax
 import numpy as np
@@ -28,7 +28,6 @@ from cranktopo.base.files import write_bytes
 from cranktopo.numerics.kernels.registry import kernel_settings, known_kernels, make_known
 from cranktopo.numerics.precision import folder_of_programs
 
-_P = ParamSpec("_P")
 _R = TypeVar("_R")
 _DIGEST_BYTES = 32
 _NAME_DIGITS = 32
@@ -60,20 +59,20 @@ class _Key(NamedTuple):
     statics: tuple[tuple[str, Hashable], ...]
 
 
-class KeptProgram(Generic[_P, _R]):
+class KeptProgram(Generic[_R]):
     """A jitted function of arrays, and statics by name, whose programs are kept.
 
     Calls from within other programs, and on devices that are no processor, are JAX's own.
     """
 
-    def __init__(self, function: Callable[_P, _R], statics: Sequence[str], donated: Sequence[str]) -> None:
+    def __init__(self, function: Callable[..., _R], statics: Sequence[str], donated: Sequence[str]) -> None:
         self._function = function
         self._jit = partial(jax.jit, static_argnames=statics, donate_argnames=donated)
         self._jitted = self._jit(function)
         self._programs: dict[_Key, Callable[..., Any]] = {}
         update_wrapper(self, function)
 
-    def __call__(self, *args: _P.args, **statics: _P.kwargs) -> _R:
+    def __call__(self, *args: Any, **statics: Any) -> _R:
         """Return what the function does."""
         leaves, structure = jax.tree.flatten(args)
         folder = _folder()
@@ -113,7 +112,7 @@ class KeptProgram(Generic[_P, _R]):
 
 def kept_program(
     *statics: str, donated: tuple[str, ...] = ()
-) -> Callable[[Callable[_P, _R]], KeptProgram[_P, _R]]:
+) -> Callable[[Callable[..., _R]], KeptProgram[_R]]:
     """Return what jits a function, some arguments static (by name), the memory of some taken for results.
 
     What it is traced through stands in numerics and in the package of the function.
@@ -132,15 +131,20 @@ def _plain(leaves: list[Any]) -> bool:
 
 
 def _lies_on(leaf: Any, device: jax.Device) -> bool:
-    if isinstance(leaf, np.ndarray):
+    if isinstance(leaf, np.ndarray | int | float):
         return True
     traced = isinstance(leaf, jax.core.Tracer)
     return not traced and isinstance(leaf, jax.Array) and leaf.devices() == {device}
 
 
 def _key(leaves: list[Any], structure: Hashable, statics: Mapping[str, Any]) -> _Key:
-    shapes = tuple((leaf.shape, str(leaf.dtype), getattr(leaf, "weak_type", False)) for leaf in leaves)
-    return _Key(structure, shapes, tuple(sorted(statics.items())))
+    return _Key(structure, tuple(map(_shape, leaves)), tuple(sorted(statics.items())))
+
+
+def _shape(leaf: Any) -> Hashable:
+    if isinstance(leaf, int | float):
+        return type(leaf).__name__
+    return leaf.shape, str(leaf.dtype), getattr(leaf, "weak_type", False)
 
 
 def _digest_of_origin(function: Callable[..., object], key: _Key) -> str:
@@ -165,11 +169,11 @@ def _sources(*folders: Path) -> str:
     return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 
 
-def _renamed(function: Callable[_P, _R], name: str) -> Callable[_P, _R]:
+def _renamed(function: Callable[..., _R], name: str) -> Callable[..., _R]:
     """Return a function under a name of its origin: XLA's cache then never has it from another one."""
 
     @wraps(function)
-    def renamed(*args: _P.args, **statics: _P.kwargs) -> _R:
+    def renamed(*args: Any, **statics: Any) -> _R:
         return function(*args, **statics)
 
     renamed.__name__ = name

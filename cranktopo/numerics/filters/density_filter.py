@@ -11,6 +11,7 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from cranktopo.base.arrays import Array
+from cranktopo.numerics.device_arrays import on_device
 
 THRESHOLD = 0.5
 
@@ -156,7 +157,7 @@ def boundary_correction(cone: ConeFilter, solid: Array) -> jax.Array:
     reach = cone.kernel.shape[2] // 2
     inner = slice(reach, solid.shape[2] - reach)
     weight = jnp.where(jnp.isinf(cone.weight), 0.0, cone.weight)
-    around = convolved(jnp.asarray(solid), cone.kernel, cone.mirrored_x)[:, :, inner]
+    around = convolved(on_device(solid), cone.kernel, cone.mirrored_x)[:, :, inner]
     counted = jnp.sum(cone.kernel) - around
     some = counted > _NOTHING * jnp.sum(cone.kernel)
     return jnp.where(some, weight / jnp.where(some, counted, 1.0), 1.0)

@@ -15,6 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.numerics.device_arrays import on_device
 from cranktopo.numerics.grid.lattice import WHOLE, Cells, Lattice, Partition
 
 # Rigid motions of a section about its centre.
@@ -80,11 +81,11 @@ def build_supports(
     parts = [_case_arrays(lattice, origin_mm, levels, case, size) for case in cases]
     basis, coarse, springs, loads = (np.stack(items) for items in zip(*parts, strict=True))
     supports = BoundaryConditions(
-        free_x0=jax.device_put(np.array([_free_at_x0(case) for case in cases])),
-        free_z_end=jax.device_put(np.array([_free_at_z_end(case) for case in cases])),
-        basis=jax.device_put(basis),
-        coarse_basis=jax.device_put(coarse),
-        springs=jax.device_put(springs),
+        free_x0=on_device([[0.0 if c in case.fixed_at_x0 else 1.0 for c in range(3)] for case in cases]),
+        free_z_end=on_device([_free_at_z_end(case) for case in cases]),
+        basis=on_device(basis),
+        coarse_basis=on_device(coarse),
+        springs=on_device(springs),
     )
     forces = np.zeros((len(cases), *lattice.field_shape))
     forces[..., 0] = np.einsum("bm,bmcxy->bcxy", loads, basis[:, :, 0])
@@ -134,10 +135,6 @@ def _basis(supports: BoundaryConditions, dtype: jnp.dtype) -> jax.Array:
         return basis
     ends = jnp.stack([supports.partition.at_first_plane(), supports.partition.at_last_plane()])
     return basis * ends[:, None, None, None]
-
-
-def _free_at_x0(case: CaseSupports) -> list[float]:
-    return [0.0 if c in case.fixed_at_x0 else 1.0 for c in range(3)]
 
 
 def _free_at_z_end(case: CaseSupports) -> list[float]:

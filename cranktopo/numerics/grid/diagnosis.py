@@ -61,12 +61,14 @@ def unsupported_load(system: System, threshold: float, across: _Across = "corner
     moduli = np.asarray(system.moduli)
     material = moduli > threshold * moduli.max()
     labels, _ = label(material, structure=np.ones((3, 3, 3)) if across == "corners" else None)
-    free = project(system.supports, system.forces)
-    for case, forces in enumerate(np.asarray(free)):
+    for case, forces in enumerate(np.asarray(_free(system.supports, system.forces))):
         found = _unsupported(system.supports, case, forces, labels)
         if found:
             return case, found
     return None
+
+
+_free = jax.jit(project)
 
 
 def _unsupported(supports: BoundaryConditions, case: int, forces: Array, labels: NDArray[np.int32]) -> str:

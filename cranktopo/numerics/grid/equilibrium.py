@@ -16,8 +16,10 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from cranktopo.base.errors import CranktopoError, solver_error
+from cranktopo.numerics.device_arrays import on_device
 from cranktopo.numerics.grid.conjugate_gradients import (
     CgResult,
     SharedSolve,
@@ -106,7 +108,7 @@ def solve_system(
     for method in (replace(METHODS[0], precision=precision), *METHODS[1:]):
         found = run_method(method, tables, system, guess, aim)
         result = measured_again(system, found)
-        used, residual = int(result.iterations), float(jnp.max(result.relative_residual))
+        used, residual = int(result.iterations), float(np.asarray(result.relative_residual).max())
         iterations += used
         _check_meaning(system, result, residual <= tolerance, names)
         if residual <= tolerance:
@@ -115,9 +117,9 @@ def solve_system(
         if not tried:
             _check_load_path(system, names)
         tried = f"{method.name} stopped at relative residual {residual:.1e} after {used} iterations"
-        if float(jnp.max(found.relative_residual)) <= aim:  # it stopped too early, deceived by rounding
+        if np.asarray(found.relative_residual).max() <= aim:  # it stopped too early, deceived by rounding
             aim /= 2
-        guess = result.displacements if isfinite(residual) else jnp.zeros_like(guess)
+        guess = result.displacements if isfinite(residual) else on_device(np.zeros(guess.shape, guess.dtype))
     raise _failure(system, result, tolerance, iterations, names, advice)
 
 
@@ -125,29 +127,30 @@ def run_method(
     method: Method, tables: GridTables, system: System, guess: jax.Array, tolerance: float
 ) -> CgResult:
     """Return what one method arrives at; the others have not been tried."""
-    limits = jnp.asarray(tolerance), jnp.asarray(method.cap)
+    limits = tolerance, method.cap
     if method.degree == 0:
         return jacobi_cg(system, guess, *limits)
     parts = devices_for(system.moduli.shape)
     if parts > 1:
-        return SharedSolve(tables, system, method.degree, guess, limits, method.precision, parts).result()
+        of_all = jnp.asarray(tolerance), jnp.asarray(method.cap)
+        return SharedSolve(tables, system, method.degree, guess, of_all, method.precision, parts).result()
     compile_multigrid(tables, system, method.precision)
     hierarchy = build_hierarchy(tables, system.supports, system.moduli, precision=method.precision)
-    return multigrid_cg(system, hierarchy, jnp.asarray(method.degree), guess, *limits)
+    return multigrid_cg(system, hierarchy, method.degree, guess, *limits)
 
 
 def _check_numbers(system: System, names: tuple[str, ...]) -> None:
-    least, largest, numbers, finite = _extreme_values(system.moduli, system.forces)
-    least, largest = float(least), float(largest)
+    smallest, most, numbers, finite = map(np.asarray, _extreme_values(system.moduli, system.forces))
+    least, largest = float(smallest), float(most)
     if not (numbers and least >= 0 and largest > 0):
         raise solver_error(
             f"solver: relative moduli from {least:.3g} to {largest:.3g}{'' if numbers else ' or no number'}; "
             "all must be finite, none negative and one positive.",
             "Check the densities and the material.",
         )
-    if not bool(jnp.all(finite)):
+    if not finite.all():
         raise solver_error(
-            f"solver: load case {names[int(jnp.argmin(finite))]} has forces that are not finite numbers.",
+            f"solver: load case {names[int(finite.argmin())]} has forces that are not finite numbers.",
             "Check the loads.",
         )
 
@@ -206,7 +209,7 @@ def _failure(
     names: tuple[str, ...],
     advice: Advice,
 ) -> CranktopoError:
-    residual = [float(r) for r in result.relative_residual]
+    residual = np.asarray(result.relative_residual).tolist()
     worst = residual.index(max(residual))
     reason, hint = _reason(system, result, worst, tolerance, names, advice)
     return solver_error(
@@ -221,7 +224,7 @@ def _reason(
 ) -> tuple[str, str]:
     """Return why the worst case has no solution, empty where nobody knows, and what to do."""
     found = unsupported_load(system, _JOINED_STIFFNESS_RATIO) or _hinge(system, _JOINED_STIFFNESS_RATIO)
-    limit = float(rounding(system, result.displacements)[worst])
+    limit = float(np.asarray(rounding(system, result.displacements))[worst])
     if limit > _ROUNDED * tolerance and (found is None or found[0] != worst):
         return (
             f" Float64 ends there: rounding of displacements alone may leave {limit:.0e}.",
@@ -245,7 +248,7 @@ def compile_multigrid(tables: GridTables, system: System, precision: Precision) 
 @lru_cache(maxsize=64)
 def _compile(structure: Hashable, shapes: tuple[jax.ShapeDtypeStruct, ...], precision: Precision) -> None:
     tables, system = jax.tree.unflatten(structure, shapes)
-    limits = jnp.asarray(2), system.forces, jnp.asarray(1e-2), jnp.asarray(1)
+    limits = 2, system.forces, 1e-2, 1
     with ThreadPoolExecutor(2) as pool:
         building = build_hierarchy.begin(tables, system.supports, system.moduli, precision=precision)
         jobs = [pool.submit(building.compile)]

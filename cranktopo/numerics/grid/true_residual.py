@@ -30,7 +30,7 @@ _SIGNS = np.prod(np.where(CORNERS[None] == 1, 2 * CORNERS[:, None] - 1, 1), axis
 def measured_again(system: System, result: CgResult) -> CgResult:
     """Return the result with residuals that rounding does not hide; the same where it hides none."""
     recursive = result.relative_residual
-    if not bool(jnp.any(rounding(system, result.displacements) > _CLEAR * recursive)):
+    if not np.any(np.asarray(rounding(system, result.displacements)) > _CLEAR * np.asarray(recursive)):
         return result
     return result._replace(relative_residual=fine_residual(system, result.displacements))
 

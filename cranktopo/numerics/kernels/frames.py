@@ -14,6 +14,7 @@ from typing import Any
 
 import jax
 import numpy as np
+from numpy.typing import NDArray
 
 from cranktopo.numerics.grid.lattice import COUPLED
 
@@ -181,11 +182,9 @@ def _tried(address: int, product: Callable[[str], Product], expected: Product) -
     return watched.fault or differs
 
 
-def _operands() -> tuple[jax.Array, jax.Array, jax.Array]:
+def _operands() -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
     cases, cells = TRIAL
     shapes = (8, 3, 3, cells[2]), cells, (cases, 3, *(n + 1 for n in cells))
     random = np.random.default_rng(0)
-    blocks, moduli, field = (
-        jax.device_put(random.random(shape, np.float32) - np.float32(0.5)) for shape in shapes
-    )
-    return blocks * COUPLED[..., None], moduli, field
+    blocks, moduli, field = (random.random(shape, np.float32) - np.float32(0.5) for shape in shapes)
+    return (blocks * COUPLED[..., None]).astype(np.float32), moduli, field

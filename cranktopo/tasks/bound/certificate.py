@@ -53,8 +53,8 @@ def energies(model: ThrowModel, webs: AdmissibleDensities, u: jax.Array) -> tupl
     blocks = layer_blocks(model.lattice)
     factor = model.modulus_MPa / model.share
     cells = factor * (
-        np.asarray(strain_energy_densities(jax.device_put(blocks), u))
-        + _ROUND_OFF * np.asarray(_sizes(jax.device_put(np.abs(blocks).sum(axis=0)), u))
+        np.asarray(strain_energy_densities(blocks, u))
+        + _ROUND_OFF * np.asarray(_sizes(np.abs(blocks).sum(axis=0), u))
     )
     web = cells[..., webs.layers] * webs.design
     soft = webs.fixed * cells

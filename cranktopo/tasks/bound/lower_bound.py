@@ -26,6 +26,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import apply_physics_plan
 from cranktopo.engine.states import main_load_cases
+from cranktopo.numerics.device_arrays import on_device
 from cranktopo.tasks.bound.certificate import (
     Certificate,
     LinearUnderestimator,
@@ -132,7 +133,7 @@ class BoundModel:
         """Return displacements of the web with these densities; a failed solve raises CranktopoError."""
         moduli = self.webs.fixed.copy()
         moduli[:, :, self.webs.layers] += self.webs.design * (CONTRAST + (1 - CONTRAST) * density)
-        return solve(self.model, jax.device_put(moduli), guess=guess, tolerance=tolerance).displacements
+        return solve(self.model, on_device(moduli), guess=guess, tolerance=tolerance).displacements
 
     def underestimator(self, u: jax.Array) -> LinearUnderestimator:
         """Return what displacements prove about every web."""

@@ -14,6 +14,7 @@ from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain, own_web
 from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.device_arrays import on_device
 from cranktopo.tasks.density.material import MaterialInterpolation, relative_moduli, solid_fraction
 from cranktopo.tasks.density.model import ThrowModel, case_forces
 from cranktopo.tasks.density.problem import Assessment, CaseResult, DensityProblem, ResponseConstraint
@@ -50,10 +51,10 @@ def assess_original(
 
 
 def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, solid: Array) -> Assessment:
-    forces = case_forces(model, jax.device_put(solid))
-    solution = solve(model, jax.device_put(moduli), forces=forces, tolerance=TOLERANCE)
+    forces = case_forces(model, on_device(solid))
+    solution = solve(model, on_device(moduli), forces=forces, tolerance=TOLERANCE)
     found = compliances(model, solution.displacements, forces)
-    work = [float(c) for c in found]
+    work, residuals = np.asarray(found).tolist(), np.asarray(solution.relative_residual).tolist()
     cases = tuple(
         CaseResult(
             name=case.name,
@@ -61,14 +62,14 @@ def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, soli
             compliance_N_mm=value,
             stiffness=None if case.has_body_force else stiffness(model, value, case.name),
             cg_iterations=int(solution.iterations),
-            relative_residual=float(residual),
+            relative_residual=residual,
         )
-        for case, value, residual in zip(model.cases, work, solution.relative_residual, strict=True)
+        for case, value, residual in zip(model.cases, work, residuals, strict=True)
     )
     kg = solid * domain.volume_mm3 / domain.symmetry_fraction
     kg *= density_kg_per_mm3(scene.material.density_kg_m3)
     first, last = domain.web_layers
-    design = Design(jax.device_put(moduli), jax.device_put(solid), found, found, solution.displacements)
+    design = Design(on_device(moduli), on_device(solid), found, found, solution.displacements)
     known = quantities_of(scene, model)
     values = values_of(tuple(response.value for response in known.values()), design)
     bolted = bolted_mass(scene).volume

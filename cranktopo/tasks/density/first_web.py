@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import jax.numpy as jnp
+import jax
 
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.numerics.filters.density_filter import projected
@@ -22,13 +22,16 @@ def check_start(chain: MaterialInterpolation, start: float, schedule: Schedule) 
     """
     threshold, beta, moved = chain.projection.eroded, schedule.projection_first, 0.0
     while moved < threshold - start:
-        density = float(projected(jnp.asarray(start), beta, threshold))
+        density = float(_projected(start, beta, threshold))
         if density**chain.penalty < _SOFTEST:
             raise _short_steps(start, beta, schedule) if moved else _too_soft(start, density, chain.penalty)
         if beta >= schedule.projection_last:
             return
         moved += schedule.stage_iterations * schedule.largest_move(beta)
         beta = min(2 * beta, schedule.projection_last)
+
+
+_projected = jax.jit(projected)
 
 
 def _too_soft(start: float, density: float, penalty: float) -> CranktopoError:

@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.numerics.device_arrays import on_device
 from cranktopo.numerics.grid.equilibrium import Solution
 from cranktopo.numerics.optimisers.mma import Asymptotes
 from cranktopo.tasks.density.material import (
@@ -188,7 +188,7 @@ def step(problem: DensityProblem, state: State) -> State:
         iteration=len(state.history) + 1,
         beta=state.beta,
         objective=proposal.objective,
-        compliance_N_mm=tuple(float(c) for c in design.compliances),
+        compliance_N_mm=tuple(np.asarray(design.compliances).tolist()),
         volume_fraction=volume,
         greyness=grey,
         change=float(np.abs(proposal.x - state.x).max()),
@@ -203,7 +203,7 @@ def step(problem: DensityProblem, state: State) -> State:
         state,
         evaluated=state.x,
         displacements=np.concatenate([np.asarray(solution.displacements) for solution in solutions]),
-        initial_N_mm=tuple(float(c) for c in design.reference_compliances),
+        initial_N_mm=tuple(np.asarray(design.reference_compliances).tolist()),
         history=(*state.history, record),
         memory=dict(proposal.memory),
     )
@@ -222,7 +222,7 @@ class _Solved(NamedTuple):
 
 def _solved(problem: DensityProblem, state: State) -> _Solved:
     """Return the state's design under its loads; also the eroded and dilated one where it is another."""
-    density_chain, x, beta = problem.density_chain, jax.device_put(state.x), jnp.asarray(state.beta)
+    density_chain, x, beta = problem.density_chain, state.x, state.beta
     moduli, solid, volume, grey = _nominal(density_chain, x, beta)
     cases = len(problem.model.cases)
     design, solution = _loaded(problem, state, moduli, solid, state.displacements[:cases])
@@ -243,12 +243,12 @@ def _loaded(
         model,
         moduli,
         forces=forces,
-        guess=jnp.asarray(guess),
+        guess=on_device(guess),
         tolerance=problem.tolerance_at(state.beta),
         precision=problem.solving.precision,
     )
     found = compliances(model, solution.displacements, forces)
-    first = jnp.asarray(state.initial_N_mm) if state.initial_N_mm else found
+    first = on_device(state.initial_N_mm) if state.initial_N_mm else found
     u = on_material(solution.displacements, moduli)
     return Design(moduli, solid, found, first, u), solution
 
@@ -260,7 +260,7 @@ def final_design(problem: DensityProblem, state: State) -> WebDensities:
 
 def design_of(density_chain: MaterialInterpolation, x: Array, beta: float) -> WebDensities:
     """Return the densities of design variables at a projection steepness."""
-    filtered, physical = _densities(density_chain, jax.device_put(x), jnp.asarray(beta))
+    filtered, physical = _densities(density_chain, x, beta)
     return WebDensities(filtered=np.asarray(filtered), physical=np.asarray(physical))
 
 

@@ -14,8 +14,6 @@ from __future__ import annotations
 
 import math
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.base.arrays import Array, Mask
@@ -25,6 +23,7 @@ from cranktopo.base.spans import holds, polygon_section
 from cranktopo.bodies.cells.domain import Domain, centres_mm
 from cranktopo.bodies.envelope_file import envelope_bounds_mm, through_holes
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.device_arrays import on_device
 from cranktopo.numerics.filters.density_filter import THRESHOLD, Projection
 from cranktopo.numerics.filters.processes import (
     ONE_CELL,
@@ -219,9 +218,9 @@ def open_cells(scene: Scene, domain: Domain) -> Mask:
 def _die(scene: Scene, domain: Domain) -> ForgingConstraint:
     axis = pull_axis(scene)
     free = designable(scene, domain) > 0
-    kept = jax.device_put(_behind_journals(scene, domain) * free) if axis == Z else None
+    kept = on_device(_behind_journals(scene, domain) * free) if axis == Z else None
     return ForgingConstraint(
-        jax.device_put(free), kept, axis, parting_of(domain, axis), _draft_slope(scene, domain, axis)
+        on_device(free), kept, axis, parting_of(domain, axis), _draft_slope(scene, domain, axis)
     )
 
 
@@ -250,7 +249,7 @@ def _access(scene: Scene, domain: Domain, margin: tuple[int, ...], ways: tuple[D
     free = designable(scene, domain) > 0
     air = _air(scene, domain, free, margin)
     x, y, z = margin
-    return ToolAccess(jnp.asarray(free), jnp.asarray(air), (x, y, z), mirrored, used)
+    return ToolAccess(on_device(free), on_device(air), (x, y, z), mirrored, used)
 
 
 def _tool_disc(radius_mm: float, step_a_mm: float, step_b_mm: float) -> Offsets:

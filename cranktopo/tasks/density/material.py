@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.bodies.cells.domain import Domain
+from cranktopo.numerics.device_arrays import on_device
 from cranktopo.numerics.filters.density_filter import Projection, cone_filter, cone_kernel, projected
 
 Block = Callable[[jax.Array], jax.Array]
@@ -61,10 +62,10 @@ def build_interpolation(
     Call it inside `double_precision()`. `design` (nx, ny, nw) is designable, by default what the domain has.
     """
     first, last = domain.web_layers
-    free = jax.device_put(domain.design_fraction[:, :, first:last] if design is None else design)
-    kernel = jax.device_put(cone_kernel(web_cell_mm(domain), filter_radius_mm))
+    free = on_device(domain.design_fraction[:, :, first:last] if design is None else design)
+    kernel = on_device(cone_kernel(web_cell_mm(domain), filter_radius_mm))
     return MaterialInterpolation(
-        passive_fraction=jax.device_put(domain.passive_fraction),
+        passive_fraction=on_device(domain.passive_fraction),
         design_fraction=free,
         web_layers=(first, last),
         density_filter=cone_filter(free, kernel, domain.mirrored_x),

@@ -17,6 +17,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.load_type import load_type
+from cranktopo.numerics.device_arrays import on_device
 from cranktopo.numerics.grid.boundary_conditions import (
     BoundaryConditions,
     CaseSupports,
@@ -86,8 +87,8 @@ def build_model(
     return ThrowModel(
         lattice=lattice,
         levels=domain.grid.levels,
-        supports=supports._replace(springs=supports.springs / modulus),
-        forces=jax.device_put(forces / modulus),
+        supports=supports._replace(springs=on_device(np.asarray(supports.springs) / modulus)),
+        forces=on_device(forces / modulus),
         cases=tuple(cases),
         modulus_MPa=modulus,
         share=domain.symmetry_fraction,
@@ -126,14 +127,21 @@ def case_forces(model: ThrowModel, solid: jax.Array) -> jax.Array:
     """
     if not model.spinning or model.arms_mm is None:
         return model.forces
-    nodal = jnp.pad(solid * jnp.asarray(cell_volumes_mm3(model.lattice)) / 8, 1)
+    volumes, (x, y) = cell_volumes_mm3(model.lattice), model.arms_mm
+    return _with_centrifugal(model.forces, solid, volumes, x, y, np.asarray(model.spin))
+
+
+@jax.jit
+def _with_centrifugal(
+    forces: jax.Array, solid: jax.Array, volumes: Array, x: Array, y: Array, spin: Array
+) -> jax.Array:
+    nodal = jnp.pad(solid * volumes / 8, 1)
     for axis in range(3):
         size = nodal.shape[axis]
         near = jax.lax.slice_in_dim(nodal, 0, size - 1, axis=axis)
         nodal = near + jax.lax.slice_in_dim(nodal, 1, size, axis=axis)
-    x, y = model.arms_mm
     outward = jnp.stack([nodal * x, nodal * y, jnp.zeros_like(nodal)])
-    return model.forces + jnp.asarray(model.spin)[:, None, None, None, None] * outward
+    return forces + spin[:, None, None, None, None] * outward
 
 
 def cell_volumes_mm3(lattice: Lattice) -> Array:

@@ -6,12 +6,15 @@ Each takes a solved design and proposes the next design variables; the loop know
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from cranktopo.base.arrays import Array
+from cranktopo.numerics.device_arrays import on_device
 from cranktopo.numerics.kept_programs import kept_program
 from cranktopo.numerics.optimisers.mma import Asymptotes, first_asymptotes, mma_step
 from cranktopo.tasks.density.material import (
@@ -165,22 +168,18 @@ _GAIN, _LARGEST_MARGIN = 0.5, 0.01
 
 def by_optimality_criteria(problem: DensityProblem, state: State, design: Design, eroded: Design) -> Proposal:
     """Take a step for the weighted sum of compliances at a volume fraction."""
-    factors = jnp.asarray(
-        [w / float(c) for w, c in zip(problem.weights, design.reference_compliances, strict=True)]
-    )
-    factors = factors / sum(problem.weights)
+    factors = np.asarray(problem.weights) / np.asarray(design.reference_compliances) / sum(problem.weights)
     by_moduli, by_solid = _objective_gradients(problem.model, eroded, factors)
-    limits = jnp.asarray(problem.target), jnp.asarray(problem.schedule.largest_move(state.beta))
-    x = jax.device_put(state.x)
-    new = _update(problem.density_chain, x, jnp.asarray(state.beta), by_moduli, *limits, by_solid)
-    return Proposal(np.asarray(new), float(jnp.dot(factors, design.compliances)))
+    limits = problem.target, problem.schedule.largest_move(state.beta)
+    new = _update(problem.density_chain, state.x, state.beta, by_moduli, *limits, by_solid)
+    return Proposal(np.asarray(new), float(factors @ np.asarray(design.compliances)))
 
 
 def compile_optimality_criteria(problem: DensityProblem) -> None:
     """Compile the step ahead of its first call, such as beside the first solve."""
-    number = jnp.asarray(0.5)
+    number = 0.5
     x, cells = (
-        jax.ShapeDtypeStruct(shape, number.dtype)
+        jax.ShapeDtypeStruct(shape, float)
         for shape in (problem.density_chain.design_fraction.shape, problem.model.lattice.cells)
     )
     by_solid = cells if problem.model.spinning else None
@@ -188,13 +187,13 @@ def compile_optimality_criteria(problem: DensityProblem) -> None:
 
 
 def _objective_gradients(
-    model: ThrowModel, design: Design, factors: jax.Array
+    model: ThrowModel, design: Design, factors: Array
 ) -> tuple[jax.Array, jax.Array | None]:
-    by_moduli = jnp.einsum("b,bxyz->xyz", factors, compliance_gradients(model, design.displacements))
+    by_moduli = _weighted(factors, compliance_gradients(model, design.displacements))
     if not model.spinning:
         return by_moduli, None
     each = compliance_gradients_by_solid(model, design.displacements, design.solid)
-    return by_moduli, jnp.einsum("b,bxyz->xyz", factors, each)
+    return by_moduli, _weighted(factors, each)
 
 
 def by_moving_asymptotes(problem: DensityProblem, state: State, design: Design, eroded: Design) -> Proposal:
@@ -204,14 +203,14 @@ def by_moving_asymptotes(problem: DensityProblem, state: State, design: Design, 
     values, by_moduli, by_solid = gradients(problem.model, optimisation.functions, eroded, adjoints)
     if eroded is not design:
         values = values_of(optimisation.functions, design)
-    x, beta = jnp.asarray(state.x), jnp.asarray(state.beta)
+    x, beta = on_device(state.x), state.beta
     by_x = vjp(problem.density_chain, x, beta, by_moduli, by_solid)
     several = len(optimisation.goals) if optimisation.worst_of_several else 0
     gradient, rest = (jnp.zeros_like(x), slice(0, None)) if several else (by_x[0], slice(1, None))
-    epigraph = jnp.asarray([1.0] * several + [0.0] * len(optimisation.limits))
+    epigraph = on_device([1.0] * several + [0.0] * len(optimisation.limits))
     bounds = jnp.zeros_like(x), jnp.ones_like(x)
     memory = _remembered(state, x)
-    move = jnp.asarray(problem.schedule.largest_move(state.beta))
+    move = problem.schedule.largest_move(state.beta)
     margins = _margins(problem, state, values[rest], epigraph)
     taken = mma_step(x, gradient, values[rest] + margins, by_x[rest], memory, move, bounds, epigraph)
     new = jnp.where(problem.density_chain.design_fraction > 0, taken.x, x)
@@ -234,14 +233,14 @@ def _margins(problem: DensityProblem, state: State, values: jax.Array, epigraph:
     """Return margins of the limits at the final projection, where steps keep missing them to one side."""
     if not state.memory or state.beta < problem.schedule.projection_last:
         return jnp.zeros_like(values)
-    before = jnp.asarray(state.memory["margins"])
+    before = on_device(state.memory["margins"])
     return jnp.clip(before + _GAIN * values, 0.0, _LARGEST_MARGIN) * (1 - epigraph)
 
 
 def _remembered(state: State, x: jax.Array) -> Asymptotes:
     if not state.memory:
         return first_asymptotes(x)
-    return Asymptotes(*(jnp.asarray(state.memory[name]) for name in Asymptotes._fields))
+    return Asymptotes(*(on_device(state.memory[name]) for name in Asymptotes._fields))
 
 
 def _adjoints(problem: DensityProblem, state: State, design: Design) -> dict[int, jax.Array]:
@@ -257,7 +256,7 @@ def _adjoints(problem: DensityProblem, state: State, design: Design) -> dict[int
                 problem.model,
                 design.moduli,
                 forces=loads_of(function, design),
-                guess=None if guess is None else jnp.asarray(guess),
+                guess=None if guess is None else on_device(guess),
                 tolerance=problem.tolerance_at(state.beta),
                 precision=problem.solving.precision,
             ).displacements
@@ -283,3 +282,4 @@ def vjp(
 
 
 _update = kept_program()(update)
+_weighted = jax.jit(partial(jnp.einsum, "b,bxyz->xyz"))

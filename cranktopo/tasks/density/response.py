@@ -18,6 +18,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.units import KG_PER_TONNE, NMM_PER_NM, density_tonne_per_mm3
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.load_type import load_type
+from cranktopo.numerics.device_arrays import on_device
 from cranktopo.numerics.grid.conjugate_gradients import System
 from cranktopo.numerics.grid.equilibrium import Advice, Solution, solve_system
 from cranktopo.numerics.grid.lattice import WHOLE, layer_blocks
@@ -43,9 +44,9 @@ def solve(
 ) -> Solution:
     """Return the displacements of every load case; the array `guess` to start from is gone afterwards."""
     load = model.forces if forces is None else forces
-    start = jnp.zeros_like(load) if guess is None else guess
+    start = on_device(np.zeros(load.shape, load.dtype)) if guess is None else guess
     tables = build_tables(model.lattice, model.levels)
-    system = System(jax.device_put(tables.blocks), model.supports, moduli, load)
+    system = System(on_device(tables.blocks), model.supports, moduli, load)
     return solve_system(tables, system, start, tolerance, model.case_names, precision, _ADVICE)
 
 
@@ -85,7 +86,7 @@ def adjoint_gradients(
 def compliances(model: ThrowModel, u: jax.Array, forces: jax.Array | None = None) -> jax.Array:
     """Return the work of the loads of the full throw, F . u per case (cases,), N mm."""
     load = model.forces if forces is None else forces
-    return _works(load, u) * model.modulus_MPa / model.share
+    return _works(load, u, model.modulus_MPa, model.share)
 
 
 def compliance_gradients(model: ThrowModel, u: jax.Array) -> jax.Array:
@@ -148,9 +149,13 @@ def _arms_mm(model: ThrowModel) -> tuple[Array, Array]:
 
 
 @jax.jit
+def _works(load: jax.Array, u: jax.Array, modulus: jax.Array, share: jax.Array) -> jax.Array:
+    return WHOLE.dot(load, u) * modulus / share
+
+
+@jax.jit
 def _scaled_energies(blocks: jax.Array, u: jax.Array, factor: jax.Array) -> jax.Array:
     return factor * strain_energy_densities(blocks, u)
 
 
-_works = jax.jit(WHOLE.dot)
 _energy_density = jax.jit(strain_energy_density)

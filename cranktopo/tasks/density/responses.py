@@ -16,6 +16,7 @@ from typing import Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.bodies.volume import bolted_mass
@@ -24,6 +25,7 @@ from cranktopo.design.goal.quantities import MOTIONS
 from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.load_type import load_type
+from cranktopo.numerics.device_arrays import on_device
 from cranktopo.tasks.density.material import MaterialInterpolation
 from cranktopo.tasks.density.model import ThrowModel
 from cranktopo.tasks.density.response import (
@@ -76,7 +78,7 @@ class Response:
 
 def weighted_compliance(weights: Sequence[float]) -> Response:
     """Return the weighted sum of the works of the loads, each over its value in the first design."""
-    shares = jnp.asarray(weights) / sum(weights)
+    shares = on_device(np.asarray(weights) / sum(weights))
     return Response(
         "weighted compliance", "", lambda design: shares @ (design.compliances / design.reference_compliances)
     )
@@ -94,7 +96,8 @@ def relative_compliance(index: int, name: str, weight: float = 1.0) -> Response:
 def volume(density_chain: MaterialInterpolation) -> Response:
     """Share of the design space that is solid."""
     first, last = density_chain.web_layers
-    fixed, total = jnp.sum(density_chain.passive_fraction[:, :, first:last]), density_chain.total
+    fixed = float(np.asarray(density_chain.passive_fraction)[:, :, first:last].sum())
+    total = float(np.asarray(density_chain.design_fraction).sum())
 
     def value(design: Design) -> jax.Array:
         return (jnp.sum(design.solid[:, :, first:last]) - fixed) / total

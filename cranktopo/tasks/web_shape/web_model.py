@@ -10,7 +10,6 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.base.arrays import Array
@@ -26,6 +25,7 @@ from cranktopo.design.halves import without_zones
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.states import main_load_cases
+from cranktopo.numerics.device_arrays import on_device
 from cranktopo.tasks.density.material import CONTRAST
 from cranktopo.tasks.density.model import ThrowModel, build_model
 from cranktopo.tasks.density.response import compliances, solve
@@ -161,10 +161,10 @@ def solved_design(
     model: ThrowModel, moduli: Array, solid: Array, tolerance: float, guess: jax.Array | None = None
 ) -> Design:
     """Return a throw solved with moduli and fills of its cells, to a relative residual."""
-    relative = jnp.asarray(moduli)
+    relative = on_device(moduli)
     u = solve(model, relative, guess=guess, tolerance=tolerance).displacements
     works = compliances(model, u)
-    return Design(relative, jnp.asarray(solid), works, works, u)
+    return Design(relative, on_device(solid), works, works, u)
 
 
 def _domain_without_free_bores(scene: Scene, resolution_mm: float) -> Domain:

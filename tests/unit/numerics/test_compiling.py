@@ -56,6 +56,16 @@ with double_precision():
 print(json.dumps({**known, "after": resident_MiB()}))
 """
 
+OF_NO_FUNCTION = {
+    f"jit({name})"
+    for name in (
+        *("stage", "convert_element_type", "broadcast_in_dim", "dynamic_slice", "unstack", "dot", "_einsum"),
+        *("add", "subtract", "multiply", "true_divide", "maximum", "greater", "tanh"),
+        *("_reduce_sum", "_reduce_max", "_reduce_all", "_reduce_any"),
+    )
+}
+"""Programs of single operations, which NumPy does without one."""
+
 
 @pytest.mark.slow
 def test_a_solve_compiles_nothing_more(float64: None) -> None:
@@ -90,6 +100,17 @@ def test_the_step_compiles_nothing_more(mikron: Scene, float64: None) -> None:
         loop.step(problem, loop.init(problem))
     assert "jit(_nominal)" in names
     assert "jit(update)" not in names
+    assert not OF_NO_FUNCTION & set(names)
+
+
+def test_a_problem_is_built_by_functions_alone(mikron: Scene, float64: None) -> None:
+    """No program for the copy of an array or one quotient: each takes 10 ms for every new shape."""
+    names: list[str] = []
+    with compiled(names):
+        prepared = prepare(mikron.with_optimise(resolution_mm=3.9))
+        build_problem(prepared.scene, prepared.domain, prepared.cases)
+    assert names
+    assert not OF_NO_FUNCTION & set(names)
 
 
 def test_programs_are_loaded_from_a_folder_of_the_user_alone(

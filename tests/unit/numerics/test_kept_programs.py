@@ -56,7 +56,7 @@ def empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Non
         yield
 
 
-def fresh() -> KeptProgram[..., tuple[jax.Array, jax.Array]]:
+def fresh() -> KeptProgram[tuple[jax.Array, jax.Array]]:
     """Return the function as a new process has it."""
     return kept_program()(inverse_times)
 
@@ -67,7 +67,7 @@ def kept_files() -> list[Path]:
     return sorted(folder.glob("inverse_times_*"))
 
 
-def answer(program: KeptProgram[..., tuple[jax.Array, jax.Array]]) -> bytes:
+def answer(program: KeptProgram[tuple[jax.Array, jax.Array]]) -> bytes:
     return np.asarray(program(MATRIX, jnp.arange(3.0))[0]).tobytes()
 
 
@@ -123,6 +123,14 @@ def test_a_digest_follows_the_files(tmp_path: Path) -> None:
     before = kept_programs._sources.__wrapped__(tmp_path)
     file.write_text("a = 2")
     assert kept_programs._sources.__wrapped__(tmp_path) != before
+
+
+def test_plain_numbers_are_arguments_as_they_are() -> None:
+    program = kept_program()(lambda factor, count, vector: vector * factor + count)
+    program._function.__name__ = "scaled"
+    for number in (2, 3):
+        assert np.asarray(program(0.5, number, np.arange(2.0))).tolist() == [number, 0.5 + number]
+    assert len(program._programs) == 1
 
 
 def test_nothing_is_kept_where_that_is_not_wanted() -> None:
