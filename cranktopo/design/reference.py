@@ -267,6 +267,7 @@ def _facts(key: KeyReference) -> str:
     return ", ".join(filter(None, (kind, key.unit, key.allowed, needed)))
 
 
+@cache
 def _prose(text: str) -> str:
     words = " ".join(text.split("\n\n")[0].split())
     return "\n".join(textwrap.wrap(words, _WIDTH, initial_indent="# ", subsequent_indent="# "))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -33,7 +34,7 @@ from cranktopo.engine.forces import (
     shaft_torque,
     uneven_journal_force_N,
 )
-from cranktopo.engine.gas import PressureCurve, pressure_curve
+from cranktopo.engine.gas import FileState, PressureCurve, pressure_curve, trace_states
 from cranktopo.engine.kinematics import exact_motion, series_motion
 from cranktopo.engine.motored import motored_curve
 from cranktopo.engine.vibration.vibrating_shaft import extreme_speeds_rpm, vibrating_torque, worst_speed_rpm
@@ -162,6 +163,12 @@ def analyse(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> LoadAnal
             piston and of the rod count; with `torsional_vibration` the torques are those of the vibrating
             shaft.
     """
+    return _analysis(scene, frozenset(enabled), trace_states(scene))
+
+
+@lru_cache(maxsize=16)
+def _analysis(scene: Scene, enabled: frozenset[str], _traces: tuple[FileState, ...]) -> LoadAnalysis:
+    """Analyse a scene once for all who ask: a plan looks at the same one for half of its effects."""
     engine, radius = engine_of(scene), scene.throw.radius_mm
     balance = throw_balance(scene)
     curve = pressure_curve(scene)
@@ -249,6 +256,7 @@ def indicated_work_J(curve: PressureCurve, engine: Engine, radius_mm: float) -> 
     return (4 * trapezoid(1) - trapezoid(2)) / 3 / NMM_PER_NM
 
 
+@lru_cache(maxsize=64)
 def series_difference_percent(radius_mm: float, rod_length_mm: float) -> dict[str, float]:
     """Largest difference of the textbook series from the exact motion over a turn, in percent of the peak."""
     angle = np.radians(np.arange(0.0, 360.0, 0.25))

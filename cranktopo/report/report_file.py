@@ -5,8 +5,10 @@ from __future__ import annotations
 import base64
 import io
 import re
+from functools import cache
 from importlib import metadata
 from pathlib import Path
+from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from cranktopo.base.files import write_bytes, write_text
@@ -17,6 +19,9 @@ from cranktopo.report.result_table import escaped, markdown
 from cranktopo.report.typeset import typeset, unbroken
 from cranktopo.report.viewer.scene3d import SCRIPT, packed
 from cranktopo.runs.destination import check_file
+
+if TYPE_CHECKING:
+    from jinja2 import Template
 
 TEMPLATES = Path(__file__).parent / "template"
 # Colours of plots and drawings that follow the theme of the page.
@@ -52,12 +57,9 @@ _THEME = {colour: f"var(--c{number})" for number, found in enumerate(_CURVES) fo
 
 def html(page: Page) -> str:
     """Return the report as the text of an HTML file."""
-    from jinja2 import Environment, FileSystemLoader
     from markupsafe import Markup
 
-    environment = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True)
-    environment.filters |= {"typeset": typeset, "unit": unbroken, "name": _name, "prose": _prose}
-    return environment.get_template("report.html.j2").render(
+    return _template().render(
         page=page,
         style=Markup((TEMPLATES / "report.css").read_text(encoding="utf-8")),
         script=Markup(SCRIPT.read_text(encoding="utf-8")),
@@ -71,6 +73,16 @@ def html(page: Page) -> str:
         version=metadata.version("cranktopo"),
         word=_WORD,
     )
+
+
+@cache
+def _template() -> Template:
+    """Return the compiled template of a report, for all pages of this process."""
+    from jinja2 import Environment, FileSystemLoader
+
+    environment = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True)
+    environment.filters |= {"typeset": typeset, "unit": unbroken, "name": _name, "prose": _prose}
+    return environment.get_template("report.html.j2")
 
 
 def _prose(text: str) -> str:
