@@ -305,7 +305,7 @@ def pasted(text, out):
     return f"{text}\n{lines}\n"
 
 
-@pytest.mark.parametrize("percent", [0, 50])
+@pytest.mark.parametrize("percent", [pytest.param(0, marks=pytest.mark.slow), 50])
 def test_what_a_proposal_prints_makes_both_commands_agree(capsys, tmp_path, percent):
     """A single without a counterweight: `loads` called the pasted one too heavy by the oscillating share."""
     single = MIKRON[: MIKRON.index("[envelope]")].replace("cylinders = 4", "cylinders = 1")
@@ -344,7 +344,7 @@ def told_of_counterweights(capsys, design):
     return line and line[1], card[1]
 
 
-@pytest.mark.parametrize("layout", ["in line", "V"])
+@pytest.mark.parametrize("layout", [pytest.param("in line", marks=pytest.mark.slow), "V"])
 def test_too_heavy_counterweights_are_told_as_too_heavy(capsys, tmp_path, weighted_vee, layout):
     """By as much as `loads` tells; a counterweight that lacks something is a bare number, as ever."""
     design, angle = tmp_path / "heavy.toml", "half_angle_deg = 70.0"

@@ -65,9 +65,19 @@ NEEDED = [
 ]
 
 
-def test_a_missing_extra_ends_before_anything_is_done(tmp_path: Path) -> None:
+BENCH = ["bench", "mikron-iiic-plain", "--no-browser"]
+CORE = ["loads", "plan", "evaluate --element-size-mm 14"]
+
+
+@pytest.fixture(scope="module")
+def ended(tmp_path_factory: pytest.TempPathFactory) -> list[Ended]:
+    """Every command that needs an extra, twice, then the bench and some of the core: in one process."""
     lines = [[*words, *more] for words, *_ in NEEDED for more in (["--json"], [])]
-    done = without_extras(tmp_path, *lines)
+    return without_extras(tmp_path_factory.mktemp("extras"), *lines, BENCH, *map(str.split, CORE))
+
+
+def test_a_missing_extra_ends_before_anything_is_done(ended: list[Ended]) -> None:
+    done = ended[: 2 * len(NEEDED)]
     for (_, need, package, extra), told, said in zip(NEEDED, done[::2], done[1::2], strict=True):
         message = f"{need}: a package cannot be loaded: No module named '{package}'."
         hint = f"Install it: pip install 'cranktopo[{extra}]'"
@@ -78,28 +88,31 @@ def test_a_missing_extra_ends_before_anything_is_done(tmp_path: Path) -> None:
             assert one.files == []
 
 
-def test_the_bench_without_its_package(tmp_path: Path) -> None:
-    (done,) = without_extras(tmp_path, ["bench", "mikron-iiic-plain", "--no-browser"])
+def test_the_bench_without_its_package(ended: list[Ended]) -> None:
+    done = ended[2 * len(NEEDED)]
     assert (done.code, done.out, done.files) == (7, "", [])
     assert done.err.endswith("Install it: pip install 'cranktopo[bench]'\n")
 
 
-@pytest.mark.parametrize(
-    "lines",
-    [
-        pytest.param(["loads", "plan", "evaluate --element-size-mm 14"], id="quick"),
-        pytest.param(["fatigue --fillet-fraction 0.5"], id="fatigue", marks=pytest.mark.slow),
-        pytest.param(
-            ["optimise --volume-fraction 0.3 --resolution-mm 4.5 --max-iterations 1"],
-            id="optimise",
-            marks=pytest.mark.slow,
-        ),
-    ],
-)
-def test_the_core_does_without_extras(tmp_path: Path, lines: list[str]) -> None:
-    for line, done in zip(lines, without_extras(tmp_path, *map(str.split, lines)), strict=True):
+def test_the_core_does_without_extras(ended: list[Ended]) -> None:
+    for done in ended[-len(CORE) :]:
         assert done.out, done.err
-        assert done.code == (5 if "--max-iterations" in line else 0), done.err
+        assert done.code == 0, done.err
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "line",
+    [
+        "fatigue --fillet-fraction 0.5",
+        "optimise --volume-fraction 0.3 --resolution-mm 4.5 --max-iterations 1",
+    ],
+    ids=["fatigue", "optimise"],
+)
+def test_more_of_the_core_does_without_extras(tmp_path: Path, line: str) -> None:
+    (done,) = without_extras(tmp_path, line.split())
+    assert done.out, done.err
+    assert done.code == (5 if "--max-iterations" in line else 0), done.err
 
 
 def test_doctor_lists_the_extras(monkeypatch: pytest.MonkeyPatch) -> None:

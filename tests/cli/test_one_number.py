@@ -330,7 +330,7 @@ def _alike(one, other):
 
 @pytest.mark.parametrize(
     "scene",
-    [pytest.param(scene, marks=pytest.mark.slow if _SHAFT in SCENES[scene] else ()) for scene in SCENES],
+    [pytest.param(scene, marks=() if scene == _TWO else pytest.mark.slow) for scene in SCENES],
 )
 def test_what_closed_forms_tell(capsys, tmp_path, scene):
     path = tmp_path / "engine.toml"

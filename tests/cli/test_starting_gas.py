@@ -83,10 +83,10 @@ def test_a_usual_power_keeps_a_usual_burning() -> None:
     ("kW", "ratio", "peak", "advice"),
     [
         (2.2, 23, 0, "power"),
-        (98, 20, 0, "power"),
+        pytest.param(98, 20, 0, "power", marks=pytest.mark.slow),
         (8.75, 20, 5, "no peak"),
         (8.75, 14, 20, "peak"),
-        (2.2, 23, 5, "power"),
+        pytest.param(2.2, 23, 5, "power", marks=pytest.mark.slow),
     ],
 )
 def test_a_refusal_advises_what_works(kW: float, ratio: float, peak: float, advice: str) -> None:

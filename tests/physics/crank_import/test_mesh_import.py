@@ -221,5 +221,5 @@ def test_corners_in_disorder_are_refused_at_once(tmp_path: Path) -> None:
         CranktopoError, match=r"no body of faces: \d+ % of its surface is triangles that fold"
     ):
         import_crank(tmp_path / "mixed.stl", "mixed", tmp_path / "out", unit="mm")
-    sound = [mesh, surface_of(load_scene("industrial-gas"), "web", 6.0)]
+    sound = [mesh, surface_of(load_scene("car-diesel"), "web", 6.0)]
     assert [Skin(one, 0.01).lonely_share(0.8) < 1e-3 for one in sound] == [True, True]

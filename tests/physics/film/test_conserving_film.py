@@ -160,7 +160,7 @@ def long_journal(around: int, load: float) -> tuple[complex, Array, float]:
     return middle * turn, np.stack([angle[order], state.pressure[order, 0]]), lost
 
 
-@pytest.mark.parametrize("load", [0.6, 2.0])
+@pytest.mark.parametrize("load", [pytest.param(0.6, marks=pytest.mark.slow), 2.0])
 def test_a_long_journal_with_a_line_of_oil(load: float) -> None:
     """Its pressure begins at the line and ends without slope: one integral of Reynolds' equation."""
     place, (angle, pressure), lost = long_journal(360, load)

@@ -193,7 +193,7 @@ def test_a_film_narrower_than_the_map_has_the_law_of_narrow_ones() -> None:
     assert abs(velocity - np.exp(1j)) < 0.03
 
 
-@pytest.mark.parametrize("speed", [0.01, 0.2, 1.0])
+@pytest.mark.parametrize("speed", [0.01, pytest.param(0.2, marks=pytest.mark.slow), 1.0])
 def test_a_film_below_what_is_resolved_is_told_as_that(speed: float) -> None:
     """A shaft that hardly turns: the journal stays inside, and the orbit ends."""
     found = steady(15000.0 + 5000.0 * np.cos(np.radians(ANGLE)) + 0j, speed=speed)

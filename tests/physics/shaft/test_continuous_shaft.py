@@ -316,7 +316,7 @@ def test_webs_carry_what_stands_ahead_of_them(tmp_path: Path) -> None:
     assert last[:, 6] == pytest.approx(found.torque_Nm[2, 1], rel=1e-7)
 
 
-@pytest.mark.parametrize("offset_mm", [None, 0.0, 6.0])
+@pytest.mark.parametrize("offset_mm", [None, pytest.param(0.0, marks=pytest.mark.slow), 6.0])
 def test_two_rods_on_a_pin_load_the_bearings_by_the_lever_rule(offset_mm: float | None) -> None:
     """Of a V with one throw, beside the balance: the two rods stand aside of the middle of the pin."""
     data = load_scene("car-diesel").model_dump(mode="json", by_alias=True, exclude_none=True)

@@ -196,7 +196,7 @@ def test_a_body_from_cad_is_in_the_step_file(tmp_path: Path) -> None:
     check_step_file(with_crank(end=[end(body)]), tmp_path / "crank.step")
 
 
-@pytest.mark.parametrize("face", ["journal", "pin"])
+@pytest.mark.parametrize("face", ["journal", pytest.param("pin", marks=pytest.mark.slow)])
 def test_a_hollow_between_the_webs_of_a_flying_web_is_refused(face: str, tmp_path: Path) -> None:
     """A pocket of its journal face lies under the other web, which has it on the other side of the crank."""
     flying = {"bearings": [0, 2, 3, 4], "main_journal": [{"number": 1, "length_mm": 0.0}]}

@@ -150,7 +150,7 @@ def _check_axes(bolt: BoltHole, tags: list[int]) -> None:
     assert _holds(tags, (x, bolt.floor_mm + 0.1, z)) == [own]
 
 
-@pytest.mark.parametrize("joint", [PAIR, ROWS], ids=["pair", "rows"])
+@pytest.mark.parametrize("joint", [PAIR, pytest.param(ROWS, marks=pytest.mark.slow)], ids=["pair", "rows"])
 def test_holes_lie_in_both_bodies_of_a_step_file_on_the_same_axes(joint: Any, tmp_path: Path) -> None:
     scene = with_weight(WEIGHT, bolted_joint=[joint])
     volume = export_solid(scene, "throw", tmp_path / "throw.step")

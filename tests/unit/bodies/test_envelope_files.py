@@ -54,7 +54,7 @@ def test_step_gives_the_cells_of_its_box(mikron: Scene, tmp_path: Path) -> None:
         assert float((found.design_fraction * found.volume_mm3).sum()) == pytest.approx(volume, rel=1e-6)
 
 
-@pytest.mark.parametrize("unit", ["MM", "M"])
+@pytest.mark.parametrize("unit", [pytest.param("MM", marks=pytest.mark.slow), "M"])
 def test_curved_step_is_a_closed_surface_of_its_volume(unit: str, tmp_path: Path) -> None:
     """A file in metres says so itself, and is read in mm."""
     scale = 1.0 if unit == "MM" else 1e-3

@@ -79,7 +79,7 @@ def check(text: str, product: str) -> None:
 @pytest.mark.parametrize(
     "part",
     [
-        pytest.param(part, marks=[pytest.mark.slow] if part == "raw_crankshaft" else [])
+        pytest.param(part, marks=[pytest.mark.slow] if part in ("raw", "raw_crankshaft") else [])
         for part in PARTS
         if part != "plugs"
     ],

@@ -169,8 +169,18 @@ CUT, FILLED = "what stays of the web is not cut by the cylinder pocket of the pi
         ({"frozen": [BOX]}, {}, ""),
         ({"frozen": [BOX]}, {"cylinder-pin_dot_depth": 1.0}, CUT),
         ({"frozen": [BOX]}, {"cylinder-pin_dot_depth": -1.0}, FILLED),
-        ({"frozen": [{**BOX, "y_max_mm": 20.0}]}, {"cylinder-pin_dot_diameter": 2.0}, CUT),
-        ({"frozen": [{**BOX, "y_min_mm": 5.0, "y_max_mm": 14.0}]}, {"cylinder-pin_dot_y": 1.0}, ""),
+        pytest.param(
+            {"frozen": [{**BOX, "y_max_mm": 20.0}]},
+            {"cylinder-pin_dot_diameter": 2.0},
+            CUT,
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            {"frozen": [{**BOX, "y_min_mm": 5.0, "y_max_mm": 14.0}]},
+            {"cylinder-pin_dot_y": 1.0},
+            "",
+            marks=pytest.mark.slow,
+        ),
         ({"removable": [BOX]}, {"cylinder-pin_dot_y": 1.0}, ""),
         ({"removable": [BOX]}, {"cylinder-pin_dot_y": 4.0}, CUT),
     ],
@@ -261,6 +271,7 @@ _HELD = dict(
     )
 )
 _LONG = {
+    "box with a round floor",
     "side",
     "side with draft",
     "side with much draft",

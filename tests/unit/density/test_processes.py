@@ -197,7 +197,7 @@ def reached_by_a_mill(solid: Cells, scene: Scene, domain: Domain, radius_mm: flo
     return found[m:-m, m:-m, m:-m]
 
 
-@pytest.mark.parametrize("radius_mm", [1.0, 6.5, 13.0])
+@pytest.mark.parametrize("radius_mm", [1.0, 6.5, pytest.param(13.0, marks=pytest.mark.slow)])
 def test_a_mill_reaches_every_void(float64: None, mikron: Scene, radius_mm: float) -> None:
     domain, density_chain = chain_of(mikron, process="milled", tool_radius_mm=radius_mm)
     free = np.asarray(density_chain.design_fraction) > 0

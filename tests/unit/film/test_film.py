@@ -22,7 +22,7 @@ from cranktopo.engine.analysis import analyse, engine_of
 from cranktopo.numerics.bearing_film.orbit import orbits
 from cranktopo.tasks.film import stage
 from cranktopo.tasks.film.conserving import _warn_of_thin, near_limit, oil_feed
-from cranktopo.tasks.film.result import ConservingFilm
+from cranktopo.tasks.film.result import ConservingFilm, FilmResult
 from cranktopo.tasks.film.stage import (
     _assumed,
     _loaded_big_end,
@@ -40,6 +40,19 @@ OIL = 'clearance_mm = 0.05\noil = "ISO VG 46"\n'
 
 def scene(bearings: str = OIL, text: str = MIKRON) -> Scene:
     return parse_scene(f"{text}\n[bearings]\n{bearings}")
+
+
+@pytest.fixture(scope="module")
+def usual() -> FilmResult:
+    """Films of the design at its speed."""
+    return oil_films(scene(OIL + "permitted_film_um = 0.5"))
+
+
+@pytest.fixture
+def solved(usual: FilmResult, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Films that are not the subject are those of the design."""
+    monkeypatch.setattr(stage, "orbits_of", lambda cases: [[None] * len(loaded) for _, loaded, _ in cases])
+    monkeypatch.setattr(stage, "_films_along", lambda *_, **__: [usual.speeds[0].bearings])
 
 
 def test_viscosity_of_a_grade() -> None:
@@ -84,7 +97,7 @@ def test_viscosity_of_a_curve() -> None:
         assert of(two, temperature_C) == pytest.approx(of_grade(temperature_C), rel=1e-12)
 
 
-def test_a_curve_is_told_and_takes_the_place_of_the_grade() -> None:
+def test_a_curve_is_told_and_takes_the_place_of_the_grade(solved: None) -> None:
     found = oil_films(
         scene("clearance_mm = 0.05\ntemperature_C = 100\nviscosity_curve_mPas = [[40, 90.0], [100, 11.0]]")
     )
@@ -125,14 +138,12 @@ def test_what_cannot_be_is_refused(bearings: str, message: str) -> None:
     assert message in str(refused.value)
 
 
-def test_every_bearing_has_its_film() -> None:
-    result = oil_films(scene())
-    (at,) = result.speeds
+def test_every_bearing_has_its_film(usual: FilmResult) -> None:
+    (at,) = usual.speeds
     assert [one.bearing for one in at.bearings] == [*(f"main {n}" for n in range(1, 6)), "big end"]
     first, last = at.bearings[0], at.bearings[4]
     assert (first.film_um, first.pressure_MPa) == pytest.approx((last.film_um, last.pressure_MPa), rel=1e-3)
     assert all(0 < one.film_um < 25 and one.pressure_MPa > 5 for one in at.bearings)
-    assert result.holds is None
     # The firing order is the same from either end, two bearings of its crank are the mirrored ones.
     assert at.bearings[1].film_um == pytest.approx(at.bearings[3].film_um, rel=1e-3)
 
@@ -198,18 +209,21 @@ def test_a_film_near_the_permitted_one_keeps_its_oil() -> None:
     assert "bearings.feed_hole_deg" not in told, "that is of main bearings"
 
 
-def test_a_film_far_from_the_permitted_one_is_left_to_the_mobility_method() -> None:
-    result = oil_films(scene(OIL + "permitted_film_um = 0.5"))
-    assert result.holds is True
-    assert not result.speeds[0].conserving
-    assert "mass-conserving" not in film_text(result)
-    assert "near" not in result.as_json()
-    assert "bearings.supply_pressure_MPa" not in {one.key for one in result.assumed}
+def test_a_film_far_from_the_permitted_one_is_left_to_the_mobility_method(usual: FilmResult) -> None:
+    assert usual.holds is True
+    assert not usual.speeds[0].conserving
+    assert "mass-conserving" not in film_text(usual)
+    assert "near" not in usual.as_json()
+    assert "bearings.supply_pressure_MPa" not in {one.key for one in usual.assumed}
 
 
-def test_a_limit_of_the_goal_counts_like_what_is_permitted() -> None:
+def test_without_what_is_permitted_nothing_is_said_to_hold(solved: None) -> None:
+    assert oil_films(scene()).holds is None
+
+
+def test_a_limit_of_the_goal_counts_like_what_is_permitted(usual: FilmResult) -> None:
     """In um by itself; in percent of another web the least film and those within 1.5 times of it."""
-    (at,) = oil_films(scene(OIL + "permitted_film_um = 0.5")).speeds
+    (at,) = usual.speeds
     told = ((3, 90), (2, 20), (4, 61), (6, 10), (2.9, 59), (9, 5))
     films = [
         one.model_copy(update={"film_um": film_um, "pressure_MPa": pressure_MPa})
@@ -259,7 +273,7 @@ def test_the_pressure_of_another_speed_is_told() -> None:
     assert "The pressure is that" not in film_text(oil_films(scene(OIL)))
 
 
-def test_the_oil_is_assumed_where_none_is_given() -> None:
+def test_the_oil_is_assumed_where_none_is_given(solved: None) -> None:
     told = {one.key: one.value for one in oil_films(scene("clearance_mm = 0.05")).assumed}
     assert (told["bearings.oil"], told["bearings.temperature_C"]) == ("ISO VG 46", 100.0)
     given = oil_films(scene("clearance_mm = 0.05\nviscosity_mPas = 8"))
@@ -324,9 +338,11 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch
     assert "only where the engine turns" in capsys.readouterr().err
 
 
-def test_a_film_far_thinner_than_by_mobility_is_warned_of(caplog: pytest.LogCaptureFixture) -> None:
+def test_a_film_far_thinner_than_by_mobility_is_warned_of(
+    usual: FilmResult, caplog: pytest.LogCaptureFixture
+) -> None:
     """Such a film lacks oil: a starved one is told, one a little thinner is usual."""
-    (at,) = oil_films(scene()).speeds
+    (at,) = usual.speeds
     own = {"film_deg": 470.0, "pressure_MPa": 150.0, "pressure_deg": 8.0, "least_filled": 0.5}
     for um, warned in ((5.3, False), (0.95, True)):
         film = ConservingFilm(film_um=um, **own, oil_cm3_per_s=1.0, oil_left_out=0.0)

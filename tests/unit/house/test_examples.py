@@ -12,6 +12,8 @@ import matplotlib.pyplot as plt
 import pytest
 
 from cranktopo.tasks.sweep.job import Job, do_job
+from cranktopo.tasks.throw_fea.evaluation import Evaluation, evaluate
+from cranktopo.tasks.throw_fea.targets import Target
 
 ROOT = Path(__file__).resolve().parents[3]
 GALLERY = ROOT / "docs" / "pages" / "images" / "examples"
@@ -25,6 +27,11 @@ def in_this_process(jobs: Sequence[Job], engine: object, done: Callable[..., Non
     """Compute the points of a sweep one after the other: to start another process takes longer."""
     for job in jobs:
         done(job, do_job(job))
+
+
+def coarsely(target: Target, _element_size_mm: float) -> Evaluation:
+    """Evaluate a point of a sweep: what its picture shows is not the subject."""
+    return evaluate(target, 24.0)
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +54,7 @@ def runs(script: Path, out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
 def test_an_example_writes_its_picture(script: Path, out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("cranktopo.tasks.sweep.computed.compute", in_this_process)
+    monkeypatch.setattr("cranktopo.tasks.sweep.fineness.evaluate", coarsely)
     runs(script, out, monkeypatch)
 
 

@@ -268,13 +268,13 @@ def test_the_next_envelope_holds_the_counterweight(name: str, tmp_path: Path) ->
     scene = load_scene(name)
     path = write_envelope(write_solids(scene, tmp_path).web, tmp_path)
     inside = scene.model_copy(update={"envelope": StlEnvelope(shape="stl", file=str(path), symmetric=True)})
-    assert build_domain(inside, 4.0).design_fraction.sum() > 0
+    assert build_domain(inside, 8.0).design_fraction.sum() > 0
     heavy = inside.web.counterweight
     assert heavy is not None
     wider = heavy.model_copy(update={"outer_radius_mm": 1.005 * heavy.outer_radius_mm})
     larger = inside.model_copy(update={"web": inside.web.model_copy(update={"counterweight": wider})})
     with pytest.raises(CranktopoError, match="reaches beyond the design space"):
-        build_domain(larger, 4.0)
+        build_domain(larger, 8.0)
 
 
 def test_the_next_envelope_holds_a_drilling_that_crosses_a_bore(tmp_path: Path) -> None:
@@ -284,4 +284,4 @@ def test_the_next_envelope_holds_a_drilling_that_crosses_a_bore(tmp_path: Path) 
     inside = scene.model_copy(update={"envelope": StlEnvelope(shape="stl", file=str(path), symmetric=True)})
     bore = drill_bores(scene)[0].surface_mm(0.0)
     assert (np.hypot(*bore[:, :2].T) < scene.throw.main_journal.bore_radius_mm).any()
-    assert build_domain(inside, 3.0).design_fraction.sum() > 0
+    assert build_domain(inside, 6.0).design_fraction.sum() > 0

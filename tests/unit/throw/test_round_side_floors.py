@@ -56,7 +56,7 @@ def test_the_floor_of_a_side_pocket_leaves_what_pappus_says(mikron: Scene) -> No
         {**SIDE, **DRAFT, **ROUND},
         pytest.param({**SIDE, **ROUND}, marks=pytest.mark.slow),
         pytest.param({**SIDE, **DRAFT, **ROUND, "y_mm": 2.0, "depth_mm": 14.0}, marks=pytest.mark.slow),
-        {**GROOVE, **DRAFT, "floor_radius_mm": 3.5},
+        pytest.param({**GROOVE, **DRAFT, "floor_radius_mm": 3.5}, marks=pytest.mark.slow),
         pytest.param({**GROOVE, "floor_radius_mm": 3.0, "depth_mm": 3.0}, marks=pytest.mark.slow),
     ],
     ids=["side", "side without draft", "side where the outline is round", "groove", "groove without draft"],

@@ -165,7 +165,7 @@ def test_a_round_pocket_may_open_under_a_fillet(mikron: Scene, tmp_path: Path) -
     assert taken[1] - taken[0] == pytest.approx(ring, abs=1e-9 * taken[0])
 
 
-@pytest.mark.parametrize("draft", [{}, DRAFT])
+@pytest.mark.parametrize("draft", [pytest.param({}, marks=pytest.mark.slow), DRAFT])
 def test_ends_that_are_half_circles_are_those_of_almost_half_circles(
     mikron: Scene, tmp_path: Path, draft: dict[str, float]
 ) -> None:
