@@ -181,15 +181,12 @@ def _journal(scene: Scene, journal: Journal, y: float, z_mm: tuple[float, float]
             length - fillet.axial_mm * (1 - np.sin(turn)),
         ]
     )
-    section = np.concatenate(
-        [[[0, 0], [radius, 0]], arc if journal.fillet_mm else [[radius, length]], [[0, length]]]
-    )
+    outside = [[radius, 0]], arc if journal.fillet_mm else [[radius, length]]
+    bore = journal.bore_radius_mm
+    section = np.concatenate([[[bore, 0]], *outside, [[bore, length]]])
     body = CrossSection([section]).revolve(_AROUND)
     body = body if toward > 0 else body.mirror((0, 0, 1)).translate((0, 0, length))
-    tools = _over_pockets(scene, journal, y, z_mm, toward)
-    if journal.bore_radius_mm:
-        tools += Manifold.cylinder(length, journal.bore_radius_mm, -1.0, _AROUND).translate((0, y, z_mm[0]))
-    return body.translate((0, y, z_mm[0])) - tools
+    return body.translate((0, y, z_mm[0])) - _over_pockets(scene, journal, y, z_mm, toward)
 
 
 def _over_pockets(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TypeVar
 
 import numpy as np
@@ -61,37 +61,53 @@ class ExactMotion:
 
     @cached_property
     def _sin(self) -> Array:
-        return np.asarray(np.sin(self.angle_rad))
+        return _shared(np.sin(self.angle_rad))
 
     @cached_property
     def _cos(self) -> Array:
-        return np.asarray(np.cos(self.angle_rad))
+        return _shared(np.cos(self.angle_rad))
 
     @cached_property
     def _q(self) -> Array:
-        return np.asarray(np.sqrt(1.0 - (self.lam * self._sin) ** 2))
+        return _shared(np.sqrt(1.0 - (self.lam * self._sin) ** 2))
 
     @cached_property
     def displacement_mm(self) -> Array:
         """Distance from top dead centre: both brackets of r (1 - cos a) + l (1 - q) free of cancellation."""
         near = 2.0 * self.radius_mm * np.sin(self.angle_rad / 2) ** 2
-        return np.asarray(near + self.rod_length_mm * (self.lam * self._sin) ** 2 / (1.0 + self._q))
+        return _shared(near + self.rod_length_mm * (self.lam * self._sin) ** 2 / (1.0 + self._q))
 
     @cached_property
     def velocity_ratio(self) -> Array:
         """Velocity over r w."""
-        return np.asarray(self._sin * (1.0 + self.lam * self._cos / self._q))
+        return _shared(self._sin * (1.0 + self.lam * self._cos / self._q))
 
     @cached_property
     def acceleration_ratio(self) -> Array:
         """Acceleration over r w^2."""
         twice, lam, q = 2 * self.angle_rad, self.lam, self._q
-        return np.asarray(self._cos + lam * np.cos(twice) / q + lam**3 * np.sin(twice) ** 2 / (4 * q**3))
+        return _shared(self._cos + lam * np.cos(twice) / q + lam**3 * np.sin(twice) ** 2 / (4 * q**3))
 
 
 def exact_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> ExactMotion:
     """Return the piston's motion; raises CranktopoError where the rod is not longer than the throw."""
-    return ExactMotion(angle_rad, radius_mm, rod_length_mm, _crank_ratio(radius_mm, rod_length_mm))
+    lam = _crank_ratio(radius_mm, rod_length_mm)
+    angle_rad = np.asarray(angle_rad, np.float64)
+    return _motion_at(angle_rad.tobytes(), angle_rad.shape, radius_mm, rod_length_mm, lam)
+
+
+@lru_cache(maxsize=32)
+def _motion_at(
+    angles: bytes, shape: tuple[int, ...], radius_mm: float, rod_length_mm: float, lam: float
+) -> ExactMotion:
+    """Return a motion that is computed once: a plan asks for that of one mechanism dozens of times."""
+    return ExactMotion(np.frombuffer(angles).reshape(shape), radius_mm, rod_length_mm, lam)
+
+
+def _shared(values: Array) -> Array:
+    """Return values that nobody may change, as several have them."""
+    values.setflags(write=False)
+    return values
 
 
 def acceleration_harmonics(radius_mm: float, rod_length_mm: float, orders: Sequence[int]) -> Array:
@@ -107,7 +123,15 @@ def acceleration_harmonics(radius_mm: float, rod_length_mm: float, orders: Seque
 
 def phase_shift(curve: Curve, angle_deg: Array, by_deg: float, cycle_deg: float) -> Curve:
     """Return a curve over the cycle, later by a crank angle."""
-    return np.asarray(np.interp(angle_deg - by_deg, angle_deg, curve, period=cycle_deg))
+    before, split = (angle_deg - by_deg) % cycle_deg, -round(by_deg / cycle_deg * len(angle_deg))
+    if np.array_equal(before, _turned(angle_deg, split)):  # from point to point, as most engines fire
+        return _turned(curve, split)
+    return np.asarray(np.interp(before, angle_deg, curve, period=cycle_deg))
+
+
+def _turned(curve: Curve, split: int) -> Curve:
+    """Return a curve that begins at another of its points; `np.roll` takes four times as long."""
+    return np.asarray(np.concatenate((curve[split:], curve[:split])))
 
 
 def series_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> Motion:
@@ -123,13 +147,20 @@ def series_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> M
 
 def force_ratios(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> _ForceRatios:
     """Return how a force along the cylinder axis splits at the rod and the crankpin."""
-    rod_angle = np.arcsin(_crank_ratio(radius_mm, rod_length_mm) * np.sin(angle_rad))
+    angle_rad = np.asarray(angle_rad, np.float64)
+    return _ratios_at(angle_rad.tobytes(), angle_rad.shape, _crank_ratio(radius_mm, rod_length_mm))
+
+
+@lru_cache(maxsize=32)
+def _ratios_at(angles: bytes, shape: tuple[int, ...], lam: float) -> _ForceRatios:
+    angle_rad = np.frombuffer(angles).reshape(shape)
+    rod_angle = np.arcsin(lam * np.sin(angle_rad))
     cos_b = np.cos(rod_angle)
     return _ForceRatios(
-        side=np.tan(rod_angle),
-        rod=1.0 / cos_b,
-        radial=np.cos(angle_rad + rod_angle) / cos_b,
-        tangential=np.sin(angle_rad + rod_angle) / cos_b,
+        side=_shared(np.tan(rod_angle)),
+        rod=_shared(1.0 / cos_b),
+        radial=_shared(np.cos(angle_rad + rod_angle) / cos_b),
+        tangential=_shared(np.sin(angle_rad + rod_angle) / cos_b),
     )
 
 

@@ -72,6 +72,7 @@
   box.picture = picture;
   box.ghost = showGhost;
   box.colour = (index) => {
+    if (index === state.colour) return; // as it was shown: a drag paints each move once
     colourBy(index);
     redraw();
   };
@@ -81,18 +82,21 @@
   };
   // Shows all throws of the crank, each turned about z, deg; one alone without them.
   box.turns = (angles) => {
+    const before = String(turns);
     turns = angles && angles.map((deg) => (deg * Math.PI) / 180);
-    redraw();
+    if (String(turns) !== before) redraw();
   };
   // Takes away what lies beyond a plane x, mm, and shows the section; nothing without it.
   box.section = (x) => {
+    const before = section;
     section = x;
-    redraw();
+    if (x !== before) redraw();
   };
   // Marks a point of the throw, mm, through whatever lies before it; none without it.
   box.spot = (point) => {
+    const before = String(spot);
     spot = point;
-    redraw();
+    if (String(spot) !== before) redraw();
   };
   // The line of sight through a place of the window, in the frame of the first throw, mm, and what is shown of it.
   box.sight = (clientX, clientY) => {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import importlib
 import multiprocessing
 import os
@@ -16,7 +17,7 @@ from typing import Any
 from cranktopo.base.errors import CranktopoError
 
 _GIVE_UP = signal.SIGUSR1
-_NICE = 5
+_NICE = 19
 """Of processes in the background, which leave the cores to the drag."""
 
 
@@ -88,7 +89,9 @@ def _answer(function: str, *arguments: Any) -> Any:
         found = answer(*arguments)
     finally:
         _at.clear()
-    _answered.add(function)
+    if function not in _answered:
+        _answered.add(function)
+        gc.freeze()  # what it loaded stays: to look through it again and again takes longer than an answer
     return found
 
 

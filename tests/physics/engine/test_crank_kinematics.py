@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.engine.kinematics import exact_motion, force_ratios, series_motion
+from cranktopo.engine.kinematics import exact_motion, force_ratios, phase_shift, series_motion
 
 R, L = 45.0, 156.6
 # a deg, x mm, v/(r w), acc/(r w^2), N/F
@@ -73,3 +73,26 @@ def test_series_error_shrinks_with_the_cube_of_the_crank_ratio():
 def test_rod_not_longer_than_throw_is_refused():
     with pytest.raises(CranktopoError, match=r"engine\.rod_length_mm = 45\.0: must be longer"):
         exact_motion(np.zeros(1), 45.0, 45.0)
+
+
+@pytest.mark.parametrize("points", [720, 1440, 7200])
+@pytest.mark.parametrize("cycle_deg", [360.0, 720.0])
+def test_a_curve_that_is_later_is_that_between_its_points(points: int, cycle_deg: float) -> None:
+    """From point to point it is turned: the bits are those of the interpolation, also for complex curves."""
+    angle = cycle_deg * np.arange(points) / points
+    curve = np.random.default_rng(points).standard_normal((2, points))
+    for own in (curve[0], curve[0] + 1j * curve[1]):
+        for by in (0.0, 90.0, 120.0, 240.0, 540.0, -60.0, 17.3, cycle_deg / points / 3):
+            wanted = np.interp(angle - by, angle, own, period=cycle_deg)
+            assert phase_shift(own, angle, by, cycle_deg).tobytes() == wanted.tobytes()
+
+
+def test_a_motion_is_computed_once_and_nobody_changes_it() -> None:
+    angle = np.radians(np.arange(720.0))
+    motion, ratios = exact_motion(angle, R, L), force_ratios(angle, R, L)
+    assert exact_motion(angle.copy(), R, L) is motion
+    assert exact_motion(angle, R, L + 1e-9) is not motion
+    assert exact_motion(angle.reshape(2, 360), R, L).velocity_ratio.shape == (2, 360)
+    for shared in (motion.acceleration_ratio, motion.displacement_mm, ratios.radial):
+        with pytest.raises(ValueError, match="read-only"):
+            shared[0] = 0.0

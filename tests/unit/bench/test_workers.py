@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 from concurrent.futures import ThreadPoolExecutor
+from unittest.mock import Mock
 
 import pytest
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import design_text
 from cranktopo.design.toml_text import parse_toml
+from cranktopo.tasks.bench import workers
 from cranktopo.tasks.bench.workers import AbandonedError, Worker
 
 
@@ -29,6 +32,27 @@ def test_a_question_that_waits_at_the_end_starts_no_other_process() -> None:
 
     with ThreadPoolExecutor(1) as pool:  # the thread of a browser's tests has a loop that runs
         pool.submit(asyncio.run, end()).result()
+
+
+def test_the_background_leaves_the_cores_and_what_was_loaded_is_not_looked_through(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A drag waited for the coarse cells beside it, and for Python to look through all that was imported."""
+    steps: list[object] = []
+    monkeypatch.setattr(workers.os, "nice", steps.append)
+    monkeypatch.setattr(workers.signal, "signal", lambda *_: None)
+    monkeypatch.setattr(workers.multiprocessing, "parent_process", Mock())
+    for background in (False, True):
+        workers._begin(background)
+    assert steps == [19], "the least there is"
+    monkeypatch.setattr(workers, "_answered", set())
+    before = gc.get_freeze_count()
+    data = parse_toml(design_text("mikron-iiic-plain"), "own")
+    workers._answer("live.violated_rules_of", data)
+    assert gc.get_freeze_count() > before
+    gc.unfreeze()
+    workers._answer("live.violated_rules_of", data)
+    assert gc.get_freeze_count() == 0, "once is enough"
 
 
 @pytest.mark.slow
