@@ -173,7 +173,10 @@ def test_a_rod_that_has_no_mesh_is_left_out():
     assert lighter.rods_by_elements == len(calls) - 2
 
 
-@pytest.mark.parametrize(("code", "rods"), [(ExitCode.SOLVER, 2), (ExitCode.INVALID_INPUT, 1)])
+@pytest.mark.parametrize(
+    ("code", "rods"),
+    [pytest.param(ExitCode.SOLVER, 2, marks=pytest.mark.slow), (ExitCode.INVALID_INPUT, 1)],
+)
 def test_an_error_of_every_rod_is_told(monkeypatch, code, rods):
     """That of the mesh after all were tried, any other at once."""
     monkeypatch.setattr(element_search, "_ROUNDS", 2)

@@ -37,7 +37,6 @@ RODS = {
     "H": lambda: with_values(load_scene("mikron-iiic-rod-h"), OIL),
     "oblique": lambda: with_values(load_scene("mikron-iiic-rod"), {"rod.split_angle_deg": 45.0}),
 }
-SLOW = ("H", "oblique")
 SIZE_MM, EDGE_MM, STEP_MM = 7.0, 4.0, 2e-3
 
 
@@ -55,14 +54,11 @@ def of_rod(scene: Scene) -> Scene:
     return scene.model_copy(update={"material": scene.rod.material or scene.material})
 
 
-@pytest.fixture(
-    scope="module", params=[pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in RODS]
-)
-def case(request) -> Case:
-    scene = of_rod(with_values(RODS[request.param](), LIMITS))
+def case_of(name: str, size_mm: float = SIZE_MM, edge_mm: float = EDGE_MM) -> Case:
+    scene = of_rod(with_values(RODS[name](), LIMITS))
     names, motions = rod_search(scene, "lsa", 3.0).names, rod_motions(scene)
-    fields = solve_rod(scene, rod_model(scene, SIZE_MM), {})
-    stress = element_stress(fields, cycle_states(fields, motions), "lsa", EDGE_MM)
+    fields = solve_rod(scene, rod_model(scene, size_mm), {})
+    stress = element_stress(fields, cycle_states(fields, motions), "lsa", edge_mm)
     found, place = RodGradients(stress, motions, "lsa", names), place_of(fields, stress.surface.points_mm)
     nodes = {name: np.flatnonzero(stress.judged & (place == k)) for k, name in enumerate(PLACES)}
     keys = [
@@ -70,6 +66,17 @@ def case(request) -> Case:
     ]
     keys += [(f"{eye} end", MARGIN) for eye in ("small", "big")]
     return Case(scene, names, motions, found, nodes, found.of(keys))
+
+
+@pytest.fixture(scope="module")
+def coarse() -> Case:
+    """Slopes are those of the mesh, however coarse."""
+    return case_of("I", 13.0, 8.0)
+
+
+@pytest.fixture(scope="module", params=[pytest.param(name, marks=pytest.mark.slow) for name in RODS])
+def case(request) -> Case:
+    return case_of(request.param)
 
 
 def logarithms(case: Case, values) -> dict:
@@ -110,10 +117,18 @@ def free(case: Case) -> list[int]:
     return [k for k, name in enumerate(case.names) if name != "boss_below_mm"]
 
 
-def test_slopes_are_those_of_the_moved_mesh(case: Case) -> None:
+def agrees_by_all(case: Case) -> None:
     direction = np.zeros(len(case.names))
     direction[free(case)] = np.random.default_rng(7).standard_normal(len(free(case)))
     agrees(case, direction, STEP_MM, "all dimensions")
+
+
+def test_slopes_are_those_of_the_moved_mesh(coarse: Case) -> None:
+    agrees_by_all(coarse)
+
+
+def test_slopes_of_every_rod_are_those_of_its_moved_mesh(case: Case) -> None:
+    agrees_by_all(case)
 
 
 @pytest.mark.slow
@@ -122,7 +137,7 @@ def test_slopes_by_each_dimension_are_those_of_the_moved_mesh(case: Case) -> Non
         agrees(case, np.eye(len(case.names))[k], STEP_MM, case.names[k])
 
 
-def test_nodes_follow_the_faces_of_the_rod_to_second_order(case: Case) -> None:
+def follow_to_second_order(case: Case) -> None:
     moved, step = case.found.moved, 0.02
     motion = moved.velocities(moved.mesh, moved.values)
     before = moved.distances_mm(moved.mesh.points_mm, moved.values).max()
@@ -132,6 +147,14 @@ def test_nodes_follow_the_faces_of_the_rod_to_second_order(case: Case) -> None:
         off = moved.distances_mm(moved.mesh.points_mm + step * motion[:, :, k], changed).max()
         assert off < 2 * before + step**2, case.names[k]
         assert moved.distances_mm(moved.mesh.points_mm, changed).max() > 10 * off, case.names[k]
+
+
+def test_nodes_follow_the_faces_of_the_rod_to_second_order(coarse: Case) -> None:
+    follow_to_second_order(coarse)
+
+
+def test_nodes_of_every_rod_follow_its_faces_to_second_order(case: Case) -> None:
+    follow_to_second_order(case)
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in range(1, 60))])

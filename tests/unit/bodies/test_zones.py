@@ -272,6 +272,7 @@ _HELD = dict(
 )
 _LONG = {
     "box with a round floor",
+    "cylinder",
     "side",
     "side with draft",
     "side with much draft",

@@ -157,6 +157,7 @@ def test_same_input_same_surface(slot: WebSurface) -> None:
     np.testing.assert_array_equal(again.half_throw.faces, slot.half_throw.faces)
 
 
+@pytest.mark.slow
 def test_islands_are_dropped_counted_and_weighed() -> None:
     scene = scene_with()
     shape = united(obround(), ball(38, 0, 29, 4), ball(-38, 60, 30, 3))

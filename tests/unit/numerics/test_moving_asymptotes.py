@@ -66,6 +66,7 @@ def test_two_bars() -> None:
     assert multipliers[1] < 1e-6
 
 
+@pytest.mark.slow
 def test_smallest_circle_about_three_points() -> None:
     """The largest of three functions is minimised: the centre is as far from each corner."""
     corners = jnp.asarray([[1.0, 0.0], [-1.0, 0.0], [0.0, 2.0]])

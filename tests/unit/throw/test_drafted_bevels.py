@@ -154,7 +154,7 @@ def test_rays_find_a_die_that_leaves_with_draft(
     A straight bevel lets a die out along x alone: turned by less than a degree, rays run into it.
     """
     scene = scene_with_web(throw, table(bevel=[{**BEVEL, "draft_deg": draft_deg}])).with_optimise(**DIE)
-    mesh = surface_of(scene, "half", 1.0)
+    mesh = surface_of(scene, "half", 2.0)
     at, normal = slanted(scene, mesh)
     solid, found = solid_of(mesh), []
     assert len(at) > 5
