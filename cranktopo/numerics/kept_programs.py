@@ -121,13 +121,15 @@ def kept_program(
 
 
 def _folder() -> Path | None:
-    return folder_of_programs() if _jaxlib().startswith(_TESTED) else None
+    """Return where programs are kept; None where they are left to JAX."""
+    known = _jaxlib().startswith(_TESTED) and jax.devices()[0].platform == "cpu"
+    return folder_of_programs() if known else None
 
 
 def _plain(leaves: list[Any]) -> bool:
     """Tell whether all are numbers on the first processor."""
     first = jax.devices()[0]
-    return first.platform == "cpu" and all(_lies_on(leaf, first) for leaf in leaves)
+    return all(_lies_on(leaf, first) for leaf in leaves)
 
 
 def _lies_on(leaf: Any, device: jax.Device) -> bool:

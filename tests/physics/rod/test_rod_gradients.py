@@ -37,7 +37,7 @@ RODS = {
     "H": lambda: with_values(load_scene("mikron-iiic-rod-h"), OIL),
     "oblique": lambda: with_values(load_scene("mikron-iiic-rod"), {"rod.split_angle_deg": 45.0}),
 }
-SIZE_MM, EDGE_MM, STEP_MM = 7.0, 4.0, 2e-3
+SIZE_MM, EDGE_MM, STEPS_MM = 7.0, 4.0, (2e-3, 1e-3)
 
 
 @dataclass(frozen=True)
@@ -101,15 +101,26 @@ def logarithms(case: Case, values) -> dict:
     return found
 
 
-def agrees(case: Case, direction, step_mm: float, names: str) -> None:
+def agrees(case: Case, direction, names: str) -> None:
+    off = off_by(case, direction, STEPS_MM[0])
+    if off:  # another state of the cycle takes over between the two sides, and the safety jumps by 2e-7
+        off &= off_by(case, direction, STEPS_MM[1])
+    assert not off, f"by {names}"
+
+
+def off_by(case: Case, direction, step_mm: float) -> set[tuple[str, str]]:
+    """Quantities whose slope is not that of a central difference."""
     own = case.found.moved.values
     above, below = (logarithms(case, own + sign * step_mm * direction) for sign in (1, -1))
+    found = set()
     for key, slopes in case.slopes.items():
         measured = (above[key] - below[key]) / (2 * step_mm)
         # the next state of a cycle takes over as the highest: a corner of the largest stress
         within = 2e-4 if key[1] == "yield_safety" else 1e-4
         least = max(2e-6, within * np.abs(slopes).max())
-        assert slopes @ direction == pytest.approx(measured, rel=within, abs=least), f"{key} by {names}"
+        if slopes @ direction != pytest.approx(measured, rel=within, abs=least):
+            found.add(key)
+    return found
 
 
 def free(case: Case) -> list[int]:
@@ -120,7 +131,7 @@ def free(case: Case) -> list[int]:
 def agrees_by_all(case: Case) -> None:
     direction = np.zeros(len(case.names))
     direction[free(case)] = np.random.default_rng(7).standard_normal(len(free(case)))
-    agrees(case, direction, STEP_MM, "all dimensions")
+    agrees(case, direction, "all dimensions")
 
 
 def test_slopes_are_those_of_the_moved_mesh(coarse: Case) -> None:
@@ -134,7 +145,7 @@ def test_slopes_of_every_rod_are_those_of_its_moved_mesh(case: Case) -> None:
 @pytest.mark.slow
 def test_slopes_by_each_dimension_are_those_of_the_moved_mesh(case: Case) -> None:
     for k in free(case):
-        agrees(case, np.eye(len(case.names))[k], STEP_MM, case.names[k])
+        agrees(case, np.eye(len(case.names))[k], case.names[k])
 
 
 def follow_to_second_order(case: Case) -> None:

@@ -133,6 +133,13 @@ def test_plain_numbers_are_arguments_as_they_are() -> None:
     assert len(program._programs) == 1
 
 
+def test_other_versions_of_jaxlib_are_left_to_jax(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kept_programs, "_jaxlib", lambda: "0.9.2")
+    answer(fresh())
+    fresh().begin(MATRIX, np.arange(3.0)).compile()
+    assert kept_files() == []
+
+
 def test_nothing_is_kept_where_that_is_not_wanted() -> None:
     jax.config.update("jax_enable_compilation_cache", False)
     try:
