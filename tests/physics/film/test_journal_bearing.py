@@ -152,6 +152,7 @@ def test_scaled_units_give_the_same_orbit() -> None:
     assert pair.friction_W == pytest.approx(2 * base.friction_W)
 
 
+@pytest.mark.slow
 def test_the_start_does_not_matter() -> None:
     found = [
         orbits([LoadedJournal(BEARING, PULSE, SPEED, TURNING)], ANGLE, start=start)[0].film_mm

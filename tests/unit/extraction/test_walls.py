@@ -89,6 +89,7 @@ def test_an_oil_drilling_is_no_wall_that_was_shaped() -> None:
     assert measure(block(own), wide, drilled, 1.5).least_draft_deg < -20, "another hole is a wall"
 
 
+@pytest.mark.slow
 def test_a_counterweight_that_is_kept_is_no_wall_that_was_shaped() -> None:
     """Its flanks have 2 deg (90 - 88), the wedge on top of it 7."""
     weight = {"outer_radius_mm": 80.0, "half_angle_deg": 88.0}

@@ -172,7 +172,9 @@ def test_rays_find_a_die_that_leaves_with_draft(
     assert looked_at.without_draft == (() if draft_deg else ("web.bevel[0]",))
 
 
-@pytest.mark.parametrize(("draft_deg", "named"), [(4.9, True), (4.996, False)])
+@pytest.mark.parametrize(
+    ("draft_deg", "named"), [(4.9, True), pytest.param(4.996, False, marks=pytest.mark.slow)]
+)
 def test_a_bevel_with_less_draft_than_asked_is_named(throw: Scene, draft_deg: float, named: bool) -> None:
     scene = scene_with_web(throw, table(bevel=[{**BEVEL, "draft_deg": draft_deg}])).with_optimise(**DIE)
     found = shaped_undercuts(surface_of(scene, "half", 2.0), scene)
