@@ -128,6 +128,12 @@ def shells(mesh: SurfaceMesh) -> list[SurfaceMesh]:
     return sorted(parts, key=lambda part: -part.volume_mm3)
 
 
+def largest_shell(mesh: SurfaceMesh) -> SurfaceMesh:
+    """Return the shell that encloses most, with its own vertices."""
+    number = _shell_of_face(mesh)
+    return _part(mesh, number == np.bincount(number, mesh.tetrahedra_mm3).argmax())
+
+
 def connected(nodes: int, links: NDArray[np.int64]) -> Int32:
     """Return the number of the connected component of each node, (nodes,), for links (n, 2) between them."""
     from scipy import sparse

@@ -13,6 +13,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.tasks.crank_import.choices import EndJournals
+from cranktopo.tasks.crank_import.end_journals import cut_ends
 from cranktopo.tasks.crank_import.end_steps import EndFinder
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf, FoundJournal, FoundStep, meet
 from cranktopo.tasks.crank_import.no_crank import PIN_SHARE, check_parallel, no_crank, splines_words
@@ -29,8 +30,6 @@ from cranktopo.tasks.importing.faces import (
 _Spans = Callable[[CylinderFace], tuple[float, float]]
 _NEAR = 1e-5
 """Share of a journal's radius in which places along the axis count as one."""
-_ALIKE = 1e-3
-"""Share in which the visible length of an outer journal is half of an inner one's."""
 _SHORTEST = 0.15
 """Length of a journal over its radius; what is shorter is a collar."""
 _SHORTEST_WEB = 0.02
@@ -70,9 +69,8 @@ def find_crank(faces: Faces, name: str, ends: EndJournals = "auto") -> FoundCran
         if journals[side].free[side]
         for words in beyond.holes_left(own, journals[side].faces_mm[side], outward)
     ]
-    if ends == "auto" and len(journals) == 2 and any(steps):
-        ends = "whole"
-    halves, missing = _halves(journals, pins, ends)
+    cut, missing = cut_ends(journals, len(pins), (bool(steps[0]), bool(steps[1])), ends)
+    halves = _halves(journals, pins, cut)
     if not halves:
         raise no_crank(name, "no crankpin lies next to a main journal")
     taken = [
@@ -299,12 +297,9 @@ def _apart(
 
 
 def _halves(
-    journals: Sequence[FoundJournal], pins: Sequence[FoundJournal], ends: EndJournals
-) -> tuple[tuple[FoundHalf, ...], list[str]]:
-    """Return the half throws from low to high, and what was assumed of the outer journals."""
-    inner = [journal.length_mm for journal in journals if not any(journal.free)]
-    outer = [journal for journal in journals if any(journal.free)]
-    cut, missing = _are_cut(outer, inner, len(pins), ends)
+    journals: Sequence[FoundJournal], pins: Sequence[FoundJournal], cut: tuple[bool, bool]
+) -> tuple[FoundHalf, ...]:
+    """Return the half throws from low to high; `cut`: whether the journal of an end is in its middle."""
     halves = []
     for number, pin in enumerate(pins, 1):
         below = max(
@@ -319,14 +314,13 @@ def _halves(
         for main, side in ((below, 0), (above, 1)):
             if main is None or _pin_between(main, pin, pins) or not _web_between(main, pin):
                 continue
-            plane = main.middle_mm
-            if any(main.free) and cut:
-                plane = main.faces_mm[0] if main.free[0] else main.faces_mm[1]
+            ended = next((end for end in (0, 1) if main.free[end] and cut[end]), None)
+            plane = main.middle_mm if ended is None else main.faces_mm[ended]
             middle = pin.faces_mm[1 - side] if one_sided else pin.middle_mm
             halves.append(
                 FoundHalf(number, main, pin, plane, middle, (main.faces_mm[1 - side], pin.faces_mm[side]))
             )
-    return tuple(halves), missing
+    return tuple(halves)
 
 
 def _web_between(main: FoundJournal, pin: FoundJournal) -> bool:
@@ -338,22 +332,3 @@ def _web_between(main: FoundJournal, pin: FoundJournal) -> bool:
 def _pin_between(main: FoundJournal, pin: FoundJournal, pins: Sequence[FoundJournal]) -> bool:
     low, high = sorted((main.middle_mm, pin.middle_mm))
     return any(low < other.middle_mm < high for other in pins)
-
-
-def _are_cut(
-    outer: Sequence[FoundJournal], inner: Sequence[float], pins: int, ends: EndJournals
-) -> tuple[bool, list[str]]:
-    """Tell whether the outer journals are cut in their middle, and what was assumed."""
-    if ends != "auto" or not outer:
-        return ends == "cut", []
-    if len(outer) == 1 and pins == 1 and not inner:
-        return True, []
-    lengths = [journal.length_mm for journal in outer]
-    if inner:
-        alike = all(abs(2 * length / inner[0] - 1) < _ALIKE for length in lengths)
-        if not alike:
-            return False, []
-        return True, ["the outer main journals are half as long as an inner one: cut in their middle"]
-    alike = pins == 1 and abs(lengths[0] / lengths[-1] - 1) < _ALIKE
-    word = "cut in their middle, as one throw of a shaft" if alike else "whole"
-    return alike, [f"the outer main journals are {word} (--end-journals says otherwise)"]

@@ -156,7 +156,7 @@ def _over_each_other(half: ImportedHalf, web: ImportedWeb) -> Picture:
 
 def _draw_both(figure: FigureBase, web: ImportedWeb) -> None:
     front, side = figure.subplots(1, 2)
-    for solid, filled in ((web.read.solid, True), (web.read.scene_solid, False)):
+    for solid, filled in ((web.read.compared.solid, True), (web.read.compared.scene_solid, False)):
         _draw(front, solid, filled)
         _draw(side, solid.rotate((0.0, 90.0, 0.0)), filled)
     front.set_title("Along the crank", fontsize=10)

@@ -113,7 +113,7 @@ def _named(web: ImportedWeb, name: str) -> ImportedWeb:
 
 def _web(body: HalfBody, crank: FoundCrank, name: str, material: str) -> ImportedWeb:
     read = read_web(body, throw_table(body, crank), {"name": material}, name)
-    wrong = ring_misfits(read.solid, read.scene)
+    wrong = ring_misfits(read.compared.solid, read.scene)
     if wrong:
         raise CranktopoError(
             f"{web_words(body.half)}: is no web between two journals: {wrong[0]}.",

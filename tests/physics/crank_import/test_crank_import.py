@@ -350,6 +350,26 @@ def test_a_flying_web_is_told() -> None:
     assert find_crank(synthetic(), "crank").flying == ()
 
 
+def one_cut_end(*more: Any) -> Faces:
+    """Two throws, the first main journal 10 mm long and the last 20 mm as the inner one."""
+    faces = synthetic(*more)
+    low = [cylinder(20.0, (10.0, 20.0)) if face.span_mm == (0.0, 20.0) else face for face in faces.cylinders]
+    return replace(faces, cylinders=tuple(low))
+
+
+def test_each_end_is_cut_or_whole_for_itself() -> None:
+    """A crank with an output end alone, as `export` writes it: its first main journal is half a one."""
+    flange = cylinder(70.0, (232.0, 244.0))
+    crank = find_crank(one_cut_end(flange), "crank")
+    assert [half.main_length_mm for half in crank.halves] == [20.0] * 4
+    assert crank.ends[0] is None
+    assert [step.radius_mm for step in crank.ends[1] or ()] == [70.0]
+    assert any("first main journal is half as long" in line for line in crank.assumed)
+    followed = find_crank(one_cut_end(flange, cylinder(14.0, (-20.0, 10.0))), "crank")
+    assert followed.halves[0].main_length_mm == 10.0
+    assert [step.radius_mm for step in followed.ends[0] or ()] == [14.0]
+
+
 @pytest.mark.parametrize("turn_deg", [0.0, 7.0])
 def test_bolt_holes_of_a_flange_are_read_or_told(turn_deg: float) -> None:
     """Six evenly spaced ones are a flange's; with one of them elsewhere each is told."""

@@ -13,10 +13,10 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.tasks.crank_import.crank_finder import find_crank
-from cranktopo.tasks.crank_import.distortion import noise_named
+from cranktopo.tasks.crank_import.distortion import Roundness, noise_named, remarks
 from cranktopo.tasks.crank_import.half_body import FoundBody
 from cranktopo.tasks.crank_import.mesh_halves import crank_of_mesh
-from cranktopo.tasks.importing.faces import Faces
+from cranktopo.tasks.importing.faces import Faces, PlaneFace
 from tests.physics.crank_import.test_crank_import import cylinder, synthetic
 
 
@@ -100,6 +100,19 @@ def test_small_noise_is_named_where_a_later_step_fails(tmp_path: Path) -> None:
 
 def test_an_undistorted_body_is_taken(tmp_path: Path) -> None:
     assert not crank_of(throw(), tmp_path).crank.unread
+
+
+def test_noise_and_draft_within_the_limits_are_told() -> None:
+    """The webs' largest face leans by 3 deg; a smaller square one keeps the body from being sheared."""
+    along, angle = np.array([0.0, 0.0, 1.0]), np.radians(3.0)
+    drafted = PlaneFace(np.array([0.0, np.sin(angle), np.cos(angle)]), np.zeros(3), 900.0)
+    square = PlaneFace(along, np.zeros(3), 400.0)
+    quiet, noisy = (Roundness(40.0, off, 0.0, 0.0, off) for off in (1e-4, 0.004))
+    assert remarks(Faces((), (square,), (), ()), [quiet], along) == []
+    assert remarks(Faces((), (square, drafted), (), ()), [quiet, noisy], along) == [
+        "faces of the webs lean by 3 deg, as draft does",
+        "corners of the triangles scatter by 0.004 mm about the journals: no dimension is better",
+    ]
 
 
 def leaning(degrees: float) -> Faces:
