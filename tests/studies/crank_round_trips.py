@@ -17,7 +17,6 @@ import argparse
 import math
 import sys
 import tempfile
-import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -46,6 +45,7 @@ from cranktopo.tasks.crank_import.result import CrankImport
 from cranktopo.tasks.crank_import.stage import import_crank
 from cranktopo.tasks.importing.cad_body import moved_rigidly
 from tests.hostile.featured_engines import featured_engine
+from tests.hostile.test_bodies import processor_s
 from tests.random_cranks import random_crank
 from tests.random_engines import random_engine
 
@@ -238,11 +238,10 @@ def differences(scene: Scene, result: CrankImport, form: Format) -> dict[str, fl
 
 def trip(seed: int, kind: Kind, form: Format, folder: Path) -> Trip:
     """Take one crank there and back."""
-    began = time.process_time(), _children_s()
+    began = processor_s()
 
     def ended(verdict: str, words: str, off: float = math.nan, mass: float = math.nan) -> Trip:
-        seconds = time.process_time() - began[0] + _children_s() - began[1]
-        return Trip(seed, kind, form, verdict, off, mass, seconds, words)
+        return Trip(seed, kind, form, verdict, off, mass, processor_s() - began, words)
 
     try:
         scene = scene_of(seed, kind)
@@ -265,13 +264,6 @@ def trip(seed: int, kind: Kind, form: Format, folder: Path) -> Trip:
         return ended("told" if told else "SILENT", "; ".join(told), off[worst], mass)
     words = "; ".join(told) if off[worst] <= 1 else "; ".join((f"{worst} x {off[worst]:.3g}", *told))
     return ended("back" if back else "told" if told else "SILENT", words, off[worst], mass)
-
-
-def _children_s() -> float:
-    import resource
-
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 def trips(seeds: Sequence[int], kinds: Sequence[Kind], forms: Sequence[Format]) -> Iterator[Trip]:

@@ -44,6 +44,11 @@ class Compared:
         return self.missing_mm3 + self.extra_mm3
 
     @property
+    def least_mm3(self) -> float:
+        """Volume in which both differ at least: the difference of their volumes."""
+        return abs(float(self.solid.volume()) - float(self.scene_solid.volume()))
+
+    @property
     def differences(self) -> Iterator[str]:
         """Volumes, in words, that one of both lacks, each with the place of its largest part."""
         for volume, lacks in ((self.missing_mm3, True), (self.extra_mm3, False)):

@@ -11,8 +11,10 @@ from cranktopo.base.files import write_text
 from cranktopo.bodies.crank_drillings import taken_beyond
 from cranktopo.bodies.crank_ends import crank_end
 from cranktopo.bodies.volume import half_throw_volume_mm3
+from cranktopo.design.arrangement import Arrangement
 from cranktopo.design.crank import OWN_THROW
-from cranktopo.design.crank_throws import throw_count, throw_scenes
+from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.engine import Engine
 from cranktopo.design.halves import halves
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
@@ -78,7 +80,7 @@ def write_designs(
     volume: float | None = None
     try:
         if throws:
-            volume = _crank_volume_mm3(load_scene(folder / design, whole=True), len(crank.pins))
+            volume = _crank_volume_mm3(load_scene(folder / design, whole=True), crank)
     except CranktopoError as error:
         omissions.append(f"the crank of the designs: {error.message}")
     return DesignFiles(design, tuple(others), tuple(same), volume, tuple(omissions))
@@ -105,12 +107,30 @@ def _write_throws(
     return list(files.values())
 
 
-def _crank_volume_mm3(scene: Scene, pins: int) -> float:
-    """Return the volume of a crank, its ends included."""
-    throws = throw_scenes(scene) if throw_count(scene) == pins else (scene,) * pins
-    ends = sum(piece.moments.volume for side in ("free", "output") for piece in crank_end(scene, side))
-    bodies = ends + sum(half_throw_volume_mm3(half) for throw in throws for half in halves(throw))
-    return bodies - (taken_beyond(scene).volume if throw_count(scene) == pins else 0.0)
+def _crank_volume_mm3(scene: Scene, crank: FoundCrank) -> float:
+    """Return the volume of a crank, its ends included, with its throws turned as the body has them.
+
+    Where drillings go on in a neighbouring throw, that depends on their angles; a design without its engine
+    has none.
+    """
+    turned = scene.model_copy(update={"engine": _stand_in_engine(crank, scene.throw.radius_mm)})
+    ends = sum(piece.moments.volume for side in ("free", "output") for piece in crank_end(turned, side))
+    bodies = sum(half_throw_volume_mm3(half) for throw in throw_scenes(turned) for half in halves(throw))
+    return ends + bodies - taken_beyond(turned).volume
+
+
+def _stand_in_engine(crank: FoundCrank, radius_mm: float) -> Engine:
+    """Return an engine in line with the throws of a crank; nothing else of it is taken."""
+    numbers = range(1, len(crank.pins) + 1)
+    angles = tuple(crank.angle_deg(pin) for pin in crank.pins)
+    return Engine(
+        bore_mm=radius_mm,
+        rod_length_mm=4 * radius_mm,
+        speed_rpm=1.0,
+        cylinders=len(numbers),
+        firing_order=tuple(numbers),
+        arrangement=Arrangement(throw_angles_deg=angles),
+    )
 
 
 def volume_words(body_mm3: float, files: DesignFiles, webs: Sequence[ImportedWeb]) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,9 +11,12 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.volume import half_throw_volume_mm3
+from cranktopo.design.halves import mirror_image
 from cranktopo.design.schema import Scene
+from cranktopo.tasks.crank_import.alike import alike, dumped
 from cranktopo.tasks.crank_import.half_body import HalfBody
 from cranktopo.tasks.importing.faces import CylinderFace, same_axis, span_along
+from cranktopo.throw.drilling.table import Drilling
 
 _DIGITS = 6
 _OBLIQUE = 6.0
@@ -38,6 +41,25 @@ def read_drillings(body: HalfBody, scene: Scene) -> Iterator[dict[str, Any]]:
         if all(ends):
             first, second = ends
             yield {"diameter_mm": round(2 * face.radius_mm, _DIGITS), "from": first, "to": second}
+
+
+def with_known_outlets(table: Mapping[str, Any], others: Sequence[Scene]) -> dict[str, Any]:
+    """Return a drilling's table with the rounded outlets of the same drilling, or its image, elsewhere.
+
+    Where those of two throws end in one mouth, a half throw lacks a piece of its neighbour's, so that its
+    volume does not tell the outlets.
+    """
+    own = dumped(Drilling.model_validate(table))
+    images = (
+        drilling
+        for other in others
+        for twin in (other, mirror_image(other))
+        for drilling in twin.throw.drilling
+    )
+    for drilling in images:
+        if alike(dumped(drilling.model_copy(update={"outlet_radius_mm": 0.0})), own):
+            return {**table, "outlet_radius_mm": drilling.outlet_radius_mm}
+    return dict(table)
 
 
 def with_outlet_radius(body: HalfBody, scene: Scene) -> Scene | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import as_path, write_json
 from cranktopo.base.notes import note
 from cranktopo.bodies.solid.step import KERNEL_SUFFIXES, in_cad_kernel
+from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_name
 from cranktopo.report.report_file import write_report
 from cranktopo.runs.destination import check_folder, moved, unfinished_folder
@@ -19,7 +21,7 @@ from cranktopo.tasks.crank_import.design_files import half_names, write_designs
 from cranktopo.tasks.crank_import.distortion import noise_named
 from cranktopo.tasks.crank_import.fillets import fillet_keys
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf, FoundJournal
-from cranktopo.tasks.crank_import.half_body import HalfBody
+from cranktopo.tasks.crank_import.half_body import FoundBody, HalfBody
 from cranktopo.tasks.crank_import.kernel_halves import crank_by_kernel
 from cranktopo.tasks.crank_import.mesh_halves import crank_of_mesh
 from cranktopo.tasks.crank_import.meshes import MESH_SUFFIXES
@@ -85,13 +87,7 @@ def _imported(
         if path.suffix.lower() in MESH_SUFFIXES
         else in_cad_kernel(f"'{path}'", crank_by_kernel, *find)
     )
-    read = []
-    for number, body in enumerate(found.halves, 1):
-        note(f"half {number} of {len(found.halves)}: reading its web")
-        try:
-            read.append(_web(body, found.crank, f"{name}-{number}", material))
-        except CranktopoError as error:
-            raise noise_named(error, found.crank.unread) from None
+    read = _read(found, name, material)
     names = half_names(read, found.crank, name)
     webs = [_named(web, own) for web, own in zip(read, names, strict=True)]
     halves = tuple(half_of(number, web, folder) for number, web in enumerate(webs, 1))
@@ -106,13 +102,26 @@ def _imported(
     return result
 
 
+def _read(found: FoundBody, name: str, material: str) -> list[ImportedWeb]:
+    """Return the webs of all half throws, those read first that have lost nothing to their neighbours'."""
+    webs: dict[int, ImportedWeb] = {}
+    for number, body in sorted(enumerate(found.halves, 1), key=lambda one: -one[1].solid.volume_mm3):
+        note(f"half {number} of {len(found.halves)}: reading its web")
+        others = [web.read.scene for web in webs.values()]
+        try:
+            webs[number] = _web(body, found.crank, f"{name}-{number}", material, others)
+        except CranktopoError as error:
+            raise noise_named(error, found.crank.unread) from None
+    return [webs[number] for number in sorted(webs)]
+
+
 def _named(web: ImportedWeb, name: str) -> ImportedWeb:
     scene = web.read.scene.model_copy(update={"name": name})
     return replace(web, name=name, read=replace(web.read, scene=scene))
 
 
-def _web(body: HalfBody, crank: FoundCrank, name: str, material: str) -> ImportedWeb:
-    read = read_web(body, throw_table(body, crank), {"name": material}, name)
+def _web(body: HalfBody, crank: FoundCrank, name: str, material: str, others: Sequence[Scene]) -> ImportedWeb:
+    read = read_web(body, throw_table(body, crank), {"name": material}, name, others)
     wrong = ring_misfits(read.compared.solid, read.scene)
     if wrong:
         raise CranktopoError(

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from cranktopo.design.halves import mirror_image
 from cranktopo.design.schema import Scene
+from cranktopo.tasks.crank_import.alike import alike, dumped
 from cranktopo.tasks.crank_import.found_crank import FoundCrank
 from cranktopo.tasks.crank_import.web_reading import ImportedWeb
 from cranktopo.throw.journal import FilletSection
 
 Throws = Sequence[tuple[Scene, Scene]]
 """Of each throw from the low end the designs of its first and its second half."""
-_ALIKE = 1e-5
-"""Share of a dimension in which webs of two half throws are one; those of triangles are rounded."""
 
 
 def throws_of(webs: Sequence[ImportedWeb], crank: FoundCrank) -> tuple[tuple[Scene, Scene], ...]:
@@ -49,7 +48,7 @@ def second_body(webs: Sequence[ImportedWeb], crank: FoundCrank) -> str | None:
     if (
         other is None
         or other is webs[0]
-        or not _alike(_dumped(other.read.scene), _dumped(mirror_image(other.read.scene)))
+        or not alike(dumped(other.read.scene), dumped(mirror_image(other.read.scene)))
     ):
         return None
     return other.body.file
@@ -57,7 +56,7 @@ def second_body(webs: Sequence[ImportedWeb], crank: FoundCrank) -> str | None:
 
 def different(throws: Throws) -> list[int]:
     """Return of each throw the index of the first one that is alike, but for its main journals."""
-    return [next(i for i, one in enumerate(throws) if _alike(_parts(one), _parts(own))) for own in throws]
+    return [next(i for i, one in enumerate(throws) if alike(_parts(one), _parts(own))) for own in throws]
 
 
 def uneven(throws: Throws) -> bool:
@@ -67,17 +66,17 @@ def uneven(throws: Throws) -> bool:
 
 def throw_keys(first: Scene, second: Scene) -> dict[str, Any]:
     """Return the tables `throw`, `web` and, where it differs, `second_web` of a throw of two half throws."""
-    throw, web = _dumped(first.throw), _dumped(first.web)
+    throw, web = dumped(first.throw), dumped(first.web)
     length = second.throw.crankpin.length_mm
-    if not _alike(length, first.throw.crankpin.length_mm):
+    if not alike(length, first.throw.crankpin.length_mm):
         throw["second_crankpin_length_mm"] = length
-    one, other = (_dumped(scene.throw).get("drilling", []) for scene in (first, second))
-    if not _alike(one, other):
+    one, other = (dumped(scene.throw).get("drilling", []) for scene in (first, second))
+    if not alike(one, other):
         throw["drilling"] = [{**own, "web": "first"} for own in one] + [
             {**own, "web": "second"} for own in other
         ]
-    beyond = _dumped(second.web)
-    return {"throw": throw, "web": web} | ({} if _alike(web, beyond) else {"second_web": beyond})
+    beyond = dumped(second.web)
+    return {"throw": throw, "web": web} | ({} if alike(web, beyond) else {"second_web": beyond})
 
 
 def fillets_of(throws: Throws, number: int) -> list[FilletSection]:
@@ -91,41 +90,20 @@ def unsaid(throws: Throws) -> Iterator[str]:
     """Yield, in words, what of the throws no design of a crank says."""
     radius = throws[0][0].throw.radius_mm if throws else 0.0
     for number, (first, second) in enumerate(throws, 1):
-        if not _alike(_pin(first), _pin(second)):
+        if not alike(_pin(first), _pin(second)):
             yield f"throw {number}: its crankpin differs at its two webs; that at the first is in the design"
-        if not _alike(first.throw.radius_mm, radius):
+        if not alike(first.throw.radius_mm, radius):
             yield f"throw {number}: its throw radius differs from the first one's, which is in the design"
     for number in range(len(throws) + 1) if throws else ():
         found = fillets_of(throws, number)
         shapes = {(one.flattening, one.recess_mm) for one in (*found, *fillets_of(throws, 0))}
-        if len(shapes) > 1 or not _alike(found[0].radial_mm, found[-1].radial_mm):
+        if len(shapes) > 1 or not alike(found[0].radial_mm, found[-1].radial_mm):
             yield f"main journal {number}: its fillets differ, which no design says; one of them is taken"
 
 
 def _parts(throw: tuple[Scene, Scene]) -> Any:
-    return [
-        (_dumped(one.web), _dumped(one.throw.crankpin), _dumped(one.throw).get("drilling")) for one in throw
-    ]
+    return [(dumped(one.web), dumped(one.throw.crankpin), dumped(one.throw).get("drilling")) for one in throw]
 
 
 def _pin(scene: Scene) -> dict[str, Any]:
-    return {key: value for key, value in _dumped(scene.throw.crankpin).items() if key != "length_mm"}
-
-
-def _dumped(table: Any) -> dict[str, Any]:
-    return dict(table.model_dump(mode="json", exclude_none=True, exclude_defaults=True, by_alias=True))
-
-
-def _alike(one: Any, other: Any) -> bool:
-    """Tell whether tables are the same, and their numbers nearly."""
-    if isinstance(one, Mapping) and isinstance(other, Mapping):
-        return one.keys() == other.keys() and all(_alike(one[key], other[key]) for key in one)
-    if isinstance(one, list | tuple) and isinstance(other, list | tuple):
-        tables = all(isinstance(item, Mapping) for item in (*one, *other))
-        found = (
-            (any(_alike(item, twin) for twin in other) for item in one) if tables else map(_alike, one, other)
-        )
-        return len(one) == len(other) and all(found)
-    if isinstance(one, float) and isinstance(other, float):
-        return abs(one - other) <= _ALIKE * max(abs(one), abs(other), 1.0)
-    return bool(one == other)
+    return {key: value for key, value in dumped(scene.throw.crankpin).items() if key != "length_mm"}

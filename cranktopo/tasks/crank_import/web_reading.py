@@ -6,7 +6,7 @@ the nearest one is taken; a silhouette that is none of them becomes a profile th
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +21,11 @@ from cranktopo.tasks.crank_import.bevelled_edge import read_edge
 from cranktopo.tasks.crank_import.bevels import read_bevels
 from cranktopo.tasks.crank_import.compared import Compared
 from cranktopo.tasks.crank_import.half_body import EXACT, HalfBody
-from cranktopo.tasks.crank_import.oil_drillings import read_drillings, with_outlet_radius
+from cranktopo.tasks.crank_import.oil_drillings import (
+    read_drillings,
+    with_known_outlets,
+    with_outlet_radius,
+)
 from cranktopo.tasks.crank_import.pockets import read_pockets
 from cranktopo.tasks.crank_import.silhouette import apart_mm, drawn_outline, silhouette
 from cranktopo.tasks.crank_import.web_candidates import web_candidates
@@ -75,8 +79,14 @@ class ImportedWeb:
     name: str
 
 
-def read_web(body: HalfBody, throw: Mapping[str, Any], material: Mapping[str, Any], name: str) -> ReadWeb:
-    """Return the scene with the web of a half throw.
+def read_web(
+    body: HalfBody,
+    throw: Mapping[str, Any],
+    material: Mapping[str, Any],
+    name: str,
+    others: Sequence[Scene] = (),
+) -> ReadWeb:
+    """Return the scene with the web of a half throw; `others` of the same crank were read before.
 
     Raises:
         CranktopoError: no web of the family fits the throw.
@@ -103,7 +113,8 @@ def read_web(body: HalfBody, throw: Mapping[str, Any], material: Mapping[str, An
     if not found:
         raise refusals[-1]
     off, _, words, scene = min(found, key=lambda one: (one[0][0] > exact_mm, one[1]))
-    return _with_features(body, ReadWeb(scene, words, *off, Compared(solid, _scene_solid(scene))))
+    read = ReadWeb(scene, words, *off, Compared(solid, _scene_solid(scene)))
+    return _with_outlets(body, _with_features(body, read, others))
 
 
 def rounded(data: Any, digits: int) -> Any:
@@ -119,13 +130,14 @@ def _scene_solid(scene: Scene) -> Manifold:
     return solid_of(kernel_surface_of(scene, "half"), scene.name)
 
 
-def _with_features(body: HalfBody, read: ReadWeb) -> ReadWeb:
+def _with_features(body: HalfBody, read: ReadWeb, others: Sequence[Scene]) -> ReadWeb:
     """Return the web with the bevels, pockets and drillings that bring it nearer to the body."""
     data = read.scene.model_dump(mode="json", exclude_none=True)
     bevels = sorted(read_bevels(body, read.scene), key=lambda bevel: str(bevel["face"]))
     features = [("web", "bevel", table) for table in bevels]
     features += [("web", "pocket", table) for table in read_pockets(body, read.scene)]
-    features += [("throw", "drilling", table) for table in read_drillings(body, read.scene)]
+    drillings = [with_known_outlets(table, others) for table in read_drillings(body, read.scene)]
+    features += [("throw", "drilling", table) for table in drillings]
     features += [("web", "counterweight", {"edge": table}) for table in read_edge(body, read.scene)]
     for table, key, feature in features:
         feature, before = rounded(feature, body.near.digits), data[table].get(key, ())
@@ -136,13 +148,28 @@ def _with_features(body: HalfBody, read: ReadWeb) -> ReadWeb:
             found = _changed(read, scene)
         except CranktopoError:
             continue
-        if found.compared.differs_mm3 < read.compared.differs_mm3:
+        if _nearer(found, read):
             data, read = tried, found
-    outlets = with_outlet_radius(body, read.scene) if read.scene.throw.drilling else None
-    if outlets is None:
+    return read
+
+
+def _with_outlets(body: HalfBody, read: ReadWeb) -> ReadWeb:
+    """Return the web with the rounded outlets that give its volume, where none are known."""
+    drillings = read.scene.throw.drilling
+    if not drillings or any(one.outlet_radius_mm for one in drillings):
         return read
-    found = _changed(read, outlets)
-    return found if found.compared.differs_mm3 < _OUTLETS * read.compared.differs_mm3 else read
+    outlets = with_outlet_radius(body, read.scene)
+    found = read if outlets is None else _changed(read, outlets)
+    return found if found is not read and _nearer(found, read, _OUTLETS) else read
+
+
+def _nearer(found: ReadWeb, read: ReadWeb, share: float = 1.0) -> bool:
+    """Tell whether a web differs from the body by less than a share of what another one does.
+
+    Most often the least that can differ tells it, without another pass of the boolean engine.
+    """
+    differs = found.compared.differs_mm3
+    return differs < share * read.compared.least_mm3 or differs < share * read.compared.differs_mm3
 
 
 def _changed(read: ReadWeb, scene: Scene) -> ReadWeb:

@@ -19,18 +19,21 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.solid.step import step_solid
 from cranktopo.design.crank_throws import throw_scenes
-from cranktopo.design.halves import halves
+from cranktopo.design.halves import halves, mirror_image
 from cranktopo.design.loading import builtin_designs, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout
 from cranktopo.tasks.crank_import.crank_finder import find_crank
 from cranktopo.tasks.crank_import.design_text import crank_table
 from cranktopo.tasks.crank_import.kernel_halves import crank_by_kernel
+from cranktopo.tasks.crank_import.oil_drillings import with_known_outlets
 from cranktopo.tasks.crank_import.result import CrankImport
 from cranktopo.tasks.crank_import.stage import import_crank
 from cranktopo.tasks.crank_import.text import import_text
 from cranktopo.tasks.importing.cad_body import moved_rigidly
 from cranktopo.tasks.importing.faces import CylinderFace, Faces, PlaneFace, exact_faces
+from cranktopo.throw.drilling.table import Drilling
+from tests.physics.throw.test_drillings_that_meet import marine
 from tests.random_engines import random_engine
 
 
@@ -547,6 +550,29 @@ def test_an_oil_drilling_and_its_outlets(tmp_path: Path) -> None:
     radius = load_scene(result.halves[0].design).throw.drilling[0].outlet_radius_mm
     assert radius == pytest.approx(2.0, rel=0.05)
     assert any("follows from the volume" in line for line in result.halves[0].unread)
+
+
+def test_outlets_of_another_half_are_taken_where_the_drillings_are_alike() -> None:
+    """As they are, and mirrored; none of a drilling on another line."""
+    place = {"on": "main_journal", "angle_deg": 140.0, "place_mm": 0.0}
+    own = {"diameter_mm": 8.0, "from": place, "to": {"on": "crankpin", "angle_deg": -30.0, "place_mm": 0.0}}
+    scene = load_scene("industrial-gas")
+    known = scene.with_drillings((Drilling.model_validate({**own, "outlet_radius_mm": 2.0}),))
+    for half in (known, mirror_image(known)):
+        assert with_known_outlets(own, [scene, half]) == {**own, "outlet_radius_mm": 2.0}
+    assert with_known_outlets(own, [scene]) == own
+
+
+@pytest.mark.slow
+def test_drillings_of_neighbours_in_one_mouth_come_back(tmp_path: Path) -> None:
+    """A half throw there has lost a piece of its neighbour's: it had no outlets, and the crank no design."""
+    scene = marine({"diameter_mm": 18.0, "outlet_radius_mm": 2.0}, [1, 3, 2])
+    export_solid(scene, "crankshaft", tmp_path / "body.step")
+    result = import_crank(tmp_path / "body.step", "marine", tmp_path / "out")
+    (drilling,) = load_scene(result.files.design, whole=True).throw.drilling
+    assert drilling.outlet_radius_mm == pytest.approx(2.0, rel=0.05)
+    assert result.design_volume_mm3 == pytest.approx(result.volume_mm3, rel=1e-5)
+    assert not [lack for lack in result.unread if lack.where == "crank"]
 
 
 def unlike_webs(**throw: Any) -> Scene:
