@@ -34,7 +34,6 @@ from cranktopo.tasks.importing.cad_body import moved_rigidly
 from cranktopo.tasks.importing.faces import CylinderFace, Faces, PlaneFace, exact_faces
 from cranktopo.throw.drilling.table import Drilling
 from tests.physics.throw.test_drillings_that_meet import marine
-from tests.random_engines import random_engine
 
 
 def turned(file: Path, seed: int) -> Path:
@@ -531,13 +530,6 @@ def test_built_in_cranks(tmp_path: Path, name: str) -> None:
     if scene.engine:
         near = 1e-5 if outlets else 1e-6  # the kernel approximates the roundings of drillings
         assert result.design_volume_mm3 == pytest.approx(result.volume_mm3, rel=near)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(60))
-def test_random_engines(tmp_path: Path, seed: int) -> None:
-    scene = scene_from_dict(random_engine(seed), f"engine-{seed}")
-    check_same(scene, imported(scene, tmp_path, seed=seed))
 
 
 @pytest.mark.slow

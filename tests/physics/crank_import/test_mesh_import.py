@@ -15,7 +15,6 @@ from cranktopo import load_scene
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid import step
 from cranktopo.bodies.solid.files import kernel_surface_of, surface_of
-from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.files import write_stl, write_surface
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
@@ -29,7 +28,6 @@ from cranktopo.tasks.crank_import.solids import parallel_axes
 from cranktopo.tasks.crank_import.stage import import_crank
 from cranktopo.tasks.importing.faces import CylinderFace, Faces
 from tests.physics.crank_import.test_crank_import import built_in, dimensions, run_out
-from tests.random_engines import random_engine
 
 LENGTH_MM, ANGLE_DEG = 0.02, 0.05
 
@@ -205,15 +203,6 @@ def test_built_in_cranks(tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPa
     mesh, whole = coarse_shaft(scene, monkeypatch)
     outlets = (key for key in dimensions(scene) if key.endswith("outlet_radius_mm"))
     check_near(scene, imported(mesh, name, tmp_path), (*outlets, *run_out(scene)))
-    tell_one_throw(whole)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(60))
-def test_random_engines(tmp_path: Path, seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    scene = scene_from_dict(random_engine(seed), f"engine-{seed}")
-    mesh, whole = coarse_shaft(scene, monkeypatch)
-    check_near(scene, imported(mesh, "engine", tmp_path, seed))
     tell_one_throw(whole)
 
 

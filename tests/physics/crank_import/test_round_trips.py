@@ -1,0 +1,27 @@
+"""Random cranks exported, turned, imported: each comes back, or a line says what did not; damage is told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.studies.crank_round_trips import DAMAGED, ENGINES, SOUND, Format, Kind, forms_of, trip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(ENGINES))
+@pytest.mark.parametrize("form", ["step", "stl"])
+def test_plain_engines_come_back(tmp_path: Path, form: Format, seed: int) -> None:
+    found = trip(seed, "plain", form, tmp_path)
+    assert found.verdict == "back", found.row
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(ENGINES))
+@pytest.mark.parametrize(
+    ("kind", "form"), [(kind, form) for kind in (*SOUND[1:], *DAMAGED) for form in forms_of(kind)]
+)
+def test_what_does_not_come_back_is_told(tmp_path: Path, kind: Kind, form: Format, seed: int) -> None:
+    found = trip(seed, kind, form, tmp_path)
+    assert not found.faulty, found.row
