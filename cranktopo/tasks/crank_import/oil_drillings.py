@@ -31,16 +31,34 @@ _LARGEST = 0.4
 
 def read_drillings(body: HalfBody, scene: Scene) -> Iterator[dict[str, Any]]:
     """Yield tables of the drillings that straight bores across the journals show, each once."""
+    for face in _bores(body, scene):
+        first, second = _ends(body, scene, face)
+        if first and second and first != second:
+            yield {"diameter_mm": round(2 * face.radius_mm, _DIGITS), "from": first, "to": second}
+
+
+def has_neighbours_bore(body: HalfBody, scene: Scene) -> bool:
+    """Tell whether a bore comes from beyond the middle of the main journal.
+
+    Both its ends are on that journal in one place, as its way goes on in the neighbouring throw.
+    """
+    ends = (_ends(body, scene, face) for face in _bores(body, scene))
+    return any(first and first == second and first["on"] == "main_journal" for first, second in ends)
+
+
+def _bores(body: HalfBody, scene: Scene) -> Iterator[CylinderFace]:
+    """Yield a face of each straight bore across the journals."""
     seen: list[CylinderFace] = []
     for face in body.faces.cylinders:
         wide = 2 * face.radius_mm > _LARGEST * scene.throw.crankpin.outer_diameter_mm
         if face.outward or face.upright or wide or any(same_axis(face, other) for other in seen):
             continue
         seen.append(face)
-        ends = [_end(face, scene, span) for span in _span(body, face)]
-        if all(ends):
-            first, second = ends
-            yield {"diameter_mm": round(2 * face.radius_mm, _DIGITS), "from": first, "to": second}
+        yield face
+
+
+def _ends(body: HalfBody, scene: Scene, face: CylinderFace) -> list[dict[str, Any] | None]:
+    return [_end(face, scene, span) for span in _span(body, face)]
 
 
 def with_known_outlets(table: Mapping[str, Any], others: Sequence[Scene]) -> dict[str, Any]:

@@ -22,6 +22,7 @@ from cranktopo.tasks.crank_import.bevels import read_bevels
 from cranktopo.tasks.crank_import.compared import Compared
 from cranktopo.tasks.crank_import.half_body import EXACT, HalfBody
 from cranktopo.tasks.crank_import.oil_drillings import (
+    has_neighbours_bore,
     read_drillings,
     with_known_outlets,
     with_outlet_radius,
@@ -66,7 +67,11 @@ class ReadWeb:
         found = list(self.compared.differences)
         yield from found
         off = body.solid.volume_mm3 - half_throw_volume_mm3(self.scene)
-        if not found and body.near == EXACT and abs(off) > _TOLD_EXACT * body.solid.volume_mm3:
+        if found or body.near != EXACT or abs(off) <= _TOLD_EXACT * body.solid.volume_mm3:
+            return
+        if off < 0 and has_neighbours_bore(body, self.scene):
+            yield f"a drilling of a neighbouring throw ends in it and takes {-off:.4g} mm3 of its design"
+        else:
             yield self.compared.least_difference(off)
 
 

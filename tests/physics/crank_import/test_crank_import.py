@@ -565,6 +565,11 @@ def test_drillings_of_neighbours_in_one_mouth_come_back(tmp_path: Path) -> None:
     assert drilling.outlet_radius_mm == pytest.approx(2.0, rel=0.05)
     assert result.design_volume_mm3 == pytest.approx(result.volume_mm3, rel=1e-5)
     assert not [lack for lack in result.unread if lack.where == "crank"]
+    cut = [
+        lack.where for lack in result.unread if "a drilling of a neighbouring throw ends in it" in lack.what
+    ]
+    assert cut == ["half 2", "half 3"]
+    assert not [lack for lack in result.unread if "the design adds" in lack.what]
 
 
 def unlike_webs(**throw: Any) -> Scene:
