@@ -7,13 +7,15 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from cranktopo.numerics.surfaces.mesh import largest_shell, unrounded_mesh_of
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, largest_shell, solid_of, unrounded_mesh_of
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-_TOLD = 1e-3
-"""Share of the volume in which a difference of both is told."""
+_TOLD, _TOLD_BEYOND = 1e-3, 1e-5
+"""Share of the volume in which a difference of both is told, and of what is farther apart than facets."""
+_APART_MM, _FACETS = 0.08, 6.0
+"""Distance of what is no facet: at least, and over the mean distance of both."""
 
 
 @dataclass(frozen=True)
@@ -60,17 +62,36 @@ class Compared:
         lacks = off_mm3 > 0
         return f"{self._words(abs(off_mm3), lacks)}, perhaps near {self._place(lacks)} mm"
 
+    @property
+    def differences_beyond_facets(self) -> Iterator[str]:
+        """Parts, in words, by which one reaches out of the other farther than facets do: bosses, small cuts.
+
+        The design's corners move out along their normals, or in, so that facets do not count.
+        """
+        design = unrounded_mesh_of(self.scene_solid)
+        apart = _APART_MM + _FACETS * self.differs_mm3 / design.areas_mm2.sum()
+        normals = apart * design.as_trimesh().vertex_normals
+        larger, smaller = (
+            solid_of(SurfaceMesh(design.vertices_mm + by, design.faces)) for by in (normals, -normals)
+        )
+        for what, beyond in (("lacks", self.solid - larger), ("adds", smaller - self.solid)):
+            if beyond.volume() > _TOLD_BEYOND * self.solid.volume():
+                yield f"the design {what} at least {beyond.volume():.4g} mm3, near {_centre(beyond)} mm"
+
     @staticmethod
     def _words(volume_mm3: float, lacks: bool) -> str:
         return f"the design {'lacks' if lacks else 'adds'} {volume_mm3:.4g} mm3"
 
     def _place(self, lacks: bool) -> str:
-        """Return the centre of the largest part of what one of both lacks.
+        return _centre(self.solid - self.scene_solid if lacks else self.scene_solid - self.solid)
 
-        Slivers along faces may hang on to it. They may be thousands, which the boolean engine parts one by
-        one, each in a copy of all corners; so the parts are told by their triangles.
-        """
-        apart = self.solid - self.scene_solid if lacks else self.scene_solid - self.solid
-        part = largest_shell(unrounded_mesh_of(apart))
-        x, y, z = part.first_moments_mm4 / part.volume_mm3
-        return f"({x:.4g}, {y:.4g}, {z:.4g})"
+
+def _centre(solid: Manifold) -> str:
+    """Return the centre of the largest part of a solid, mm: slivers along faces may hang on to it.
+
+    They may be thousands, which the boolean engine parts one by one, each in a copy of all corners; so the
+    parts are told by their triangles.
+    """
+    part = largest_shell(unrounded_mesh_of(solid))
+    x, y, z = part.first_moments_mm4 / part.volume_mm3
+    return f"({x:.4g}, {y:.4g}, {z:.4g})"

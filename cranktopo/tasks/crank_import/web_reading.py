@@ -41,6 +41,7 @@ The silhouette of a body lies inside it by the chords of its triangles besides: 
 """
 _TOLD_EXACT = 2e-5
 """Share of the volume in which a difference of the exact volumes of body and design is told."""
+_NEIGHBOURS = "a drilling of a neighbouring throw ends in it and takes {:.4g} mm3 of its design"
 _OUTLETS = 0.5
 """Rounded outlets are believed where they take away half of what differs."""
 
@@ -63,16 +64,20 @@ class ReadWeb:
     compared: Compared
 
     def differences_from(self, body: HalfBody) -> Iterator[str]:
-        """Yield what `compared` tells, or else the least difference that the exact volumes of both show."""
+        """Yield what `compared` tells, or else the least difference.
+
+        That is one that the exact volumes of both show, or of triangles one beyond their facets.
+        """
         found = list(self.compared.differences)
         yield from found
         off = body.solid.volume_mm3 - half_throw_volume_mm3(self.scene)
-        if found or body.near != EXACT or abs(off) <= _TOLD_EXACT * body.solid.volume_mm3:
+        if found:
             return
-        if off < 0 and has_neighbours_bore(body, self.scene):
-            yield f"a drilling of a neighbouring throw ends in it and takes {-off:.4g} mm3 of its design"
-        else:
-            yield self.compared.least_difference(off)
+        if body.near != EXACT:
+            yield from self.compared.differences_beyond_facets
+        elif abs(off) > _TOLD_EXACT * body.solid.volume_mm3:
+            neighbours = off < 0 and has_neighbours_bore(body, self.scene)
+            yield _NEIGHBOURS.format(-off) if neighbours else self.compared.least_difference(off)
 
 
 @dataclass(frozen=True)

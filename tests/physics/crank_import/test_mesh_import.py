@@ -118,6 +118,19 @@ def test_a_boss_among_slivers_is_told_soon() -> None:
     assert time.process_time() - began < 2.0
 
 
+def test_a_small_boss_or_cut_is_told_facets_are_not() -> None:
+    """Both 0.04 % of the volume, where the facets of a fine and a coarse cylinder differ by 0.06 %."""
+    body, design = (Manifold.cylinder(60.0, 40.0, circular_segments=count) for count in (130, 300))
+    small = Manifold.cube((5.0, 5.0, 10.0)).translate((10.0, 0.0, 55.0))
+    assert list(Compared(body, design).differences_beyond_facets) == []
+    assert list(Compared(body + small, design).differences_beyond_facets) == [
+        "the design lacks at least 122.7 mm3, near (12.5, 2.5, 62.55) mm"
+    ]
+    assert list(Compared(body - small, design).differences_beyond_facets) == [
+        "the design adds at least 122.7 mm3, near (12.5, 2.5, 57.45) mm"
+    ]
+
+
 def test_round_corners_are_no_shafts() -> None:
     """What looks like a crank has whole cylinders on two lines, not parts of them."""
 
