@@ -223,6 +223,7 @@ def _sorted(data: dict[str, Any]) -> dict[str, Any]:
 def deviation(key: str, found: float, wanted: float, form: Format) -> float:
     """Return how far a dimension is off over what is allowed."""
     off = abs(found - wanted)
+    off = min(off, abs(360.0 - off)) if key.endswith("_deg") else off
     if form == "step":
         allowed = OUTLETS * wanted if key.endswith(OUTLET) else EXACT * max(abs(wanted), 1.0)
         return off / allowed if allowed else math.inf * off

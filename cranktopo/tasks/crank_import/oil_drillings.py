@@ -11,6 +11,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.volume import half_throw_volume_mm3
+from cranktopo.design.checks.scene import check_solid
 from cranktopo.design.halves import mirror_image
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.crank_import.alike import alike, dumped
@@ -19,6 +20,8 @@ from cranktopo.tasks.importing.faces import CylinderFace, same_axis, span_along
 from cranktopo.throw.drilling.table import Drilling
 
 _DIGITS = 6
+_BACK_DEG = -179.9995
+"""Angle below which -180 is written as 180, at three decimals of triangles."""
 _OBLIQUE = 6.0
 """Way from the outermost edge of an oblique outlet to the drilling's axis, over its radius."""
 _LARGEST_OUTLET = 1.0
@@ -32,9 +35,9 @@ _LARGEST = 0.4
 def read_drillings(body: HalfBody, scene: Scene) -> Iterator[dict[str, Any]]:
     """Yield tables of the drillings that straight bores across the journals show, each once."""
     for face in _bores(body, scene):
-        first, second = _ends(body, scene, face)
-        if first and second and first != second:
-            yield {"diameter_mm": round(2 * face.radius_mm, _DIGITS), "from": first, "to": second}
+        ends = _ends(body, scene, face)
+        if len(ends) == 2 and ends[0] != ends[1]:
+            yield {"diameter_mm": round(2 * face.radius_mm, _DIGITS), "from": ends[0], "to": ends[1]}
 
 
 def has_neighbours_bore(body: HalfBody, scene: Scene) -> bool:
@@ -42,8 +45,8 @@ def has_neighbours_bore(body: HalfBody, scene: Scene) -> bool:
 
     Both its ends are on that journal in one place, as its way goes on in the neighbouring throw.
     """
-    ends = (_ends(body, scene, face) for face in _bores(body, scene))
-    return any(first and first == second and first["on"] == "main_journal" for first, second in ends)
+    found = (_ends(body, scene, face) for face in _bores(body, scene))
+    return any(ends[1:] == ends[:1] and ends[0]["on"] == "main_journal" for ends in found if ends)
 
 
 def _bores(body: HalfBody, scene: Scene) -> Iterator[CylinderFace]:
@@ -57,8 +60,13 @@ def _bores(body: HalfBody, scene: Scene) -> Iterator[CylinderFace]:
         yield face
 
 
-def _ends(body: HalfBody, scene: Scene, face: CylinderFace) -> list[dict[str, Any] | None]:
-    return [_end(face, scene, span) for span in _span(body, face)]
+def _ends(body: HalfBody, scene: Scene, face: CylinderFace) -> list[dict[str, Any]]:
+    """Return the ends of a bore on surfaces of the journals, that of the main journal first.
+
+    A bore has no direction; one from either side would be no drilling that is alike.
+    """
+    ends = (_end(face, scene, span) for span in _span(body, face))
+    return sorted(filter(None, ends), key=lambda end: str(end["on"]), reverse=True)
 
 
 def with_known_outlets(table: Mapping[str, Any], others: Sequence[Scene]) -> dict[str, Any]:
@@ -99,7 +107,9 @@ def with_outlet_radius(body: HalfBody, scene: Scene) -> Scene | None:
         if excess(0.0) <= 0 or excess(most) >= 0:
             return None
         square = float(brentq(excess, 0.0, most, xtol=_SQUARE_MM2))  # nearly linear in the square: few rounds
-        return rounded(round(math.sqrt(square), 3))
+        found = rounded(round(math.sqrt(square), 3))
+        check_solid(found)  # triangles may lack more beside the outlets, so that these would be too large
+        return found
     except CranktopoError:
         return None
 
@@ -130,7 +140,7 @@ def _end(face: CylinderFace, scene: Scene, at: float) -> dict[str, Any] | None:
                 if place > -1e-6:
                     entry = {
                         "on": on,
-                        "angle_deg": 180.0 if angle == -180.0 else angle + 0.0,
+                        "angle_deg": 180.0 if angle < _BACK_DEG else angle + 0.0,
                         "place_mm": round(max(place, 0.0), _DIGITS),
                     }
                     found.append((off, entry))

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.solid.step import step_solid
+from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.halves import halves, mirror_image
 from cranktopo.design.loading import builtin_designs, scene_from_dict
@@ -26,13 +28,18 @@ from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout
 from cranktopo.tasks.crank_import.crank_finder import find_crank
 from cranktopo.tasks.crank_import.design_text import crank_table
 from cranktopo.tasks.crank_import.kernel_halves import crank_by_kernel
-from cranktopo.tasks.crank_import.oil_drillings import with_known_outlets
+from cranktopo.tasks.crank_import.oil_drillings import (
+    has_neighbours_bore,
+    read_drillings,
+    with_known_outlets,
+    with_outlet_radius,
+)
 from cranktopo.tasks.crank_import.result import CrankImport
 from cranktopo.tasks.crank_import.stage import import_crank
 from cranktopo.tasks.crank_import.text import import_text
 from cranktopo.tasks.importing.cad_body import moved_rigidly
 from cranktopo.tasks.importing.faces import CylinderFace, Faces, PlaneFace, exact_faces
-from cranktopo.throw.drilling.table import Drilling
+from cranktopo.throw.drilling.table import Drilling, drill_bores
 from tests.physics.throw.test_drillings_that_meet import marine
 
 
@@ -553,6 +560,43 @@ def test_outlets_of_another_half_are_taken_where_the_drillings_are_alike() -> No
     for half in (known, mirror_image(known)):
         assert with_known_outlets(own, [scene, half]) == {**own, "outlet_radius_mm": 2.0}
     assert with_known_outlets(own, [scene]) == own
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_drilling_begins_at_the_main_journal(way: float) -> None:
+    """Whichever way the axis of its face points: the same bore of two halves is the same drilling."""
+    scene = load_scene("industrial-gas")
+    (bore,) = drill_bores(scene)
+    start, end = (np.array(outlet.point_mm) for outlet in bore.outlets)
+    axis = way * (end - start) / np.linalg.norm(end - start)
+    length = float(np.linalg.norm(end - start))
+    face = CylinderFace(
+        start, axis, bore.radius_mm, (min(0.0, way * length), max(0.0, way * length)), 6.2, False, start
+    )
+    half: Any = SimpleNamespace(faces=Faces((face,), (), (), ()))
+    (found,) = read_drillings(half, scene)
+    assert [found[key]["on"] for key in ("from", "to")] == ["main_journal", "crankpin"]
+    assert found["from"]["angle_deg"] == 180.0
+    assert not has_neighbours_bore(half, scene)
+
+
+def test_outlets_that_no_drilling_can_have_are_not_taken() -> None:
+    """A volume that lacks more than its outlets: the import of such triangles was refused."""
+    data = load_scene("industrial-gas").model_dump(mode="json", exclude_none=True, by_alias=True)
+    (drilling,) = data["throw"]["drilling"]
+    drilling["from"]["place_mm"], drilling["outlet_radius_mm"] = 30.0, 0.0
+    scene = scene_from_dict(data, "sharp")
+
+    def read(radius: float) -> Scene | None:
+        rounded = (scene.throw.drilling[0].model_copy(update={"outlet_radius_mm": radius}),)
+        volume = half_throw_volume_mm3(scene.with_drillings(rounded))
+        body: Any = SimpleNamespace(solid=SimpleNamespace(volume_mm3=volume))
+        return with_outlet_radius(body, scene)
+
+    found = read(1.0)
+    assert found is not None
+    assert found.throw.drilling[0].outlet_radius_mm == 1.0
+    assert read(4.0) is None
 
 
 @pytest.mark.slow
