@@ -42,6 +42,7 @@ def test_the_background_leaves_the_cores_and_what_was_loaded_is_not_looked_throu
     monkeypatch.setattr(workers.os, "nice", steps.append)
     monkeypatch.setattr(workers.signal, "signal", lambda *_: None)
     monkeypatch.setattr(workers.multiprocessing, "parent_process", Mock())
+    monkeypatch.setattr(workers.threading, "Thread", Mock())  # else the process ends with its parent
     for background in (False, True):
         workers._begin(background)
     assert steps == [19], "the least there is"
