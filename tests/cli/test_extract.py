@@ -6,12 +6,12 @@ import json
 import shutil
 from pathlib import Path
 
-import gmsh
 import numpy as np
 import pytest
 import trimesh
 
 from cranktopo.app.main import main
+from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.runs.checkpoint import load_checkpoint, load_iteration
 from tests.plain_runs import plain_runs
 
@@ -86,12 +86,9 @@ def test_stored_design_gives_the_surface_of_the_exact_one(run: Path, tmp_path: P
 
 
 def test_gmsh_reads_the_surface(run: Path) -> None:
-    gmsh.initialize(["-v", "0"], interruptible=False)
-    try:
+    with cad_session("web") as gmsh:
         gmsh.merge(str(run / "web.stl"))
         triangles = len(gmsh.model.mesh.getElements(2)[1][0])
-    finally:
-        gmsh.finalize()
     assert triangles == len(trimesh.load_mesh(run / "web.stl").faces)
 
 

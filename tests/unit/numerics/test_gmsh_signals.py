@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import threading
+from pathlib import Path
 
 import pytest
 
@@ -33,3 +34,10 @@ def test_handlers_outlive_a_session(number: signal.Signals, in_thread: bool) -> 
         signal.signal(number, before)
     assert heard, "the handler was reset"
     assert set(heard) == {number}
+
+
+def test_tests_open_gmsh_by_the_session_alone() -> None:
+    """Otherwise SIGPIPE ends their process from then on, with all tests that follow."""
+    tests = Path(__file__).parents[2]
+    opening = "gmsh.initialize" + "("
+    assert [file.name for file in tests.rglob("*.py") if opening in file.read_text(encoding="utf-8")] == []

@@ -6,13 +6,13 @@ import dataclasses
 import os
 from pathlib import Path
 
-import gmsh
 import numpy as np
 import pytest
 import trimesh
 from manifold3d import CrossSection, Manifold
 
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.numerics.surfaces.mesh import (
     SurfaceMesh,
@@ -191,13 +191,10 @@ def test_stl_is_the_checked_surface(slot: WebSurface, tmp_path: Path) -> None:
 def test_gmsh_reads_the_stl(slot: WebSurface, tmp_path: Path) -> None:
     path = tmp_path / "web.stl"
     write_stl(path, slot.half_throw)
-    gmsh.initialize(["-v", "0"], interruptible=False)
-    try:
+    with cad_session("web") as gmsh:
         gmsh.merge(str(path))
         triangles = gmsh.model.mesh.getElements(2)[1][0]
         nodes = gmsh.model.mesh.getNodes()[0]
-    finally:
-        gmsh.finalize()
     assert len(triangles) == len(slot.half_throw.faces)
     assert len(nodes) == len(slot.half_throw.vertices_mm)
 
