@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.files import from_json, json_text, read_npz, write_npz
+from cranktopo.base.files import from_json, json_text, read_npz, write_bytes, write_npz
 from cranktopo.base.notes import note
 
 _RESULT, _SEAL, _ARRAYS = "result", "sha256", "__sha256__"
+_SEAL_BYTES = 32
 
 
 def seal_of(data: Mapping[str, Any], name: str) -> str:
@@ -37,6 +38,21 @@ def unsealed(stored: Any, name: str) -> Any:
     if not isinstance(stored, dict) or _RESULT not in stored or stored != sealed(stored[_RESULT], name):
         raise ValueError(f"{name}: changed since it was written")
     return stored[_RESULT]
+
+
+def write_sealed_bytes(path: Path, content: bytes) -> None:
+    """Write bytes atomically behind their seal; raises CranktopoError where they cannot be written."""
+    write_bytes(path, hashlib.sha256(content).digest() + content)
+
+
+def read_sealed_bytes(path: Path) -> bytes | None:
+    """Return the bytes of `write_sealed_bytes`; None where the file is missing, damaged or was changed."""
+    try:
+        found = path.read_bytes()
+    except OSError:
+        return None
+    seal, content = found[:_SEAL_BYTES], found[_SEAL_BYTES:]
+    return content if hashlib.sha256(content).digest() == seal else None
 
 
 def write_arrays(path: Path, arrays: Mapping[str, NDArray[Any]], compressed: bool = False) -> None:

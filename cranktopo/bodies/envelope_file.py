@@ -17,7 +17,7 @@ from cranktopo.base.spans import Section, polygon_area, polygon_section
 from cranktopo.bodies.solid.step import STEP_SUFFIXES, step_surface
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.files import read_stl
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, shell_volumes_mm3, solid_of
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, shell_volumes_mm3, snapped, solid_of
 from cranktopo.throw.envelope import Envelope
 
 _KEY = "envelope.file"
@@ -56,7 +56,7 @@ def with_faces_at(body: Manifold, *heights_mm: float) -> Manifold:
 
     def moved(points_mm: Array) -> Array:
         for height in heights_mm:
-            points_mm[np.abs(points_mm[:, Z] - height) < _ROUNDED_MM, Z] = height
+            snapped(points_mm, Z, height, _ROUNDED_MM)
         return points_mm
 
     return body.warp_batch(moved)

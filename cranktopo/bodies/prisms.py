@@ -24,7 +24,7 @@ from cranktopo.bodies.zones import zone_solids
 from cranktopo.design.bolt_holes import bolt_holes, far_mm
 from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, snapped
 from cranktopo.throw.drilling.outlet import across
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.envelope import BoxEnvelope, CylinderEnvelope, OutlineEnvelope, StlEnvelope
@@ -211,8 +211,7 @@ def web_region(solid: Manifold, scene: Scene) -> Manifold:
 
 def snapped_to_mirror_plane(points: np.ndarray, within_mm: float = ON_MIRROR_MM) -> np.ndarray:
     """Put points (n, 3) with a tiny |x| on x = 0, in place: mirrored halves then leave no slivers there."""
-    points[np.abs(points[:, X]) < within_mm, X] = 0.0
-    return points
+    return snapped(points, X, 0.0, within_mm)
 
 
 def is_mirror_image(solid: Manifold, share: float = 1e-9) -> bool:

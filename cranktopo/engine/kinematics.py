@@ -28,7 +28,7 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class _ForceRatios:
+class ForceRatios:
     """Forces of the mechanism per unit of force along the cylinder axis; b is the angle of the rod to it.
 
     Attributes:
@@ -88,6 +88,18 @@ class ExactMotion:
         twice, lam, q = 2 * self.angle_rad, self.lam, self._q
         return _shared(self._cos + lam * np.cos(twice) / q + lam**3 * np.sin(twice) ** 2 / (4 * q**3))
 
+    @cached_property
+    def force_ratios(self) -> ForceRatios:
+        """Split of a force along the cylinder axis at the rod and the crankpin."""
+        rod_angle = np.arcsin(self.lam * self._sin)
+        cos_b = np.cos(rod_angle)
+        return ForceRatios(
+            side=_shared(np.tan(rod_angle)),
+            rod=_shared(1.0 / cos_b),
+            radial=_shared(np.cos(self.angle_rad + rod_angle) / cos_b),
+            tangential=_shared(np.sin(self.angle_rad + rod_angle) / cos_b),
+        )
+
 
 def exact_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> ExactMotion:
     """Return the piston's motion; raises CranktopoError where the rod is not longer than the throw."""
@@ -145,23 +157,9 @@ def series_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> M
     )
 
 
-def force_ratios(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> _ForceRatios:
+def force_ratios(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> ForceRatios:
     """Return how a force along the cylinder axis splits at the rod and the crankpin."""
-    angle_rad = np.asarray(angle_rad, np.float64)
-    return _ratios_at(angle_rad.tobytes(), angle_rad.shape, _crank_ratio(radius_mm, rod_length_mm))
-
-
-@lru_cache(maxsize=32)
-def _ratios_at(angles: bytes, shape: tuple[int, ...], lam: float) -> _ForceRatios:
-    angle_rad = np.frombuffer(angles).reshape(shape)
-    rod_angle = np.arcsin(lam * np.sin(angle_rad))
-    cos_b = np.cos(rod_angle)
-    return _ForceRatios(
-        side=_shared(np.tan(rod_angle)),
-        rod=_shared(1.0 / cos_b),
-        radial=_shared(np.cos(angle_rad + rod_angle) / cos_b),
-        tangential=_shared(np.sin(angle_rad + rod_angle) / cos_b),
-    )
+    return exact_motion(angle_rad, radius_mm, rod_length_mm).force_ratios
 
 
 def _crank_ratio(radius_mm: float, rod_length_mm: float) -> float:

@@ -14,3 +14,8 @@ def on_device(values: ArrayLike) -> jax.Array:
     each. What JAX is given it may share: without the copy, a change of the values would change the array.
     """
     return jax.device_put(np.array(values))
+
+
+def zeros_like(array: jax.Array) -> jax.Array:
+    """Return zeros in the shape and precision of an array, which nothing else shares."""
+    return jax.device_put(np.zeros(array.shape, array.dtype))

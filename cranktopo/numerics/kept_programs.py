@@ -24,12 +24,11 @@ import jax
 import numpy as np
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.files import write_bytes
-from cranktopo.numerics.kernels.registry import kernel_settings, known_kernels, make_known
+from cranktopo.base.seals import read_sealed_bytes, write_sealed_bytes
+from cranktopo.numerics.kernels.registry import kernel_settings, known_kernels, make_known, on_processor
 from cranktopo.numerics.precision import folder_of_programs
 
 _R = TypeVar("_R")
-_DIGEST_BYTES = 32
 _NAME_DIGITS = 32
 _SETTINGS = "XLA_", "JAX_"
 """Beginnings of the variables of the environment that change programs."""
@@ -122,8 +121,7 @@ def kept_program(
 
 def _folder() -> Path | None:
     """Return where programs are kept; None where they are left to JAX."""
-    known = _jaxlib().startswith(_TESTED) and jax.devices()[0].platform == "cpu"
-    return folder_of_programs() if known else None
+    return folder_of_programs() if _jaxlib().startswith(_TESTED) and on_processor() else None
 
 
 def _plain(leaves: list[Any]) -> bool:
@@ -213,9 +211,8 @@ def _loaded(file: Path) -> _Loaded | None:
     from jax.experimental.serialize_executable import deserialize_and_load
 
     try:
-        found = file.read_bytes()
-        content = found[_DIGEST_BYTES:]
-        if hashlib.sha256(content).digest() != found[:_DIGEST_BYTES]:
+        content = read_sealed_bytes(file)
+        if content is None:
             return None
         kernels, out_info, payload, inputs, outputs = pickle.loads(content)
         make_known(kernels)
@@ -241,4 +238,4 @@ def _keep(file: Path, program: Any, out_info: Any) -> None:
     with suppress(CranktopoError, ValueError, NotImplementedError):
         shapes = jax.tree.map(lambda out: jax.ShapeDtypeStruct(out.shape, out.dtype), out_info)
         content = pickle.dumps((known_kernels(), shapes, *serialize(program)))
-        write_bytes(file, hashlib.sha256(content).digest() + content)
+        write_sealed_bytes(file, content)

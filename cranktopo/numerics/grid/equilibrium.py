@@ -19,7 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.base.errors import CranktopoError, solver_error
-from cranktopo.numerics.device_arrays import on_device
+from cranktopo.numerics.device_arrays import zeros_like
 from cranktopo.numerics.grid.conjugate_gradients import (
     CgResult,
     SharedSolve,
@@ -119,7 +119,7 @@ def solve_system(
         tried = f"{method.name} stopped at relative residual {residual:.1e} after {used} iterations"
         if np.asarray(found.relative_residual).max() <= aim:  # it stopped too early, deceived by rounding
             aim /= 2
-        guess = result.displacements if isfinite(residual) else on_device(np.zeros(guess.shape, guess.dtype))
+        guess = result.displacements if isfinite(residual) else zeros_like(guess)
     raise _failure(system, result, tolerance, iterations, names, advice)
 
 

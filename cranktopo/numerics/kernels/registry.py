@@ -19,8 +19,8 @@ import llvmlite.ir as ir
 import numpy as np
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.files import write_bytes
 from cranktopo.base.machine import private_cache, usable_cores
+from cranktopo.base.seals import read_sealed_bytes, write_sealed_bytes
 from cranktopo.numerics.kernels.coarse_grids import Stencil, write_prolongation, write_restriction
 from cranktopo.numerics.kernels.frames import Product, find_fault, first_line, register
 from cranktopo.numerics.kernels.ir_builder import POINTER, VectorCode
@@ -44,7 +44,6 @@ if TYPE_CHECKING:
 
 _FOLDER = "machine-code"  # versions before had one that others could read, "kernels"
 _KEEPING = "jax_enable_compilation_cache"
-_DIGEST_BYTES = 32
 _engines: list[llvm.ExecutionEngine] = []  # machine code lives as long as its engine
 _known: list[tuple[str, str]] = []
 
@@ -58,7 +57,7 @@ def address_of(function: str, text: str) -> int:
 
     machine = _machine()
     kept = _kept(f"{llvm.llvm_version_info} {machine.triple} {_processor()} {text}")
-    code = None if kept is None else _read(kept)
+    code = None if kept is None else read_sealed_bytes(kept)
     if code is None:
         code = _compiled(text)
         if kept is not None:
@@ -110,19 +109,10 @@ def _kept(source: str) -> Path | None:
     return None if folder is None else folder / f"{hashlib.sha256(source.encode()).hexdigest()[:32]}.o"
 
 
-def _read(file: Path) -> bytes | None:
-    try:
-        found = file.read_bytes()
-    except OSError:
-        return None
-    digest, code = found[:_DIGEST_BYTES], found[_DIGEST_BYTES:]
-    return code if hashlib.sha256(code).digest() == digest else None
-
-
 def _keep(code: bytes, file: Path) -> None:
     """Keep code where that is possible; a reader finds all of it or what was there before."""
     with suppress(CranktopoError):
-        write_bytes(file, hashlib.sha256(code).digest() + code)
+        write_sealed_bytes(file, code)
 
 
 _Result = TypeVar("_Result")
@@ -224,10 +214,11 @@ def kernel_or_jax(
 
     Chosen when a program is traced, so that only one of them is.
     """
-    return (kernel if _on_processor() and kernels_usable() else elsewhere)(*arguments)
+    return (kernel if on_processor() and kernels_usable() else elsewhere)(*arguments)
 
 
-def _on_processor() -> bool:
+def on_processor() -> bool:
+    """Tell whether JAX computes on a processor here."""
     chosen = getattr(jax.config, _CHOSEN_DEVICE)
     return (jax.default_backend() if chosen is None else getattr(chosen, "platform", chosen)) == "cpu"
 
@@ -237,7 +228,7 @@ def compile_kernels() -> None:
 
     LLVM leaves the interpreter meanwhile: a thread that calls this has it while scenes are read.
     """
-    if _on_processor() and kernels_usable():
+    if on_processor() and kernels_usable():
         for name, precision in _FAST:
             _registered(name, precision)
 
@@ -306,7 +297,7 @@ def make_known(kernels: Sequence[tuple[str, str]]) -> None:
 def kernel_settings() -> Hashable:
     """Return what of this process decides which kernels a program calls, and with how much memory."""
     widths = tuple(vector_width(precision) for precision in ("float32", "float64"))
-    return (_on_processor() and kernels_usable()) and (widths, _threads())
+    return (on_processor() and kernels_usable()) and (widths, _threads())
 
 
 @cache

@@ -106,6 +106,12 @@ def mesh_of(solid: Manifold) -> SurfaceMesh:
     return SurfaceMesh(vertices.astype(np.float64), faces[~collapsed])
 
 
+def snapped(points_mm: Array, axis: int, place_mm: float, within_mm: float) -> Array:
+    """Put points (n, 3) near a plane across an axis on it, in place: what is cut there leaves no slivers."""
+    points_mm[np.abs(points_mm[:, axis] - place_mm) < within_mm, axis] = place_mm
+    return points_mm
+
+
 def sound_mesh_of(solid: Manifold, tolerance_mm: float) -> SurfaceMesh:
     """Return the mesh of a solid without faces that rounding made flat; vertices near them may move."""
     mesh = mesh_of(solid)

@@ -72,7 +72,7 @@
   box.picture = picture;
   box.ghost = showGhost;
   box.colour = (index) => {
-    if (index === state.colour) return; // as it was shown: a drag paints each move once
+    if (index === state.colour) return; // as it was shown
     colourBy(index);
     redraw();
   };
@@ -82,21 +82,15 @@
   };
   // Shows all throws of the crank, each turned about z, deg; one alone without them.
   box.turns = (angles) => {
-    const before = String(turns);
-    turns = angles && angles.map((deg) => (deg * Math.PI) / 180);
-    if (String(turns) !== before) redraw();
+    turns = paintedAnew(turns, angles && angles.map((deg) => (deg * Math.PI) / 180));
   };
   // Takes away what lies beyond a plane x, mm, and shows the section; nothing without it.
   box.section = (x) => {
-    const before = section;
-    section = x;
-    if (x !== before) redraw();
+    section = paintedAnew(section, x);
   };
   // Marks a point of the throw, mm, through whatever lies before it; none without it.
   box.spot = (point) => {
-    const before = String(spot);
-    spot = point;
-    if (String(spot) !== before) redraw();
+    spot = paintedAnew(spot, point);
   };
   // The line of sight through a place of the window, in the frame of the first throw, mm, and what is shown of it.
   box.sight = (clientX, clientY) => {
@@ -393,6 +387,12 @@
       [new Uint8Array(share), 1, gl.UNSIGNED_BYTE, true],
     ];
     return buffers(attributes, new Uint32Array(faces));
+  }
+
+  // What replaces a part of the view; where it is the same, nothing is painted: a drag paints each move once.
+  function paintedAnew(before, now) {
+    if (String(now) !== String(before)) redraw();
+    return now;
   }
 
   function redraw() {

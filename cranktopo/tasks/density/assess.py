@@ -51,8 +51,9 @@ def assess_original(
 
 
 def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, solid: Array) -> Assessment:
-    forces = case_forces(model, on_device(solid))
-    solution = solve(model, on_device(moduli), forces=forces, tolerance=TOLERANCE)
+    relative, filled = on_device(moduli), on_device(solid)
+    forces = case_forces(model, filled)
+    solution = solve(model, relative, forces=forces, tolerance=TOLERANCE)
     found = compliances(model, solution.displacements, forces)
     work, residuals = np.asarray(found).tolist(), np.asarray(solution.relative_residual).tolist()
     cases = tuple(
@@ -69,7 +70,7 @@ def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, soli
     kg = solid * domain.volume_mm3 / domain.symmetry_fraction
     kg *= density_kg_per_mm3(scene.material.density_kg_m3)
     first, last = domain.web_layers
-    design = Design(on_device(moduli), on_device(solid), found, found, solution.displacements)
+    design = Design(relative, filled, found, found, solution.displacements)
     known = quantities_of(scene, model)
     values = values_of(tuple(response.value for response in known.values()), design)
     bolted = bolted_mass(scene).volume

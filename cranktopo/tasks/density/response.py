@@ -18,7 +18,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.units import KG_PER_TONNE, NMM_PER_NM, density_tonne_per_mm3
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.load_type import load_type
-from cranktopo.numerics.device_arrays import on_device
+from cranktopo.numerics.device_arrays import on_device, zeros_like
 from cranktopo.numerics.grid.conjugate_gradients import System
 from cranktopo.numerics.grid.equilibrium import Advice, Solution, solve_system
 from cranktopo.numerics.grid.lattice import WHOLE, layer_blocks
@@ -44,7 +44,7 @@ def solve(
 ) -> Solution:
     """Return the displacements of every load case; the array `guess` to start from is gone afterwards."""
     load = model.forces if forces is None else forces
-    start = on_device(np.zeros(load.shape, load.dtype)) if guess is None else guess
+    start = zeros_like(load) if guess is None else guess
     tables = build_tables(model.lattice, model.levels)
     system = System(on_device(tables.blocks), model.supports, moduli, load)
     return solve_system(tables, system, start, tolerance, model.case_names, precision, _ADVICE)
