@@ -27,7 +27,7 @@ from cranktopo.tasks.density.material import (
     volume_fraction,
 )
 from cranktopo.tasks.density.model import ThrowModel
-from cranktopo.tasks.density.problem import DensityProblem
+from cranktopo.tasks.density.problem import DensityProblem, OptimisationProblem
 from cranktopo.tasks.density.response import compliance_gradients, compliance_gradients_by_solid, solve
 from cranktopo.tasks.density.responses import Design, gradients, loads_of, values_of
 from cranktopo.tasks.density.state import Proposal, State
@@ -201,10 +201,11 @@ def by_moving_asymptotes(problem: DensityProblem, state: State, design: Design, 
     optimisation = problem.optimisation
     adjoints = _adjoints(problem, state, eroded)
     values, by_moduli, by_solid = gradients(problem.model, optimisation.functions, eroded, adjoints)
-    if eroded is not design:
-        values = values_of(optimisation.functions, design)
     x, beta = on_device(state.x), state.beta
     by_x = vjp(problem.density_chain, x, beta, by_moduli, by_solid)
+    if eroded is not design:
+        of_eroded, values = values, values_of(optimisation.functions, design)
+        by_x *= _ratios(optimisation, values, of_eroded)[:, None, None, None]
     several = len(optimisation.goals) if optimisation.worst_of_several else 0
     gradient, rest = (jnp.zeros_like(x), slice(0, None)) if several else (by_x[0], slice(1, None))
     epigraph = on_device([1.0] * several + [0.0] * len(optimisation.limits))
@@ -227,6 +228,17 @@ def by_moving_asymptotes(problem: DensityProblem, state: State, design: Design, 
         violation=float(jnp.max(values[goals:], initial=-jnp.inf)),
         memory=kept,
     )
+
+
+def _ratios(optimisation: OptimisationProblem, values: jax.Array, of_eroded: jax.Array) -> jax.Array:
+    """Return the factors that make slopes of the eroded design those of the same share of the design's.
+
+    Where a thin member of the eroded design comes apart, its compliance is many times that of the design; a
+    step by its own slopes would mend a broken limit of the design by next to nothing.
+    """
+    from_zero = on_device([0.0] * len(optimisation.goals) + [1.0] * len(optimisation.limits))
+    own, other = values + from_zero, of_eroded + from_zero
+    return jnp.where((own > 0) & (other > 0), own / jnp.where(other > 0, other, 1.0), 1.0)
 
 
 def _margins(problem: DensityProblem, state: State, values: jax.Array, epigraph: jax.Array) -> jax.Array:

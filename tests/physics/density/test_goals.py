@@ -88,19 +88,20 @@ LENGTHS = {"min_member_mm": 12.0, "min_gap_mm": 12.0}
 
 
 @pytest.mark.slow
-def test_limits_hold_for_the_web_as_made(mikron: Scene, domain: Domain) -> None:
-    """With least lengths the eroded design gives the slopes; it is softer, and no limit is its."""
+def test_limits_hold_for_the_web_as_made(mikron: Scene) -> None:
+    """With least lengths the eroded design gives the slopes; it is many times softer, and no limit is its."""
+    domain = build_domain(mikron, 5.0)  # two cells of each least length
     scene = asked(mikron, {"minimise": "mass"}, **LENGTHS)
     problem = stated(scene, domain)
     state = ended(problem)
     assert state.status == "converged"
     share = shares(problem, scene, domain, state)
     assert min(share["torsion"], share["bending"]) == pytest.approx(1.0, abs=0.02)
-    assert share["mass"] < 1.15  # members of 12 mm on cells of 9.6 mm cost mass
+    assert share["mass"] < 1.02  # members of 12 mm in a web of 19 mm cost what the limits save
     eroded = eroded_density(problem.density_chain, jnp.asarray(state.evaluated), state.last.beta)
     thin: Assessment = assess(problem, scene, domain, np.asarray(eroded))
     own = assess_original(problem.model, scene, domain).quantities
-    assert thin.quantities["torsion"] < 0.95 * own["torsion"]
+    assert thin.quantities["torsion"] < 0.5 * own["torsion"]
 
 
 @pytest.mark.slow
