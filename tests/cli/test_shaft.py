@@ -352,18 +352,22 @@ def test_films_beyond_the_permitted_are_told(bored: dict[str, Any]) -> None:
         found = assess_shaft(scene, element_size_mm=24.0, speeds_rpm=(600.0, 2100.0))
     data = found.as_json()
     films = {
-        (at["speed_rpm"], one["bearing"]): one["film_um"]
+        (at["speed_rpm"], name): one["film_um"]
         for at in data["on_bearings"]
-        for one in at["main_bearings"]
+        for name, one in (
+            *((f"main {one['bearing']}", one) for one in at["main_bearings"]),
+            ("big end", at["big_ends"]),
+        )
     }
-    thin = [n for n in range(1, 6) if min(films[600.0, n], films[2100.0, n]) < 3.0]
-    assert thin
+    names = [*(f"main {number}" for number in range(1, 6)), "big end"]
+    thin = [name for name in names if min(films[600.0, name], films[2100.0, name]) < 3.0]
+    assert {"main 2", "big end"} <= set(thin)
     assert (data["films_hold"], data["permitted_film_um"]) == (False, 3.0)
     lines = shaft_text(found).split("\n\n")[0].splitlines()
     assert [line.split(":")[0] for line in lines] == ["below the permitted 3 um"] * len(thin)
-    for line, number in zip(lines, thin, strict=True):
-        least, rpm = min((films[rpm, number], rpm) for rpm in (600.0, 2100.0))
-        assert line.endswith(f": main {number} {least:.2f} um at {rpm:g} rpm")
+    for line, name in zip(lines, thin, strict=True):
+        least, rpm = min((films[rpm, name], rpm) for rpm in (600.0, 2100.0))
+        assert line.endswith(f": {name} {least:.2f} um at {rpm:g} rpm")
     loads = BearingPolar(600.0, np.array([0.0, 360.0]), (1,), np.ones((1, 2, 2)))
     for permits, status in ((found, "bad"), (found.model_copy(update=KEPT), "good")):
         page = shaft_page(permits.model_copy(update={"safety": judged()}), loads, one_throw(), "")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import re
 from itertools import count
-from typing import Any
 
 import pytest
 
@@ -72,8 +71,7 @@ def test_shaft_vibration_and_modes_tell_throws_that_differ(slow: pytest.LogCaptu
 
 
 def test_a_shaft_tells_its_speeds(slow: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch) -> None:
-    found: Any = (None, None)
-    monkeypatch.setattr(continuous, "_at_speed", lambda *_: found)
+    monkeypatch.setattr(continuous, "_at_speed", lambda *_: None)
     monkeypatch.setattr(continuous, "_with_films", lambda every: every)
     scene = load_scene("mikron-iiic")
     continuous.continuous_shafts([], [at_speed(scene, rpm) for rpm in (900.0, 1500.0, 2100.0)], None)

@@ -37,6 +37,8 @@ class Superelement:
         displacement: unit-motion fields, then the load field where there is one, then the fields of further
             loads with the section fixed, shape (unknowns, m [+ 1] + k).
         extra_loads: section forces of the half body that answer the further loads, shape (m, k).
+        extra_compliance: work of each further load on the field of each with the section fixed, in what is
+            modelled, shape (k, k).
         held: unknowns at zero, or moved with the section.
         solve: from nodal forces on the model, shape (unknowns, k), to fields with the section fixed.
         copies: how many of what is modelled make the body: 2 halves, or 1 whole one.
@@ -49,6 +51,7 @@ class Superelement:
     load_compliance: float
     displacement: Array
     extra_loads: Array
+    extra_compliance: Array
     held: NDArray[np.intp]
     solve: Callable[[Array], Array]
     copies: int = 2
@@ -126,6 +129,7 @@ def superelement(
         0.0 if load is None else float(mean @ fields[:, len(motions)]) / body.parts,
         fields,
         body.parts * units.T @ others,
+        _symmetric(others.T @ fields[:, fields.shape[1] - others.shape[1] :]),
         body.held,
         solve,
         1 if body.whole else 2,

@@ -60,16 +60,16 @@ def with_conserving(
     """Return the films of a scene at its speed, those near their limit with the film that keeps its oil.
 
     Args:
-        tilts: eccentricity at the end of each bearing less that in its middle, over the angles of the orbits.
+        tilts: as of `LoadedBearing`, over the angles of the orbits; of several the worst is taken.
 
     A film that does not become steady stays that of the mobility method, with a warning.
     """
     start, every, done, near = time.perf_counter(), list(films), 0, near_limit(scene, films)
-    for place, (film, journal, orbit, tilt) in enumerate(zip(films, journals, found, tilts, strict=True)):
+    for place, (film, journal, orbit, leaning) in enumerate(zip(films, journals, found, tilts, strict=True)):
         if near[place]:
             feed = oil_feed(scene, film.bearing, orbit.angle_deg, journal.bearing.diameter_mm)
             every[place] = film.model_copy(
-                update={"conserving": _conserving(film, journal, orbit, feed, tilt)}
+                update={"conserving": _conserving(film, journal, orbit, feed, leaning)}
             )
             _warn_of_thin(scene, every[place])
             done += 1
@@ -128,7 +128,7 @@ def _pin_holes(scene: Scene) -> Iterator[tuple[float, float]]:
 
 
 def _conserving(
-    film: BearingFilm, journal: LoadedJournal, orbit: Orbit, feed: OilFeed, tilt: Complex | None
+    film: BearingFilm, journal: LoadedJournal, orbit: Orbit, feed: OilFeed, tilts: Complex | None
 ) -> ConservingFilm | None:
     stride = max(1, round(_STEP_DEG / float(orbit.angle_deg[1] - orbit.angle_deg[0])))
     own, sleeve = journal.surfaces_rad_s
@@ -140,12 +140,23 @@ def _conserving(
     angle = orbit.angle_deg[::stride]
     with _or_by_mobility(film.bearing, "it is judged by the mobility method"):
         found = _read(conserved_orbit(coarse, angle, feed, orbit))
-        if tilt is None:
+        if tilts is None:
             return found
+        worst = _worst(orbit, tilts)
         with _or_by_mobility(film.bearing, "its edge is not told"):
-            return found.model_copy(update={"edge": _edge(coarse, angle, feed, orbit, tilt[::stride])})
+            edge = _edge(coarse, angle, feed, orbit, tilts[worst, ::stride])
+            if film.bearing == BIG_END:
+                edge = edge.model_copy(update={"cylinder": worst + 1})
+            return found.model_copy(update={"edge": edge})
         return found
     return None
+
+
+def _worst(orbit: Orbit, tilts: Complex) -> int:
+    """Return which bearing has its journal nearest to the wall at an end; of nearly equal ones the first."""
+    middle = orbit.eccentricity
+    ends = np.maximum(np.abs(middle + tilts), np.abs(middle - tilts))
+    return int(np.round(ends.max(axis=1), 6).argmax())
 
 
 @contextmanager

@@ -17,12 +17,14 @@ class EdgeFilm(Result):
             ends without a film's moment let it; `film_deg` is then where the tilt is largest.
         pressure_MPa: largest pressure; null where it touches.
         tilt_um: half of what the tilt takes from end to end, where it is largest.
+        cylinder: whose big end it is: the one that comes nearest to its journal; null of a main bearing.
     """
 
     film_um: float
     film_deg: float
     pressure_MPa: float | None
     tilt_um: float
+    cylinder: int | None = UNLESS_NONE
 
 
 class ConservingFilm(Result):

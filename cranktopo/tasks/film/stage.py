@@ -48,7 +48,8 @@ class LoadedBearing:
         sleeve: angular speed of what is around the journal, over that of the shaft.
         number: how many bearings are like it.
         largest: largest load, N, and its angle, deg, where `load_N` is of fewer angles than are known.
-        tilt: place of the journal at the end of the bearing less that in its middle, over the clearance.
+        tilts: of each bearing under this load, the place of its journal at the end of the bearing less that
+            in its middle, over the clearance, (bearings, angles); None where no shaft is bent.
     """
 
     name: str
@@ -57,7 +58,7 @@ class LoadedBearing:
     sleeve: Array
     number: int = 1
     largest: tuple[float, float] | None = None
-    tilt: Complex | None = None
+    tilts: Complex | None = None
 
 
 Case = tuple[Scene, Sequence[LoadedBearing], Array]
@@ -165,7 +166,7 @@ def _films_along(
         films = tuple(_film(one, steady) for one, steady in zip(loaded, own, strict=True))
         if conserving:
             journals = [_journal(one, scene, angle) for one in loaded]
-            films = with_conserving(scene, films, journals, own, [one.tilt for one in loaded])
+            films = with_conserving(scene, films, journals, own, [one.tilts for one in loaded])
         every.append(films)
     return every
 
@@ -185,7 +186,7 @@ def orbits_of(cases: Sequence[Case]) -> list[list[Orbit]]:
 def _loaded_bearings(scene: Scene) -> tuple[list[LoadedBearing], Array]:
     """Main bearings from the free end, then a big end; and the angles of their loads."""
     loads = main_bearings(scene, turning_masses(scene))
-    step = round(_STEP_DEG / float(loads.angle_deg[1] - loads.angle_deg[0]))
+    step = _stride(loads.angle_deg)
     angle = loads.angle_deg[::step]
     still = np.zeros_like(angle)
     every = [
@@ -198,8 +199,12 @@ def _loaded_bearings(scene: Scene) -> tuple[list[LoadedBearing], Array]:
         )
         for number, load in zip(carried(scene), loads.load_N, strict=True)
     ]
-    every.append(_loaded_big_end(scene, step))
+    every.append(loaded_big_end(scene))
     return every, angle
+
+
+def _stride(angle_deg: Array) -> int:
+    return round(_STEP_DEG / float(angle_deg[1] - angle_deg[0]))
 
 
 def _largest(load_N: Complex, angle_deg: Array) -> tuple[float, float]:
@@ -269,13 +274,14 @@ def _bearing(
     return JournalBearing(diameter_mm, width_mm, films, clearance_mm / 2, table.dynamic_viscosity_Pas)
 
 
-def _loaded_big_end(scene: Scene, step: int) -> LoadedBearing:
-    """The big end of the first cylinder, its axis real; the rod swings against the crank at dead centre.
+def loaded_big_end(scene: Scene) -> LoadedBearing:
+    """Return the big end of the first cylinder, its axis real; its rod swings against the crank.
 
     A master rod is that of the first cylinder of its throw: its big end carries all rods of the pin.
     """
     engine = engine_of(scene)
     angle_deg, rod, _ = rod_force(scene, engine)
+    step = _stride(angle_deg)
     angle = np.radians(angle_deg[::step])
     w2 = angular_speed_rad_s(engine.speed_rpm) ** 2
     spinning = engine.rod_rotating_kg * scene.throw.radius_mm / MM_PER_M * w2

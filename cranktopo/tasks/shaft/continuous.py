@@ -3,20 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cranktopo.base.arrays import Complex
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.notes import Pace, warn
 from cranktopo.base.units import UM_PER_MM
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
+from cranktopo.engine.balance.layout import unit_vectors
 from cranktopo.engine.bearings import life_over_cycle_h, reference_life_h
 from cranktopo.engine.forces import INERTIA_EFFECTS
+from cranktopo.engine.kinematics import phase_shift
 from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, UX, UY
 from cranktopo.tasks.film.result import BearingFilm
-from cranktopo.tasks.film.stage import LoadedBearing, films_of, main_bearing, plain_bearings
+from cranktopo.tasks.film.stage import (
+    LoadedBearing,
+    films_of,
+    loaded_big_end,
+    main_bearing,
+    plain_bearings,
+)
 from cranktopo.tasks.shaft.assembly import turned
 from cranktopo.tasks.shaft.carried_parts import carried_motions
 from cranktopo.tasks.shaft.cycle import (
@@ -25,11 +35,12 @@ from cranktopo.tasks.shaft.cycle import (
     cycle_forces,
     journal_loads_N,
     journal_tilts,
+    pin_tilts,
     shaft_cycle,
 )
 from cranktopo.tasks.shaft.loaded_throw import LoadedThrow
 from cranktopo.tasks.shaft.on_film import Support, carried_cycle
-from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftBearing, WebMoment
+from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftBearing, ShaftBigEnds, WebMoment
 from cranktopo.tasks.shaft.web_sections import web_sections
 
 _MRAD_PER_RAD = 1000.0
@@ -71,11 +82,25 @@ def continuous_shafts(
         CranktopoError: no engine, or no pressures.
     """
     pace = Pace("shaft on its bearings", len(scenes))
-    found: list[tuple[ContinuousShaft, ShaftCycle, Scene]] = []
+    found: list[_AtSpeed] = []
     for at in scenes:
         pace.begin(f"{engine_of(at).speed_rpm:g} rpm")
-        found.append((*_at_speed(throws, at, support, enabled), at))
+        found.append(_at_speed(throws, at, support, enabled))
     return _with_films(found)
+
+
+@dataclass(frozen=True)
+class _AtSpeed:
+    """A shaft at the speed of its scene, without films yet.
+
+    Attributes:
+        pin_tilts: as of `cycle.pin_tilts`.
+    """
+
+    scene: Scene
+    shaft: ContinuousShaft
+    cycle: ShaftCycle
+    pin_tilts: Complex
 
 
 def _at_speed(
@@ -83,9 +108,11 @@ def _at_speed(
     scene: Scene,
     support: Support,
     enabled: frozenset[str],
-) -> tuple[ContinuousShaft, ShaftCycle]:
+) -> _AtSpeed:
     forces, angles, scenes = cycle_forces(scene, enabled), scene.shaft_angles_deg, [own for _, own in throws]
-    cycle = carried_cycle([throw for throw, _ in throws], scene, forces, support)
+    loaded = [throw for throw, _ in throws]
+    cycle = carried_cycle(loaded, scene, forces, support)
+    tilts = pin_tilts(loaded, angles, forces, cycle)
     single = [
         shaft_cycle([throw], (0.0,), _of_throw(forces, index), None)
         for index, (throw, _) in enumerate(throws)
@@ -118,10 +145,11 @@ def _at_speed(
         spring_N_per_mm=support if isinstance(support, float) else None,
         webs=webs,
         main_bearings=_main_bearings(cycle, single, angles, scene),
+        big_ends=ShaftBigEnds(tilt_mrad=tuple((np.abs(tilts).max(axis=1) * _MRAD_PER_RAD).tolist())),
         carried=carried_motions(cycle, scene),
         sections=sections,
     )
-    return shaft, cycle
+    return _AtSpeed(scene, shaft, cycle, tilts)
 
 
 def _of_throw(forces: CycleForces, index: int) -> CycleForces:
@@ -164,14 +192,12 @@ def _main_bearings(
     )
 
 
-def _with_films(
-    found: Sequence[tuple[ContinuousShaft, ShaftCycle, Scene]],
-) -> tuple[ContinuousShaft, ...]:
+def _with_films(found: Sequence[_AtSpeed]) -> tuple[ContinuousShaft, ...]:
     """Return shafts with the oil films of their bearings, where the scene has bearings and turns."""
-    shafts, cases = [shaft for shaft, _, _ in found], {}
-    for place, (shaft, cycle, scene) in enumerate(found):
-        if scene.bearings is not None and engine_of(scene).speed_rpm:
-            cases[place] = scene, _loaded(shaft, cycle, scene), cycle.angle_deg
+    shafts, cases = [at.shaft for at in found], {}
+    for place, at in enumerate(found):
+        if at.scene.bearings is not None and engine_of(at.scene).speed_rpm:
+            cases[place] = at.scene, [*_loaded(at), _loaded_big_end(at)], at.cycle.angle_deg
     _tell_touching([one for _, loaded, _ in cases.values() for one in loaded])
     for place, films in zip(cases, films_of(list(cases.values()), conserving=True), strict=True):
         shafts[place] = _filled(shafts[place], films)
@@ -182,7 +208,7 @@ def _tell_touching(loaded: Sequence[LoadedBearing]) -> None:
     """Warn of journals that lean on the edge of their bearing: films of parallel journals do not show it."""
     worst: dict[str, float] = {}
     for one in loaded:
-        tilt = 0.0 if one.tilt is None else float(np.abs(one.tilt).max())
+        tilt = 0.0 if one.tilts is None else float(np.abs(one.tilts).max())
         if tilt > 1:
             ends_um = tilt * one.bearing.clearance_mm * UM_PER_MM
             worst[one.name] = max(ends_um, worst.get(one.name, 0.0))
@@ -194,19 +220,32 @@ def _tell_touching(loaded: Sequence[LoadedBearing]) -> None:
         )
 
 
-def _loaded(shaft: ContinuousShaft, cycle: ShaftCycle, scene: Scene) -> list[LoadedBearing]:
+def _loaded(at: _AtSpeed) -> list[LoadedBearing]:
+    scene, cycle = at.scene, at.cycle
     loads, tilts, still = journal_loads_N(cycle), journal_tilts(cycle), np.zeros_like(cycle.angle_deg)
     found = []
-    for number in (one.bearing - 1 for one in shaft.main_bearings):
+    for number in (one.bearing - 1 for one in at.shaft.main_bearings):
         bearing = main_bearing(scene, number)
         half_mm = (bearing.width_mm * bearing.films + plain_bearings(scene).groove_mm) / 2
         tilt = tilts[number] * (half_mm / bearing.clearance_mm)
-        found.append(LoadedBearing(f"main {number + 1}", bearing, loads[number], still, tilt=tilt))
+        found.append(LoadedBearing(f"main {number + 1}", bearing, loads[number], still, tilts=tilt[None]))
     return found
 
 
+def _loaded_big_end(at: _AtSpeed) -> LoadedBearing:
+    """The big end of a cylinder that fires, with the tilt of the pin of every big end at its own time."""
+    engine, angle, one = engine_of(at.scene), at.cycle.angle_deg, loaded_big_end(at.scene)
+    fires = engine.firing_angles_deg[: engine.throws * at.scene.big_ends]
+    tilts = [
+        phase_shift(at.pin_tilts[index % engine.throws], angle, -fire, engine.cycle_deg)
+        for index, fire in enumerate(fires)
+    ]
+    half = one.bearing.width_mm / 2 / one.bearing.clearance_mm
+    return replace(one, tilts=half * np.array(tilts) * unit_vectors(angle))
+
+
 def _filled(shaft: ContinuousShaft, films: Sequence[BearingFilm]) -> ContinuousShaft:
-    bearings = tuple(
+    *bearings, big_ends = (
         one.model_copy(
             update={
                 "film_um": film.film_um,
@@ -215,6 +254,6 @@ def _filled(shaft: ContinuousShaft, films: Sequence[BearingFilm]) -> ContinuousS
                 "conserving": film.conserving,
             }
         )
-        for one, film in zip(shaft.main_bearings, films, strict=True)
+        for one, film in zip(shaft.bearings, films, strict=True)
     )
-    return shaft.model_copy(update={"main_bearings": bearings})
+    return shaft.model_copy(update={"main_bearings": tuple(bearings), "big_ends": big_ends})

@@ -271,3 +271,15 @@ def journal_tilts(cycle: ShaftCycle) -> Complex:
     motion = cycle.motion.reshape(len(cycle.bearing_N), 6, -1)
     turn = np.exp(-1j * np.radians([about_z_deg(angle) for angle in cycle.angle_deg]))
     return np.asarray((-motion[:, RX] + 1j * motion[:, RY]) * turn)
+
+
+def pin_tilts(
+    throws: Sequence[LoadedThrow], angles_deg: Sequence[float], forces: CycleForces, cycle: ShaftCycle
+) -> Complex:
+    """Return how far each crankpin leads off the crank axis per length, (throws, states).
+
+    Real along the throw, imaginary ahead of it, as the force of a rod on the pin.
+    """
+    states = throw_states(throws, angles_deg, forces, cycle)
+    turned_about = [throw.pin_tilt @ own for throw, own in zip(throws, states, strict=True)]
+    return np.array([1j * about_y - about_x for about_x, about_y in turned_about])

@@ -45,11 +45,14 @@ class LoadedThrow:
             also "swing", 1 N mm about -z by the throw's own mass that resists an angular acceleration.
         aside_moment_mm: moment of the loads "aside" about the middle of the pin, N mm per N: half the
             distance between the middles of the halves of the pin, as the mesh has them.
+        pin_tilt: rotation of the crankpin about x and y by the motions of both sections and then by one of
+            each of `ACTING`, (2, 18): that on which the moments of the loads "aside" do their work.
     """
 
     stiffness: Array
     loads: dict[str, Array]
     aside_moment_mm: float
+    pin_tilt: Array
 
 
 @dataclass(frozen=True)
@@ -74,6 +77,17 @@ class LoadedBlock:
             name: per_model[:, column] * (models if name == "centrifugal" else 1)
             for column, name in enumerate(self.names)
         }
+
+    def aside_motion(self, name: str) -> Array:
+        """Return the work of a load "aside" of 1 N on what each of `ACTING` moves, sections held, (6,)."""
+        found = np.zeros(len(ACTING))
+        if name not in self.names:
+            return found
+        models = self.block.copies * self.block.parts
+        moved = self.block.extra_compliance[self.names.index(name)]
+        for acting, work in zip(self.names, moved, strict=True):
+            found[ACTING.index(acting)] = work if acting == "centrifugal" else work / models
+        return found
 
     def load_fields(self) -> Array:
         """Return what each load of `of_still` on the full throw does, sections held, (unknowns, k)."""
@@ -161,8 +175,13 @@ def loaded_throw(blocks: Sequence[LoadedBlock], scene: Scene) -> LoadedThrow:
     for name, moment in (("radial", 0.0), ("tangential", -scene.throw.radius_mm)):
         loads[name] = _with_torque(loads[name], moment)
     aside = loads["radial aside"]
-    moment = aside[RX] + aside[6 + RX] - scene.pitch_mm * aside[6 + UY]
-    return LoadedThrow(throw_matrix([(part.span, part.block) for part in blocks]), loads, -float(moment))
+    moment = -float(aside[RX] + aside[6 + RX] - scene.pitch_mm * aside[6 + UY])
+    stiffness = throw_matrix([(part.span, part.block) for part in blocks])
+    moved = [
+        np.concatenate([loads[name], sum(part.aside_motion(name) for part in blocks)])
+        for name in ("radial aside", "tangential aside")
+    ]
+    return LoadedThrow(stiffness, loads, moment, -np.array(moved) / moment)
 
 
 def _with_torque(forces: Array, moment_Nmm: float) -> Array:

@@ -7,6 +7,7 @@ from pydantic.json_schema import SkipJsonSchema
 
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
+from cranktopo.tasks.film.conserving import BIG_END
 from cranktopo.tasks.film.permitted import LeastFilm, beyond_permitted
 from cranktopo.tasks.film.result import ConservingFilm
 from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings, ShaftStiffness, linear_bearings
@@ -41,7 +42,35 @@ class WebMoment(Result):
     """Of the force across the throw."""
 
 
-class ShaftBearing(Result):
+class FilmedBearing(Result):
+    """The oil film of a bearing, where the design has `[bearings]`.
+
+    Attributes:
+        film_um, pressure_MPa: least thickness and largest pressure; a thickness that is `film_below_um` is
+            below what is resolved.
+        conserving: the mass-conserving film of one near what is permitted, also with the journal tilted.
+    """
+
+    film_um: float | None = UNLESS_NONE
+    film_below_um: float | None = UNLESS_NONE
+    pressure_MPa: float | None = UNLESS_NONE
+    conserving: ConservingFilm | None = UNLESS_NONE
+
+    @property
+    def name(self) -> str:
+        """The bearing in words."""
+        raise NotImplementedError
+
+    def least(self, rpm: float) -> LeastFilm | None:
+        """Return film and pressure, of the mass-conserving one where it is computed; None without a film."""
+        if self.film_um is None or self.film_below_um is None or self.pressure_MPa is None:
+            return None
+        own = self.conserving
+        film, pressure = (own.film_um, own.pressure_MPa) if own else (self.film_um, self.pressure_MPa)
+        return LeastFilm(self.name, rpm, film, self.film_below_um, pressure)
+
+
+class ShaftBearing(FilmedBearing):
     """A main bearing over the cycle.
 
     Attributes:
@@ -53,9 +82,6 @@ class ShaftBearing(Result):
         life_h: basic rating life of `supports.roller_bearing` under these forces at this speed (ISO 281).
         reference_life_h: its basic reference rating life with the tilt of the journal (ISO/TS 16281), where
             the sizes of its rollers are given.
-        film_um, pressure_MPa: least thickness and largest pressure of the oil film, where the design has
-            `[bearings]`; a thickness that is `film_below_um` is below what is resolved.
-        conserving: the mass-conserving film of one near what is permitted, also with the journal tilted.
     """
 
     bearing: int
@@ -66,18 +92,32 @@ class ShaftBearing(Result):
     offset_um: float
     life_h: float | None = UNLESS_NONE
     reference_life_h: float | None = UNLESS_NONE
-    film_um: float | None = UNLESS_NONE
-    film_below_um: float | None = UNLESS_NONE
-    pressure_MPa: float | None = UNLESS_NONE
-    conserving: ConservingFilm | None = UNLESS_NONE
 
-    def least(self, rpm: float) -> LeastFilm | None:
-        """Return film and pressure, of the mass-conserving one where it is computed; None without a film."""
-        if self.film_um is None or self.film_below_um is None or self.pressure_MPa is None:
-            return None
-        own = self.conserving
-        film, pressure = (own.film_um, own.pressure_MPa) if own else (self.film_um, self.pressure_MPa)
-        return LeastFilm(f"main {self.bearing}", rpm, film, self.film_below_um, pressure)
+    @property
+    def name(self) -> str:
+        """The bearing in words."""
+        return f"main {self.bearing}"
+
+
+class ShaftBigEnds(FilmedBearing):
+    """The big-end bearings over the cycle: alike but for their time, and for the tilt of their crankpins.
+
+    Attributes:
+        tilt_mrad: largest angle between crankpin and crank axis, by throw; a rod stays in its plane.
+    """
+
+    tilt_mrad: tuple[float, ...]
+
+    @property
+    def name(self) -> str:
+        """The bearing in words."""
+        return BIG_END
+
+    @property
+    def most_tilted(self) -> tuple[int, float]:
+        """The throw whose crankpin tilts most, of nearly equal ones the first, and by how much, mrad."""
+        throw = max(range(len(self.tilt_mrad)), key=lambda index: round(self.tilt_mrad[index], 6))
+        return throw + 1, self.tilt_mrad[throw]
 
 
 class CarriedMotion(Result):
@@ -102,6 +142,7 @@ class ContinuousShaft(Result):
     """Of each bearing; none of rigid ones."""
     webs: tuple[WebMoment, ...]
     main_bearings: tuple[ShaftBearing, ...]
+    big_ends: ShaftBigEnds
     carried: tuple[CarriedMotion, ...] = ()
     """Motions of the parts that the ends carry, from the free end."""
     sections: SkipJsonSchema[InstanceOf[WebSections] | None] = Field(default=None, exclude=True)
@@ -113,9 +154,14 @@ class ContinuousShaft(Result):
         return max(self.webs, key=lambda web: web.range_Nm)
 
     @property
+    def bearings(self) -> tuple[FilmedBearing, ...]:
+        """All that may have a film: the main bearings from the free end, then the big ends."""
+        return (*self.main_bearings, self.big_ends)
+
+    @property
     def least_films(self) -> list[LeastFilm]:
-        """Film and pressure of every main bearing, as what is permitted asks for them; none without films."""
-        films = [one.least(self.speed_rpm) for one in self.main_bearings]
+        """Film and pressure of every bearing, as what is permitted asks for them; none without films."""
+        films = [one.least(self.speed_rpm) for one in self.bearings]
         return [film for film in films if film is not None]
 
     @property
@@ -170,11 +216,11 @@ class ShaftEvaluation(Result):
     added_speed_rpm: float | None = UNLESS_NONE
     """Speed among them at which the torque of the vibrating shaft varies most; only where it was added."""
     permitted_film_um: float | None = UNLESS_NONE
-    """Least film that `[bearings]` permits, where the main bearings have films."""
+    """Least film that `[bearings]` permits, where the bearings have films."""
     permitted_pressure_MPa: float | None = UNLESS_NONE
     """Largest pressure of a film that `[bearings]` permits, where they have."""
     films_hold: bool | None = UNLESS_NONE
-    """True where the films of all main bearings are within that at all speeds."""
+    """True where the films of all bearings, big ends too, are within that at all speeds."""
     misfire: tuple[int, ...] | None = UNLESS_NONE
     """Cylinders that do not fire in them, where there are any."""
     assumed: tuple[Assumption, ...]
@@ -209,7 +255,7 @@ class ShaftEvaluation(Result):
 
     @property
     def beyond_permitted(self) -> list[str]:
-        """Lines on the films of main bearings that are not as the design permits, each at its worst speed."""
+        """Lines on the films of bearings that are not as the design permits, each at its worst speed."""
         films = [film for at in self.on_bearings for film in at.least_films]
         names = dict.fromkeys(film.bearing for film in films)
         of_each = [[film for film in films if film.bearing == name] for name in names]
@@ -226,10 +272,10 @@ class ShaftEvaluation(Result):
         """Films at edges in a line, each bearing at its thinnest, if below the permitted; of no verdict."""
         least, edges = self.permitted_film_um or 0.0, dict[str, tuple[float, float]]()
         for at in self.on_bearings:
-            for own in at.main_bearings:
+            for own in at.bearings:
                 if own.conserving is not None and own.conserving.edge is not None:
-                    name, found = f"main {own.bearing}", (own.conserving.edge.film_um, at.speed_rpm)
-                    edges[name] = min(edges.get(name, found), found)
+                    found = own.conserving.edge.film_um, at.speed_rpm
+                    edges[own.name] = min(edges.get(own.name, found), found)
         thin = [
             f"{name} {f'{film_um:.2f} um' if film_um else 'no film'} at {rpm:g} rpm"
             for name, (film_um, rpm) in edges.items()

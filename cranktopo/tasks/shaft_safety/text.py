@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from cranktopo.base.units import N_PER_KN
 from cranktopo.report.result_table import ResultTable, Row, labelled, terminal
 from cranktopo.tasks.fatigue.criteria import shortfall_words
+from cranktopo.tasks.film.permitted import film_words
+from cranktopo.tasks.film.result import ConservingFilm
 from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftEvaluation
 from cranktopo.tasks.shaft_safety.dynamics_text import dynamic_safety_text, dynamics_text
 from cranktopo.tasks.shaft_safety.result import ShaftAssessment, ShaftSafety
@@ -152,6 +154,7 @@ def _on_bearings(shaft: ShaftEvaluation) -> list[str]:
         terminal(moment_table(worst)),
         "Main bearings, beside the sum of throws alone:",
         terminal(bearing_table(worst)),
+        _big_ends(worst),
         *_carried(worst),
         *_conserving(worst),
     ]
@@ -205,6 +208,16 @@ def bearing_table(at: ContinuousShaft) -> ResultTable:
     return ResultTable({key: _BEARING_DIGITS[key] for key in rows[0]}, rows)
 
 
+def _big_ends(at: ContinuousShaft) -> str:
+    throw, tilt_mrad = at.big_ends.most_tilted
+    told = f"Crankpins tilt by at most {tilt_mrad:.2f} mrad, at throw {throw}"
+    film = at.big_ends.least(at.speed_rpm)
+    if film is None:
+        return f"{told}."
+    film_um = film_words(film.film_um, film.below_um)
+    return f"{told}; the film of the big ends is {film_um} um, its pressure {film.pressure_MPa:.1f} MPa."
+
+
 def _carried(at: ContinuousShaft) -> list[str]:
     """Return how the parts move that the ends carry."""
     return [f"{ON_ENDS}:", terminal(carried_table(at))] if at.carried else []
@@ -218,10 +231,10 @@ def carried_table(at: ContinuousShaft) -> ResultTable:
 
 def _conserving(at: ContinuousShaft) -> list[str]:
     """Return the mass-conserving films of those near what is permitted, parallel and with tilt."""
-    films = [(one, one.conserving) for one in at.main_bearings if one.conserving is not None]
+    films = [(one, one.conserving) for one in at.bearings if one.conserving is not None]
     rows: tuple[Row, ...] = tuple(
         {
-            "bearing": str(one.bearing),
+            "bearing": _bearing_words(one.name, own),
             "film_um": own.film_um,
             "than_mobility_percent": 100 * (own.film_um / one.film_um - 1) if one.film_um else None,
             "pressure_MPa": own.pressure_MPa,
@@ -241,6 +254,12 @@ def _conserving(at: ContinuousShaft) -> list[str]:
         told,
         terminal(ResultTable({**digits, "edge_film_um": 2, "edge_pressure_MPa": 1}, rows)),
     ]
+
+
+def _bearing_words(name: str, own: ConservingFilm) -> str:
+    """Name a bearing; of the big ends the one that the edge is of."""
+    cylinder = own.edge.cylinder if own.edge else None
+    return name if cylinder is None else f"{name} {cylinder}"
 
 
 def _over_speeds(speeds: tuple[ContinuousShaft, ...]) -> str:

@@ -13,27 +13,46 @@ from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.named import with_values
 from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.free_forces import turning_masses
 from cranktopo.engine.balance.throw import product_of_inertia_kg_mm2, throw_balance
 from cranktopo.engine.balance.whole_engine import engine_balance, main_bearings
 from cranktopo.engine.continuous_beam import PinLoads, Spans, bend_spans, span_bending
 from cranktopo.numerics.roller_laminae import RollerSet, reference_life_turns
+from cranktopo.numerics.tetrahedra.elasticity import mean_displacement
 from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.balance.result import balance_result
 from cranktopo.tasks.film.stage import oil_films
 from cranktopo.tasks.shaft.assembly import Bearings, shaft_matrix, shaft_stiffness
-from cranktopo.tasks.shaft.continuous import _of_throw, _with_films, continuous_shaft
+from cranktopo.tasks.shaft.continuous import (
+    _AtSpeed,
+    _loaded_big_end,
+    _of_throw,
+    _with_films,
+    continuous_shaft,
+)
 from cranktopo.tasks.shaft.cycle import (
     CycleForces,
+    ShaftCycle,
     bent_into_bearings_N_per_mm,
     cycle_forces,
     loads_on_bearings_N,
+    pin_tilts,
     shaft_cycle,
 )
-from cranktopo.tasks.shaft.loaded_throw import LoadedThrow, ThrowBody, loaded_throw, throw_body
+from cranktopo.tasks.shaft.loaded_throw import (
+    ACTING,
+    LoadedBlock,
+    LoadedThrow,
+    ThrowBody,
+    loaded_throw,
+    throw_body,
+)
 from cranktopo.tasks.shaft.on_film import carried_cycle
-from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftBearing
+from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftBearing, ShaftBigEnds
 from cranktopo.tasks.shaft.web_sections import web_sections, write_web_sections
+from cranktopo.tasks.throw_fea.condense import loaded_mm
+from tests.engine_arrangements import VEE, arranged
 from tests.physics.shaft.test_evaluation_chain import CRANK_MM, SPRING_N_PER_MM, beam, polygon
 
 Array = NDArray[np.float64]
@@ -59,14 +78,17 @@ def beam_throw(points_mm: list[tuple[float, float, float]], pin: int) -> LoadedT
     ends = [*range(6), *range(len(total) - 6, len(total))]
     rest = np.setdiff1d(np.arange(len(total)), ends)
     inner = np.linalg.solve(total[np.ix_(rest, rest)], total[np.ix_(rest, ends)])
-    loads = {}
-    for name, (motion, sign) in MOTIONS.items():
+    loads, tilts = {}, np.searchsorted(rest, [6 * pin + RX, 6 * pin + RY])
+    pin_tilt = np.hstack([-inner[tilts], np.zeros((2, len(ACTING)))])
+    for column, (name, (motion, sign)) in enumerate(MOTIONS.items(), start=12):
         force = np.zeros(len(total))
         force[6 * pin + motion] = sign
         loads[name] = force[ends] - inner.T @ force[rest]
+        pin_tilt[:, column] = np.linalg.solve(total[np.ix_(rest, rest)], force[rest])[tilts]
     for name in ("radial aside", "tangential aside", "centrifugal"):
         loads[name] = np.zeros(12)
-    return LoadedThrow(total[np.ix_(ends, ends)] - total[np.ix_(ends, rest)] @ inner, loads, 1.0)
+    stiffness = total[np.ix_(ends, ends)] - total[np.ix_(ends, rest)] @ inner
+    return LoadedThrow(stiffness, loads, 1.0, pin_tilt)
 
 
 def random_forces(throws: int, states: int = 7) -> CycleForces:
@@ -78,8 +100,8 @@ def random_forces(throws: int, states: int = 7) -> CycleForces:
 
 def in_one_piece(
     angles_deg: tuple[float, ...], forces: CycleForces, spring: float | None, tilt: float = 0.0
-) -> tuple[Array, list[int]]:
-    """Motions of all points of the shaft as one frame, and which of them are its sections."""
+) -> tuple[Array, list[int], list[int]]:
+    """Motions of all points of the shaft as one frame, and which of them are its sections and its pins."""
     points, _ = polygon(tuple(-a for a in angles_deg))
     corners = len(CRANK_MM) - 1
     along = [points[0]]
@@ -109,7 +131,7 @@ def in_one_piece(
     free = [i for i in range(len(total)) if i not in held]
     motion = np.zeros_like(load)
     motion[free] = np.linalg.solve(total[np.ix_(free, free)], load[free])
-    return motion, sections
+    return motion, sections, pins
 
 
 @pytest.mark.parametrize("tilt", [0.0, TILT_NMM_PER_RAD])
@@ -122,9 +144,14 @@ def test_condensed_throws_move_as_one_frame_of_beams(
     throw = beam_throw(WITH_PIN_MM, 3)
     forces = random_forces(len(angles_deg))
     found = shaft_cycle([throw] * len(angles_deg), angles_deg, forces, spring, tilt_Nmm_per_rad=tilt)
-    motion, sections = in_one_piece(angles_deg, forces, spring, tilt)
+    motion, sections, pins = in_one_piece(angles_deg, forces, spring, tilt)
     whole = np.concatenate([motion[6 * at : 6 * at + 6] for at in sections])
     assert np.abs(found.motion - whole).max() < 1e-8 * np.abs(whole).max()
+    turned = [motion[[6 * at + RX, 6 * at + RY]] for at in pins]
+    leads = [1j * about_y - about_x for about_x, about_y in turned]  # of the places along z, y + i x
+    turn = np.exp(-1j * np.radians(angles_deg))[:, None]  # into the axes of each throw
+    tilts = pin_tilts([throw] * len(angles_deg), angles_deg, forces, found)
+    assert np.abs(tilts - turn * leads).max() < 1e-8 * np.abs(leads).max()
     if spring is not None:
         springs = -spring * np.stack([motion[[6 * at + UX, 6 * at + UY]] for at in sections])
         assert np.abs(found.bearing_N - springs).max() < 1e-7 * np.abs(springs).max()
@@ -188,6 +215,28 @@ def meshed(scene: Scene, size_mm: float) -> tuple[MeshedThrow, LoadedThrow]:
     return body.meshed, loaded_throw(body.blocks, scene)
 
 
+def unlike_webs() -> Scene:
+    scene = load_scene("mikron-iiic-plain")
+    wider = scene.web.model_copy(update={"width_mm": scene.web.width_mm + 14})
+    return scene.model_copy(update={"second_web": wider})
+
+
+def pin_rotation(body: ThrowBody, scene: Scene, block: LoadedBlock, field: Array) -> Array:
+    """Rotation of the pin about x and y by the places where a field leads both of its halves, (2,)."""
+    if block.span == "symmetric":
+        return np.zeros(2)
+    low, high = loaded_mm(scene, whole=True)
+    middle = (low + high) / 2
+    near, far = (
+        np.array([mean_displacement(body.model, axis, *half) @ field for axis in (UX, UY)])
+        for half in ((low, middle), (middle, high) if block.span == "whole" else (low, middle))
+    )
+    apart_mm = 2 * loaded_throw(body.blocks, scene).aside_moment_mm
+    x, y = (far - near if block.span == "whole" else -2 * near) / apart_mm
+    held = {"even": [1, 0], "odd": [0, 1], "none": [1, 1]}[block.lateral]  # the half x >= 0 alone moves aside
+    return np.array([-y, x]) * held
+
+
 def about_near(scene: Scene, forces: Array) -> Array:
     """Resultant force and moment about the near section of forces on both, (6,)."""
     near, far = forces[:6], forces[6:]
@@ -216,11 +265,29 @@ def test_section_forces_have_the_resultants_of_the_loads() -> None:
     assert not mesh.whole
 
 
+@pytest.mark.parametrize("design", ["car-diesel", "unlike webs"])
+def test_the_pin_tilts_as_its_halves_lead_off(design: str) -> None:
+    """With the sections tilted as a rigid body, and under each load with them held."""
+    scene = unlike_webs() if design == "unlike webs" else load_scene(design)
+    body = meshed_body(scene, 20.0)
+    throw = loaded_throw(body.blocks, scene)
+    for row, motion in enumerate((RX, RY)):
+        far = {RX: (UY, -scene.pitch_mm), RY: (UX, scene.pitch_mm)}[motion]
+        rigid = np.zeros(18)
+        rigid[[motion, 6 + motion, 6 + far[0]]] = 1.0, 1.0, far[1]
+        assert throw.pin_tilt @ rigid == pytest.approx(np.eye(2)[row], abs=1e-7)
+    by_loads = np.zeros((2, len(ACTING)))
+    for block in body.blocks:
+        for column, name in enumerate(block.names):
+            field = block.block.displacement[:, len(block.block.displacement.T) - len(block.names) + column]
+            models = 1 if name == "centrifugal" else block.block.copies * block.block.parts
+            by_loads[:, ACTING.index(name)] += pin_rotation(body, scene, block, field) / models
+    assert throw.pin_tilt[:, 12:] == pytest.approx(by_loads, abs=1e-7 * np.abs(by_loads).max())
+
+
 def test_unlike_webs_turn_with_the_couple_of_their_product_of_inertia() -> None:
     """About the middle of the throw; elements of 20 mm are within 2 % of the closed form, of 12 mm nearer."""
-    scene = load_scene("mikron-iiic-plain")
-    wider = scene.web.model_copy(update={"width_mm": scene.web.width_mm + 14})
-    scene = scene.model_copy(update={"second_web": wider})
+    scene = unlike_webs()
     spinning = about_near(scene, meshed(scene, 20.0)[1].loads["centrifugal"])
     couple = spinning[3:] - np.cross([0.0, 0.0, scene.pitch_mm / 2], spinning[:3])
     couple_Nmm_s2 = product_of_inertia_kg_mm2(scene).real / 1000
@@ -345,12 +412,32 @@ def test_a_single_throw_has_the_bearing_forces_and_films_of_the_balance() -> Non
     first = loads.load_N[0][::stride]
     assert np.abs(y + 1j * x - first).max() < 5e-3 * np.abs(first).max()
     bearing = ShaftBearing(bearing=1, largest_N=0, at_deg=0, halves_N=0, tilt_mrad=0, offset_um=0)
-    shaft = ContinuousShaft(speed_rpm=1.0, spring_N_per_mm=None, webs=(), main_bearings=(bearing,))
-    (filled,) = _with_films([(shaft, cycle, scene)])
-    found = filled.main_bearings
-    alone = oil_films(scene).speeds[0].bearings[0]
-    assert found[0].film_um == pytest.approx(alone.film_um, rel=0.01)
-    assert found[0].pressure_MPa == pytest.approx(alone.pressure_MPa, rel=0.01)
+    big_ends = ShaftBigEnds(tilt_mrad=(0.0,))
+    shaft = ContinuousShaft(
+        speed_rpm=1.0, spring_N_per_mm=None, webs=(), main_bearings=(bearing,), big_ends=big_ends
+    )
+    straight = np.zeros((len(scene.shaft_angles_deg), cycle.angle_deg.size), complex)
+    (filled,) = _with_films([_AtSpeed(scene, shaft, cycle, straight)])
+    every = oil_films(scene).speeds[0].bearings
+    for film, alone in zip(filled.bearings, (every[0], every[-1]), strict=True):
+        assert film.film_um == pytest.approx(alone.film_um, rel=0.01)
+        assert film.pressure_MPa == pytest.approx(alone.pressure_MPa, rel=0.01)
+
+
+@pytest.mark.parametrize("scene", [arranged(""), arranged(VEE + "throw_angles_deg = [0.0]", 2, (1, 2))])
+def test_each_big_end_leans_with_its_own_pin_at_its_own_time(scene: Scene) -> None:
+    """A tilt along the throw, when its cylinder fires, leads the journal along that cylinder's axis."""
+    scene = with_values(scene, {"bearings": {"clearance_mm": 0.05, "oil": "ISO VG 46"}})
+    engine, angle = engine_of(scene), np.arange(0.0, engine_of(scene).cycle_deg)
+    fires = engine.firing_angles_deg
+    pulses = np.array([angle == fire % engine.cycle_deg for fire in fires], complex)
+    pulses *= np.arange(1, len(fires) + 1)[:, None]
+    tilts = np.array([pulses[throw :: engine.throws].sum(axis=0) for throw in range(engine.throws)])
+    cycle = ShaftCycle(angle, np.zeros((0, 0)), np.zeros((0, 2, 0)), np.zeros((0, 12, 0)))
+    found = _loaded_big_end(_AtSpeed(scene, ContinuousShaft.model_construct(), cycle, tilts))
+    half = found.bearing.width_mm / 2 / found.bearing.clearance_mm
+    assert found.tilts is not None
+    assert found.tilts[:, 0] == pytest.approx(half * np.arange(1, len(fires) + 1))
 
 
 @pytest.mark.slow

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cranktopo.tasks.shaft.result import CarriedMotion, ContinuousShaft, ShaftBearing
+from cranktopo.tasks.shaft.result import CarriedMotion, ContinuousShaft, ShaftBearing, ShaftBigEnds
 from cranktopo.tasks.shaft_safety.text import bearing_table, carried_table
 
 
@@ -11,7 +11,12 @@ def shaft(**of_bearing: float) -> ContinuousShaft:
     bearing = ShaftBearing(bearing=1, **{**rest, **of_bearing})
     part = CarriedMotion(part="flywheel", offset_um=170.2, tilt_mrad=2.84)
     return ContinuousShaft(
-        speed_rpm=2100.0, spring_N_per_mm=None, webs=(), main_bearings=(bearing,), carried=(part,)
+        speed_rpm=2100.0,
+        spring_N_per_mm=None,
+        webs=(),
+        main_bearings=(bearing,),
+        big_ends=ShaftBigEnds(tilt_mrad=(0.3, 0.41)),
+        carried=(part,),
     )
 
 
