@@ -141,6 +141,15 @@ def misfit(occ: Any, body: DimTags, expected: ClosedForm) -> float:
     return abs(float(occ.getMass(*solids[0])) - expected.volume_mm3) / expected.allowed_mm3
 
 
+def without_crumbs(occ: Any, bodies: DimTags, form: ClosedForm) -> DimTags:
+    """Return the largest body alone where it has the whole volume: tools that overlap leave crumbs."""
+    solids = sorted(_solids(bodies), key=lambda pair: -occ.getMass(*pair))
+    if len(solids) < 2 or misfit(occ, solids[:1], form) > 1:
+        return bodies
+    occ.remove(solids[1:], recursive=True)
+    return solids[:1]
+
+
 def _solids(body: DimTags) -> DimTags:
     return [pair for pair in body if pair[0] == 3]
 

@@ -9,7 +9,7 @@ from typing import Any
 from cranktopo.base.frames import about_z_deg
 from cranktopo.bodies.crank_drillings import halved_crossings, taken_beyond
 from cranktopo.bodies.crank_ends import SIDES, EndPiece, crank_end, main_journal_places_mm
-from cranktopo.bodies.solid.checked import ClosedForm, check_body, check_no_hollow
+from cranktopo.bodies.solid.checked import ClosedForm, check_body, check_no_hollow, without_crumbs
 from cranktopo.bodies.solid.drilled import ALL_HEIGHTS, Heights, drilled_at, to_middle
 from cranktopo.bodies.solid.shapes import cut, fused, turned
 from cranktopo.bodies.solid.step import import_solid
@@ -34,7 +34,9 @@ def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
     forms = [throw_form(throw) for throw in throw_scenes(scene)]
     volume = sum(form.volume_mm3 for form in forms) + sum(piece.moments.volume for piece in pieces)
     volume -= taken_beyond(scene).volume
-    check_body(occ, body, ClosedForm(volume, sum(form.roundings_mm3 for form in forms)), "crankshaft")
+    form = ClosedForm(volume, sum(form.roundings_mm3 for form in forms))
+    body = without_crumbs(occ, body, form)
+    check_body(occ, body, form, "crankshaft")
     check_no_hollow(occ, body, "crankshaft")
     return body
 

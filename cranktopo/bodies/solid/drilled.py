@@ -7,7 +7,7 @@ time of a tool, whose surfaces touch those of the journal all around, where cuts
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import groupby
 from operator import itemgetter
 from types import MappingProxyType
@@ -59,10 +59,9 @@ def drilled(
     outlets = {solid: bore for bore, solid in solids if isinstance(solid, RoundedOutlet)}
     body = cut(occ, body, tools([one for one in solids if not isinstance(one[1], RoundedOutlet)]))
     edges = _whole_edges(occ, body, list(outlets)) if outlets and not by_tools else {}
-    rounded = _rounded(occ, body, edges)
-    left = outlets if rounded is None else outlets.keys() - edges.keys()
-    rest = [(bore, solid) for solid, bore in outlets.items() if solid in left]
-    return _without_inverted(occ, cut(occ, rounded or body, tools(rest)))
+    body, done = _rounded(occ, body, edges)
+    rest = [(bore, solid) for solid, bore in outlets.items() if solid not in done]
+    return _without_inverted(occ, cut(occ, body, tools(rest)))
 
 
 def _without_inverted(occ: Any, body: DimTags) -> DimTags:
@@ -136,22 +135,32 @@ def _whole_edges(occ: Any, body: DimTags, outlets: Sequence[RoundedOutlet]) -> d
     }
 
 
-def _rounded(occ: Any, body: DimTags, edges: Mapping[RoundedOutlet, Sequence[int]]) -> DimTags | None:
-    """Return a body with the edges of outlets rounded; None without one, or where the kernel fails.
+def _rounded(
+    occ: Any, body: DimTags, edges: Mapping[RoundedOutlet, Sequence[int]]
+) -> tuple[DimTags, Collection[RoundedOutlet]]:
+    """Return a body with the edges of outlets rounded, and these; as it was and none where the kernel fails.
 
-    In one call: a body rounded twice may have no section with a plane.
+    In one call: a body rounded twice may have no section with a plane. A copy is kept, because a fillet that
+    fails may leave faces of its body without their edges.
     """
     radii = {edge: outlet.rounding_mm for outlet, loop in edges.items() for edge in loop}
     if not radii:
-        return None
+        return body, ()
+    kept, before = occ.copy(body), volume_mm3(occ, body)
+    about = _RING * sum(radius**2 * occ.getMass(1, edge) for edge, radius in radii.items())
+    found = _filleted(occ, body, radii)
+    taken = before - volume_mm3(occ, found)
+    sound = len(found) == len(body) and about / _PLAUSIBLE < taken < about * _PLAUSIBLE
+    occ.remove([*body, *(kept if sound else found)], recursive=True)
+    return (found, edges.keys()) if sound else (kept, ())
+
+
+def _filleted(occ: Any, body: DimTags, radii: Mapping[int, float]) -> DimTags:
+    """Return a body with edges rounded by radii, mm; nothing where the kernel fails."""
     try:
         found = occ.fillet([tag for _, tag in body], list(radii), list(radii.values()), removeVolume=False)
     except Exception as error:
         if type(error) is not Exception:  # gmsh raises the bare class; anything else is a defect
             raise
-        return None
-    about = _RING * sum(radius**2 * occ.getMass(1, edge) for edge, radius in radii.items())
-    taken = volume_mm3(occ, body) - volume_mm3(occ, found)
-    sound = len(found) == len(body) and about / _PLAUSIBLE < taken < about * _PLAUSIBLE
-    occ.remove(body if sound else found, recursive=True)
-    return list(found) if sound else None
+        return []
+    return list(found)

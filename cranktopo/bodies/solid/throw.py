@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.bodies.solid.checked import ClosedForm, check_body, misfit
+from cranktopo.bodies.solid.checked import ClosedForm, check_body, misfit, without_crumbs
 from cranktopo.bodies.solid.culprit import culprit
 from cranktopo.bodies.solid.drilled import drilled, drilled_at, to_middle
 from cranktopo.bodies.solid.shapes import add_bodies, add_solid, cut, turned, turned_half
@@ -135,18 +135,9 @@ def add_full_throw(occ: Any, scene: Scene, *, by_tools: bool = False) -> DimTags
     placed = [(turn, bore) for turn, own in zip(turns, late, strict=True) for bore in own]
     heights = to_middle([bore for _, bore in placed], first.pitch_mm / 2)
     body = drilled_at(occ, list(body), placed, between_mm=heights, by_tools=by_tools)
-    body = _without_crumbs(occ, body, throw_form(scene))
+    body = without_crumbs(occ, body, throw_form(scene))
     check_body(occ, body, throw_form(scene), "full throw")
     return list(body)
-
-
-def _without_crumbs(occ: Any, bodies: DimTags, form: ClosedForm) -> DimTags:
-    """Return the largest body alone where it has the whole volume: tools that overlap leave crumbs."""
-    solids = sorted((pair for pair in bodies if pair[0] == 3), key=lambda pair: -occ.getMass(*pair))
-    if len(solids) < 2 or misfit(occ, solids[:1], form) > 1:
-        return bodies
-    occ.remove(solids[1:], recursive=True)
-    return solids[:1]
 
 
 def _add_second(occ: Any, scene: Scene, second: Scene, by_tools: bool) -> DimTags:

@@ -28,8 +28,14 @@ from cranktopo.tasks.crank_import.half_body import (
 )
 from cranktopo.tasks.crank_import.hand import hand_words, mirrored_by_file
 from cranktopo.tasks.crank_import.solids import read_crank
-from cranktopo.tasks.importing.cad_body import moved_rigidly, slab
+from cranktopo.tasks.importing.cad_body import edges_in_planes, moved_rigidly, slab
 from cranktopo.tasks.importing.faces import exact_faces
+
+_INTEGRATED = 1e-4
+"""Share of a half in which its volume may differ between two ways to cut it; the smallest pocket has as much.
+
+The kernel integrates a plane that an outlet cuts to a tenth of a percent, which was 2.6e-5 of a half.
+"""
 
 
 def crank_by_kernel(
@@ -77,7 +83,8 @@ def _bulks(occ: Any, body: DimTags, crank: FoundCrank) -> list[Array]:
         (2, occ.addDisk(*(crank.origin_mm + height * crank.axis), reach, reach, zAxis=crank.axis.tolist()))
         for height in sorted(heights)
     ]
-    parts = [pair for pair in occ.fragment(body, discs)[1][0] if pair[0] == 3]
+    with edges_in_planes():
+        parts = [pair for pair in occ.fragment(body, discs)[1][0] if pair[0] == 3]
     check_parts(volume_mm3(occ, parts), whole)
     centres = np.array([occ.getCenterOfMass(*part) for part in parts])
     along = (centres - crank.origin_mm) @ crank.axis
@@ -100,7 +107,7 @@ def _cut(occ: Any, body: DimTags, crank: FoundCrank, half: FoundHalf, volume: fl
     reach = 2 * max(abs(v) for v in (x0, y0, x1, y1))
     cut = slab(occ, body, 0.0, abs(half.pin_plane_mm - half.main_plane_mm), reach)
     check_one_body(len(cut), half)
-    check_parts(volume_mm3(occ, cut), volume)
+    check_parts(volume_mm3(occ, cut), volume, _INTEGRATED)
     return cut
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from itertools import pairwise
 from typing import Any
 
@@ -22,6 +24,9 @@ _BESIDE = 1e-5
 """Way of a cut from the plane for which it stands, over the distance of two planes."""
 _CONSERVED = 1e-6
 """Share of a body by which the volumes of its parts may differ from it."""
+_EDGE_MM = 1e-5
+"""Way that CAD systems may leave an edge beside its faces."""
+_BOOLEAN = "Geometry.ToleranceBoolean"
 
 
 def moved_rigidly(occ: Any, body: DimTags, matrix: Array, shift_mm: Array) -> None:
@@ -54,10 +59,27 @@ def between_planes(occ: Any, body: DimTags, start_mm: float, end_mm: float, reac
     return kept
 
 
+@contextmanager
+def edges_in_planes() -> Iterator[None]:
+    """Let the kernel cut along planes in which edges of a body lie but for the rounding of its file.
+
+    It takes what is nearer than its tolerance for one, by default 1e-7 mm, and may lose a part otherwise.
+    """
+    import gmsh
+
+    before = gmsh.option.getNumber(_BOOLEAN)
+    gmsh.option.setNumber(_BOOLEAN, _EDGE_MM)
+    try:
+        yield
+    finally:
+        gmsh.option.setNumber(_BOOLEAN, before)
+
+
 def slab(occ: Any, body: DimTags, start: float, end: float, reach: float) -> DimTags:
     """Return what of a body lies between two heights, near the z axis; no volume is checked."""
     box = occ.addBox(-reach, -reach, start, 2 * reach, 2 * reach, end - start)
-    return list(occ.intersect(body, [(3, box)])[0])
+    with edges_in_planes():
+        return list(occ.intersect(body, [(3, box)])[0])
 
 
 def volumes_between(occ: Any, body: DimTags, planes_mm: tuple[float, float], reach_mm: float) -> Array:
