@@ -59,8 +59,8 @@ FACET_MM, NOISE_MM, SHEAR, BOSS = 0.02, 0.05, 0.005, 0.25
 EXACT, ROUNDED = 1e-6, 1e-5
 """Share of a dimension and of the mass; of the mass with rounded outlets, which the kernel approximates."""
 LENGTH_MM, ANGLE_DEG = 0.02, 0.05
-OUTLETS = 0.05
-"""Share within which the radius of outlets follows from the volume of exact faces."""
+OUTLETS = 0.01
+"""Share within which the radius of outlets comes back, whose surfaces the kernel approximates."""
 OUTLET = "outlet_radius_mm"
 ALWAYS = "check it against the drawing", "bspline surface"
 """Ends of the lines that every crank with rounded outlets has, right or wrong."""
@@ -72,9 +72,9 @@ class Trip:
     """What became of one crank.
 
     Attributes:
-        off: largest deviation of a dimension over what is allowed: 1e-6 of it for exact faces (of outlets
-            5 %), 0.02 mm and 0.05 deg for triangles (none for outlets); infinite where it is missing, NaN
-            where none came back.
+        off: largest deviation of a dimension over what is allowed: 1e-6 of it for exact faces, 0.02 mm and
+            0.05 deg for triangles, 1 % of the radius of outlets; infinite where it is missing, NaN where
+            none came back.
         mass: share by which the mass of the crank's design differs.
         words: what was told, or which dimension is off.
     """
@@ -224,9 +224,10 @@ def deviation(key: str, found: float, wanted: float, form: Format) -> float:
     """Return how far a dimension is off over what is allowed."""
     off = abs(found - wanted)
     off = min(off, abs(360.0 - off)) if key.endswith("_deg") else off
+    if key.endswith(OUTLET):
+        return off / (OUTLETS * wanted) if wanted else math.inf * off
     if form == "step":
-        allowed = OUTLETS * wanted if key.endswith(OUTLET) else EXACT * max(abs(wanted), 1.0)
-        return off / allowed if allowed else math.inf * off
+        return off / (EXACT * max(abs(wanted), 1.0))
     return off / (ANGLE_DEG if key.endswith("_deg") else LENGTH_MM)
 
 
@@ -241,7 +242,6 @@ def differences(scene: Scene, result: CrankImport, form: Format) -> dict[str, fl
     return {
         key: deviation(key, found[key], wanted[key], form) if key in found and key in wanted else math.inf
         for key in keys
-        if not (form == "stl" and key.endswith(OUTLET))
     }
 
 
@@ -269,7 +269,7 @@ def trip(seed: int, kind: Kind, form: Format, folder: Path) -> Trip:
     volume = drawn_crank_mass(scene).mass_kg / density_kg_per_mm3(scene.material.density_kg_m3)
     mass = abs((result.design_volume_mm3 or math.nan) / volume - 1)
     rounded = any(one.outlet_radius_mm for one in scene.throw.drilling)
-    back = off[worst] <= 1 and (form == "stl" or mass <= (ROUNDED if rounded else EXACT))
+    back = off[worst] <= 1 and mass <= (ROUNDED if rounded else EXACT)
     if kind in DAMAGED:
         return ended("told" if told else "SILENT", "; ".join(told), off[worst], mass)
     words = "; ".join(told) if off[worst] <= 1 else "; ".join((f"{worst} x {off[worst]:.3g}", *told))

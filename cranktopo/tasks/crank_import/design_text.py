@@ -15,7 +15,6 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundStep
 from cranktopo.tasks.crank_import.half_body import EXACT, Closeness
 from cranktopo.tasks.crank_import.throw_designs import Throws, fillets_of, throw_keys
-from cranktopo.tasks.importing.faces import DIGITS
 
 
 def design_text(
@@ -103,7 +102,7 @@ def crank_table(
         if (differing := _differing(scene, crank, number, near, throws))
     ]
     ends = [
-        {"side": side, "step": [_step(step, crank) for step in steps]}
+        {"side": side, "step": [near.rounded(_step(step, crank)) for step in steps]}
         for side, steps in zip(("free", "output"), crank.ends, strict=True)
         if steps is not None
     ]
@@ -125,11 +124,8 @@ def _differing(
         "fillet_mm": next((fillet.radial_mm for fillet in fillets_of(throws, number)), usual.fillet_mm),
     }
     least = {key: _ALIKE * near.length * getattr(usual, key) for key in found}
-    return {
-        key: round(value, DIGITS)
-        for key, value in found.items()
-        if abs(value - getattr(usual, key)) > least[key]
-    }
+    differing = {key: value for key, value in found.items() if abs(value - getattr(usual, key)) > least[key]}
+    return dict(near.rounded(differing))
 
 
 def _step(step: FoundStep, crank: FoundCrank) -> dict[str, Any]:
@@ -149,7 +145,7 @@ def _step(step: FoundStep, crank: FoundCrank) -> dict[str, Any]:
         }
         sizes |= {"bolts": step.bolts.count}
         sizes["first_bolt_deg"] = crank.turn_deg(step.bolts.direction) % (360 / step.bolts.count)
-    return {"kind": kind, **{key: round(value, DIGITS) for key, value in sizes.items()}}
+    return {"kind": kind, **sizes}
 
 
 def _envelope(scene: Scene) -> dict[str, Any]:

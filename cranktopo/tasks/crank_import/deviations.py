@@ -18,7 +18,7 @@ from cranktopo.tasks.crank_import.bevels import read_bevels
 from cranktopo.tasks.crank_import.half_body import HalfBody
 from cranktopo.tasks.crank_import.oil_drillings import read_drillings
 from cranktopo.tasks.crank_import.pockets import read_pockets
-from cranktopo.tasks.crank_import.web_reading import ImportedWeb, rounded
+from cranktopo.tasks.crank_import.web_reading import ImportedWeb
 from cranktopo.tasks.importing.faces import CylinderFace, Faces, PlaneFace, TorusFace
 
 _Face = CylinderFace | PlaneFace | TorusFace
@@ -38,10 +38,10 @@ _NEAR_MM = 0.02
 def deviation_mm(web: ImportedWeb, key: str) -> float | None:
     """Return how far the faces that tell a dimension are from the body, at least the rounding in the design.
 
-    None where no face tells it: the radius of a drilling's outlet follows from the volume.
+    None where no face tells it: the radius of a drilling's outlet, whose surface is approximate.
     """
-    rounding, found = 0.5 * 10.0**-web.body.near.digits, _off_mm(web, key)
-    return None if found is None else max(found, rounding)
+    found = _off_mm(web, key)
+    return None if found is None else max(found, web.body.near.rounding_mm)
 
 
 def _off_mm(web: ImportedWeb, key: str) -> float | None:
@@ -93,7 +93,7 @@ def _faces_of_feature(web: ImportedWeb, key: str, index: str | None) -> Iterator
     own = table[int(index)] if index else table
     for face, others in _without_one(web.body.faces):
         read = list(_READERS[key](replace(web.body, faces=others), web.read.scene))
-        if not any(_is_said(rounded(one, web.body.near.digits), own) for one in read):
+        if not any(_is_said(web.body.near.rounded(one), own) for one in read):
             yield face
 
 

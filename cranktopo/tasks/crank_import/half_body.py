@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid.checked import SolidProperties
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf
 from cranktopo.tasks.crank_import.solids import FoundSolid
-from cranktopo.tasks.importing.faces import Faces
+from cranktopo.tasks.importing.faces import DIGITS, Faces
 
 if TYPE_CHECKING:
     from cranktopo.numerics.surfaces.mesh import SurfaceMesh
@@ -28,18 +29,43 @@ class Closeness:
         bulk: share of their volumes and moments.
         outline_mm: distance of outlines, where triangles end beside the body.
         digits: decimals of a dimension.
+        plain_mm: distance within which a dimension counts as one of `_PLAIN` decimals.
     """
 
     length: float
     bulk: float
     outline_mm: float
     digits: int
+    plain_mm: float = 0.0
+
+    @property
+    def rounding_mm(self) -> float:
+        """Most that rounding changes a dimension by."""
+        return max(self.plain_mm, 0.5 * 10.0**-self.digits)
+
+    def rounded(self, data: Any) -> Any:
+        """Return tables with all numbers rounded."""
+        if isinstance(data, Mapping):
+            return {key: self.rounded(value) for key, value in data.items()}
+        if isinstance(data, list | tuple):
+            return [self.rounded(value) for value in data]
+        return self._number(data) if isinstance(data, float) else data
+
+    def _number(self, value: float) -> float:
+        plain = round(value, _PLAIN)
+        return plain if abs(value - plain) <= self.plain_mm else round(value, self.digits)
 
 
-EXACT = Closeness(1e-6, 2e-5, 0.0, 9)
+EXACT = Closeness(1e-6, 2e-5, 0.0, DIGITS)
 """Of exact faces; the kernel approximates roundings of drillings."""
-FACETED = Closeness(5e-4, 2e-3, 0.03, 3)
-"""Of triangles whose corners lie on the body."""
+_PLAIN, _MOST_DIGITS, _FITTED = 3, 6, 3.0
+"""Decimals of a drawing; decimals at most, and deviation at most over the scatter, of what triangles tell."""
+
+
+def faceted(scatter_mm: float) -> Closeness:
+    """Return that of triangles whose corners scatter about the body: at least as a file rounds them."""
+    digits = min(max(math.ceil(-math.log10(max(scatter_mm, 1e-12))), _PLAIN), _MOST_DIGITS)
+    return Closeness(5e-4, 2e-3, 0.03, digits, min(_FITTED * scatter_mm, 0.5 * 10.0**-_PLAIN))
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from cranktopo.tasks.crank_import.fits import (
 from cranktopo.tasks.crank_import.mesh_bores import BENT_RAD, FEWEST, bore_of, drillings, of_one_bore
 from cranktopo.tasks.crank_import.mesh_skin import Skin
 from cranktopo.tasks.crank_import.mesh_walls import FULL_RAD, Wall, walls
-from cranktopo.tasks.importing.faces import Faces, PlaneFace, TorusFace
+from cranktopo.tasks.importing.faces import CylinderFace, Faces, PlaneFace, TorusFace
 
 _SPREAD = 0.07
 """Sine between the crank axis and the fold of two neighbours that lie along it."""
@@ -149,7 +149,9 @@ def _faces(skin: Skin) -> tuple[Faces, tuple[Roundness, ...]]:
             planes += flats
             small = skin.areas[region].sum() < _SLANTED * skin.areas.sum()
             others += [] if flats or small else [_kind(skin, region, rounds)]
-    cylinders = [*(wall.cylinder() for wall in found if wall.radius), *of_one_bore(bores, skin.near_mm)]
+    heights = np.array([plane.point_mm[2] for plane in planes if abs(plane.normal[2]) == 1])
+    uprights = (_ended(wall.cylinder(), heights, skin.near_mm) for wall in found if wall.radius)
+    cylinders = [*uprights, *of_one_bore(bores, skin.near_mm)]
     planes += [wall.plane() for wall in found if not wall.radius]
     return Faces(tuple(cylinders), tuple(planes), tuple(tori), tuple(others)), journals
 
@@ -186,6 +188,15 @@ def _plane(skin: Skin, region: Int64) -> PlaneFace:
         normal = np.array([0.0, 0.0, np.sign(normal[2])])
     off = rms(skin.corners(region)[:, 2] - middle)
     return PlaneFace(normal, np.array([x, y, middle]), float(areas.sum()), off)
+
+
+def _ended(face: CylinderFace, heights: Array, near_mm: float) -> CylinderFace:
+    """Return an upright cylinder that ends in the planes across it: its outermost corners scatter."""
+    ends = [
+        float(min(heights[np.abs(heights - end) < near_mm], key=lambda z: abs(z - end), default=end))
+        for end in face.span_mm
+    ]
+    return replace(face, span_mm=(ends[0], ends[1]))
 
 
 def _flats(skin: Skin, region: Int64) -> Iterator[PlaneFace]:

@@ -27,13 +27,14 @@ from cranktopo.tasks.crank_import.distortion import (
 )
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf
 from cranktopo.tasks.crank_import.half_body import (
-    FACETED,
+    Closeness,
     FoundBody,
     HalfBody,
     HalfGroup,
     alike_halves,
     bulk_of,
     check_one_body,
+    faceted,
     frame_of,
 )
 from cranktopo.tasks.crank_import.hand import hand_words
@@ -62,6 +63,8 @@ number of triangles up to which a body may have it."""
 _LARGE = 0.02
 """Volume of a solid that may be a crank, over the largest one's."""
 _ORIGIN, _ALONG = np.zeros(3), np.array([0.0, 0.0, 1.0])
+_Found = tuple[Faces, FoundCrank, Closeness]
+"""Faces and crank of a body, and how closely they tell its dimensions."""
 
 
 def crank_of_mesh(
@@ -84,17 +87,20 @@ def crank_of_mesh(
     _check_order(skin, path)
     scatter_mm = skin.scatter_mm
     check_scatter(scatter_mm, f"'{path}'")
-    faces, crank = _found(mesh, path, ends, scatter_words(scatter_mm))
+    faces, crank, near = _found(mesh, path, ends, scatter_words(scatter_mm))
     note(f"{path}: {crank.words}")
     try:
         cuts = [_cut(body, crank, half) for half in crank.halves]
     except CranktopoError as error:
         raise noise_named(error, crank.unread) from None
     bulks = [bulk_of(*_mass(cut)) for cut in cuts]
-    groups = alike_halves(crank.halves, bulks, FACETED)
+    groups = alike_halves(crank.halves, bulks, near)
     halves = tuple(
         _written(
-            cuts[crank.halves.index(group.halves[0])], faces, crank, group, folder / f"half-{number}.stl"
+            cuts[crank.halves.index(group.halves[0])],
+            (faces, crank, near),
+            group,
+            folder / f"half-{number}.stl",
         )
         for number, group in enumerate(groups, 1)
     )
@@ -130,10 +136,8 @@ def _near_mm(mesh: SurfaceMesh) -> float:
     return float(np.clip(_NEAR * mesh.extent_mm, *_NEAR_MM))
 
 
-def _found(
-    mesh: SurfaceMesh, path: Path, ends: EndJournals, scatter: Sequence[str]
-) -> tuple[Faces, FoundCrank]:
-    """Return faces and crank; a body whose corners scatter is looked at more coarsely, which is told."""
+def _found(mesh: SurfaceMesh, path: Path, ends: EndJournals, scatter: Sequence[str]) -> _Found:
+    """Return what is found; a body whose corners scatter is looked at more coarsely, which is told."""
     name = f"'{path}'"
     first: CranktopoError | None = None
     for coarser in _COARSER:
@@ -146,7 +150,8 @@ def _found(
         check_undistorted(faces, journals, crank.axis, name)
         if coarser < _COARSER[-1]:
             told = remarks(faces, journals, crank.axis)
-            return faces, replace(crank, unread=(*crank.unread, *told))
+            near = faceted(max((journal.off_mm for journal in journals), default=0.0))
+            return faces, replace(crank, unread=(*crank.unread, *told)), near
     assert first is not None
     raise noise_named(first, scatter)
 
@@ -166,13 +171,13 @@ def _mass(cut: Manifold) -> tuple[float, Array, Array]:
     return float(body.volume), np.asarray(body.center_mass), np.asarray(body.moment_inertia)
 
 
-def _written(cut: Manifold, faces: Faces, crank: FoundCrank, group: HalfGroup, file: Path) -> HalfBody:
-    half, surface = group.halves[0], mesh_of(cut)
+def _written(cut: Manifold, found: _Found, group: HalfGroup, file: Path) -> HalfBody:
+    (faces, crank, near), half, surface = found, group.halves[0], mesh_of(cut)
     file.parent.mkdir(parents=True, exist_ok=True)
     write_stl(file, surface)
     own = straight(turned_faces(faces, *frame_of(crank, half)), abs(half.pin_plane_mm - half.main_plane_mm))
     return HalfBody(
-        half, file.name, own, surface, surface_properties(surface), group.halves, group.mirrored, FACETED
+        half, file.name, own, surface, surface_properties(surface), group.halves, group.mirrored, near
     )
 
 

@@ -9,25 +9,19 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError
-from cranktopo.bodies.volume import half_throw_volume_mm3
-from cranktopo.design.checks.scene import check_solid
 from cranktopo.design.halves import mirror_image
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.crank_import.alike import alike, dumped
 from cranktopo.tasks.crank_import.half_body import HalfBody
+from cranktopo.tasks.crank_import.outlet_fit import outlet_radius_mm
 from cranktopo.tasks.importing.faces import CylinderFace, same_axis, span_along
-from cranktopo.throw.drilling.table import Drilling
+from cranktopo.throw.drilling.table import Drilling, drill_bores
 
 _DIGITS = 6
 _BACK_DEG = -179.9995
 """Angle below which -180 is written as 180, at three decimals of triangles."""
 _OBLIQUE = 6.0
 """Way from the outermost edge of an oblique outlet to the drilling's axis, over its radius."""
-_LARGEST_OUTLET = 1.0
-"""Radius of an outlet over the diameter of its drilling."""
-_SQUARE_MM2 = 1e-6
-"""Accuracy of the square of an outlet's radius: below 1e-5 mm of a radius of 0.05 mm and more."""
 _LARGEST = 0.4
 """Diameter of a drilling over the pin's."""
 
@@ -72,8 +66,7 @@ def _ends(body: HalfBody, scene: Scene, face: CylinderFace) -> list[dict[str, An
 def with_known_outlets(table: Mapping[str, Any], others: Sequence[Scene]) -> dict[str, Any]:
     """Return a drilling's table with the rounded outlets of the same drilling, or its image, elsewhere.
 
-    Where those of two throws end in one mouth, a half throw lacks a piece of its neighbour's, so that its
-    volume does not tell the outlets.
+    Fits to two halves leave a hair between radii that are one in the body.
     """
     own = dumped(Drilling.model_validate(table))
     images = (
@@ -88,30 +81,15 @@ def with_known_outlets(table: Mapping[str, Any], others: Sequence[Scene]) -> dic
     return dict(table)
 
 
-def with_outlet_radius(body: HalfBody, scene: Scene) -> Scene | None:
-    """Return the scene with the radius of its outlets that gives the body's volume; None where none does.
+def with_outlet_radius(table: Mapping[str, Any], body: HalfBody, scene: Scene) -> dict[str, Any]:
+    """Return a drilling's table with the radius of its outlets, where corners of triangles lie on roundings.
 
-    The roundings are approximate surfaces in a file, so that no face tells their radius.
+    These are approximate surfaces in a file, so that no face tells their radius.
     """
-    from scipy.optimize import brentq
-
-    def rounded(radius: float) -> Scene:
-        drilling = tuple(one.model_copy(update={"outlet_radius_mm": radius}) for one in scene.throw.drilling)
-        return scene.with_drillings(drilling)
-
-    def excess(square: float) -> float:
-        return half_throw_volume_mm3(rounded(math.sqrt(square))) - body.solid.volume_mm3
-
-    most = (_LARGEST_OUTLET * max(one.diameter_mm for one in scene.throw.drilling)) ** 2
-    try:
-        if excess(0.0) <= 0 or excess(most) >= 0:
-            return None
-        square = float(brentq(excess, 0.0, most, xtol=_SQUARE_MM2))  # nearly linear in the square: few rounds
-        found = rounded(round(math.sqrt(square), 3))
-        check_solid(found)  # triangles may lack more beside the outlets, so that these would be too large
-        return found
-    except CranktopoError:
-        return None
+    drilling = Drilling.model_validate({**table, "outlet_radius_mm": 0.0})
+    (bore,) = drill_bores(scene.with_drillings((drilling,)))
+    radius = outlet_radius_mm(bore, body.mesh.vertices_mm)
+    return {**table, "outlet_radius_mm": radius} if radius else dict(table)
 
 
 def _span(body: HalfBody, face: CylinderFace) -> tuple[float, float]:

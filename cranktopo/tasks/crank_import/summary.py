@@ -200,8 +200,8 @@ def _unread(web: ImportedWeb) -> Iterator[str]:
     for index, drilling in enumerate(scene.throw.drilling):
         if drilling.outlet_radius_mm:
             yield (
-                f"throw.drilling[{index}].outlet_radius_mm = {drilling.outlet_radius_mm:g} follows from the "
-                "volume: no face tells it, check it against the drawing"
+                f"throw.drilling[{index}].outlet_radius_mm = {drilling.outlet_radius_mm:g} is fitted to the "
+                "corners of triangles: CAD approximates its surface, check it against the drawing"
             )
     for hole in unread_holes(web.body, scene):
         yield f"{hole}: it is not in the design"

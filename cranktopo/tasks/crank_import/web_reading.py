@@ -42,8 +42,6 @@ The silhouette of a body lies inside it by the chords of its triangles besides: 
 _TOLD_EXACT = 2e-5
 """Share of the volume in which a difference of the exact volumes of body and design is told."""
 _NEIGHBOURS = "a drilling of a neighbouring throw ends in it and takes {:.4g} mm3 of its design"
-_OUTLETS = 0.5
-"""Rounded outlets are believed where they take away half of what differs."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +107,7 @@ def read_web(
     own = silhouette(solid, start, start + body.half.thickness_mm)
     for rank, (words, web) in enumerate(web_candidates(body, throw["radius_mm"], own)):
         data = {"name": name, "throw": dict(throw), "web": web, "material": dict(material)}
-        data = rounded(data, body.near.digits)
+        data = body.near.rounded(data)
         try:
             scene = scene_from_dict(data, name)
         except CranktopoError as error:
@@ -124,16 +122,7 @@ def read_web(
         raise refusals[-1]
     off, _, words, scene = min(found, key=lambda one: (one[0][0] > exact_mm, one[1]))
     read = ReadWeb(scene, words, *off, Compared(solid, _scene_solid(scene)))
-    return _with_outlets(body, _with_features(body, read, others))
-
-
-def rounded(data: Any, digits: int) -> Any:
-    """Return tables with all numbers rounded."""
-    if isinstance(data, Mapping):
-        return {key: rounded(value, digits) for key, value in data.items()}
-    if isinstance(data, list | tuple):
-        return [rounded(value, digits) for value in data]
-    return round(data, digits) if isinstance(data, float) else data
+    return _with_features(body, read, others)
 
 
 def _scene_solid(scene: Scene) -> Manifold:
@@ -146,40 +135,40 @@ def _with_features(body: HalfBody, read: ReadWeb, others: Sequence[Scene]) -> Re
     bevels = sorted(read_bevels(body, read.scene), key=lambda bevel: str(bevel["face"]))
     features = [("web", "bevel", table) for table in bevels]
     features += [("web", "pocket", table) for table in read_pockets(body, read.scene)]
-    drillings = [with_known_outlets(table, others) for table in read_drillings(body, read.scene)]
-    features += [("throw", "drilling", table) for table in drillings]
+    features += [("throw", "drilling", table) for table in read_drillings(body, read.scene)]
     features += [("web", "counterweight", {"edge": table}) for table in read_edge(body, read.scene)]
     for table, key, feature in features:
-        feature, before = rounded(feature, body.near.digits), data[table].get(key, ())
-        changed = {**before, **feature} if isinstance(before, dict) else [*before, feature]
-        tried = {**data, table: {**data[table], key: changed}}
-        try:
-            scene = scene_from_dict(tried, read.scene.name)
-            found = _changed(read, scene)
-        except CranktopoError:
-            continue
-        if _nearer(found, read):
-            data, read = tried, found
+        before = data[table].get(key, ())
+        for form in _forms(body, read.scene, key, body.near.rounded(feature), others):
+            changed = {**before, **form} if isinstance(before, dict) else [*before, form]
+            tried = {**data, table: {**data[table], key: changed}}
+            try:
+                found = _changed(read, scene_from_dict(tried, read.scene.name))
+            except CranktopoError:
+                continue
+            if _nearer(found, read):
+                data, read = tried, found
+            break
     return read
 
 
-def _with_outlets(body: HalfBody, read: ReadWeb) -> ReadWeb:
-    """Return the web with the rounded outlets that give its volume, where none are known."""
-    drillings = read.scene.throw.drilling
-    if not drillings or any(one.outlet_radius_mm for one in drillings):
-        return read
-    outlets = with_outlet_radius(body, read.scene)
-    found = read if outlets is None else _changed(read, outlets)
-    return found if found is not read and _nearer(found, read, _OUTLETS) else read
+def _forms(
+    body: HalfBody, scene: Scene, key: str, table: dict[str, Any], others: Sequence[Scene]
+) -> Iterator[dict[str, Any]]:
+    """Yield the forms of a feature, of which the first that a design can have is taken."""
+    if key == "drilling":
+        known = with_known_outlets(table, others)
+        yield known if "outlet_radius_mm" in known else with_outlet_radius(table, body, scene)
+    yield table
 
 
-def _nearer(found: ReadWeb, read: ReadWeb, share: float = 1.0) -> bool:
-    """Tell whether a web differs from the body by less than a share of what another one does.
+def _nearer(found: ReadWeb, read: ReadWeb) -> bool:
+    """Tell whether a web differs from the body by less than another one does.
 
     Most often the least that can differ tells it, without another pass of the boolean engine.
     """
     differs = found.compared.differs_mm3
-    return differs < share * read.compared.least_mm3 or differs < share * read.compared.differs_mm3
+    return differs < read.compared.least_mm3 or differs < read.compared.differs_mm3
 
 
 def _changed(read: ReadWeb, scene: Scene) -> ReadWeb:

@@ -124,17 +124,26 @@ def ring_points(radius_mm: float, outlet: DrillOutlet, turn: Array, arc: Array, 
         arc: 0 where the ball touches the drilling, 1 where it touches the journal.
         out: 0 on the edge of the sharp outlet, 1 on the rounding.
     """
-    one, other = across(np.array(outlet.outward))
-    spoke = np.cos(turn)[:, None] * one + np.sin(turn)[:, None] * other
+    spoke = _spokes(outlet, turn)
     edge = _at(outlet, radius_mm * spoke, outlet.surface_mm)
-    wide, deep = radius_mm + outlet.rounding_mm, outlet.surface_mm - outlet.rounding_mm
-    ball = _at(outlet, wide * spoke, deep)
+    ball = ball_way_mm(radius_mm, outlet, turn)
     normal = ball - np.array([0.0, outlet.y_mm, 0.0])
     normal[:, 2] = 0.0
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     rounding = ball + outlet.rounding_mm * _between(-spoke, normal, arc)
     straight = edge + out[:, None] * (rounding - edge)
     return (1 - arc)[:, None] * straight + arc[:, None] * _around(outlet.y_mm, edge, rounding, out)
+
+
+def ball_way_mm(radius_mm: float, outlet: DrillOutlet, turn: Array) -> Array:
+    """Return the centres (n, 3) of the ball that rolls around a drilling of a radius, by its angles."""
+    wide, deep = radius_mm + outlet.rounding_mm, outlet.surface_mm - outlet.rounding_mm
+    return _at(outlet, wide * _spokes(outlet, turn), deep)
+
+
+def _spokes(outlet: DrillOutlet, turn: Array) -> Array:
+    one, other = across(np.array(outlet.outward))
+    return np.cos(turn)[:, None] * one + np.sin(turn)[:, None] * other
 
 
 def _at(outlet: DrillOutlet, offsets_mm: Array, radius_mm: float) -> Array:

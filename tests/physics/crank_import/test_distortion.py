@@ -83,9 +83,9 @@ def test_noise_is_named(tmp_path: Path, scatter_mm: float) -> None:
 
 def test_small_noise_is_named_where_a_later_step_fails(tmp_path: Path) -> None:
     mesh = throw()
-    noise = np.random.default_rng(1).normal(scale=0.004, size=mesh.vertices_mm.shape)
+    noise = np.random.default_rng(1).normal(scale=0.008, size=mesh.vertices_mm.shape)
     with pytest.raises(
-        CranktopoError, match=r"looks like no crank: .*; corners .* by about 0.00\d+ mm, which may be"
+        CranktopoError, match=r"looks like no crank: .*; corners .* by about 0.0\d+ mm, which may be"
     ):
         crank_of(SurfaceMesh(mesh.vertices_mm + noise, mesh.faces), tmp_path)
     told = ("corners of the triangles scatter by 0.004 mm about the journals: no dimension is better",)
