@@ -29,14 +29,19 @@ class Closeness:
         bulk: share of their volumes and moments.
         outline_mm: distance of outlines, where triangles end beside the body.
         digits: decimals of a dimension.
-        plain_mm: distance within which a dimension counts as one of `_PLAIN` decimals.
+        scatter_mm: scatter of corners about round faces, at least as a file rounds them.
     """
 
     length: float
     bulk: float
     outline_mm: float
     digits: int
-    plain_mm: float = 0.0
+    scatter_mm: float = 0.0
+
+    @property
+    def plain_mm(self) -> float:
+        """Distance within which a dimension counts as one of `_PLAIN` decimals."""
+        return min(_FITTED * self.scatter_mm, 0.5 * 10.0**-_PLAIN)
 
     @property
     def rounding_mm(self) -> float:
@@ -63,9 +68,9 @@ _PLAIN, _MOST_DIGITS, _FITTED = 3, 6, 3.0
 
 
 def faceted(scatter_mm: float) -> Closeness:
-    """Return that of triangles whose corners scatter about the body: at least as a file rounds them."""
+    """Return that of triangles whose corners scatter about the body."""
     digits = min(max(math.ceil(-math.log10(max(scatter_mm, 1e-12))), _PLAIN), _MOST_DIGITS)
-    return Closeness(5e-4, 2e-3, 0.03, digits, min(_FITTED * scatter_mm, 0.5 * 10.0**-_PLAIN))
+    return Closeness(5e-4, 2e-3, 0.03, digits, scatter_mm)
 
 
 @dataclass(frozen=True)
@@ -96,6 +101,7 @@ class FoundBody:
     Attributes:
         assumed: what was assumed of the file, in words.
         faces, triangles: numbers of them; no triangles of a body with exact faces.
+        volume_within: share of the volume that the scatter of corners may hide.
     """
 
     solids: tuple[FoundSolid, ...]
@@ -104,6 +110,7 @@ class FoundBody:
     halves: tuple[HalfBody, ...]
     faces: int
     triangles: int = 0
+    volume_within: float = 0.0
     assumed: tuple[str, ...] = ()
 
 

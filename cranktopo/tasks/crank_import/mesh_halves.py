@@ -105,9 +105,9 @@ def crank_of_mesh(
         for number, group in enumerate(groups, 1)
     )
     count = len(faces.cylinders) + len(faces.planes) + len(faces.tori) + len(faces.others)
-    return FoundBody(
-        solids, taken, crank, halves, count, len(mesh.faces), (*assumed, *hand_words(crank, groups))
-    )
+    within = near.scatter_mm * float(mesh.areas_mm2.sum()) / mesh.volume_mm3
+    words = (*assumed, *hand_words(crank, groups))
+    return FoundBody(solids, taken, crank, halves, count, len(mesh.faces), within, words)
 
 
 def _check_order(skin: Skin, path: Path) -> None:

@@ -98,6 +98,15 @@ def _facts(result: CrankImport) -> list[Fact]:
                 "good" if share < _GOOD_PERCENT else "bad",
             )
         )
+    if result.source.triangles:
+        facts.append(
+            Fact(
+                "Mass within",
+                text.within_words(result),
+                "scatter of the triangles' corners over the whole surface",
+                "good" if 100 * result.volume_within < _GOOD_PERCENT else "bad",
+            )
+        )
     return facts
 
 

@@ -202,6 +202,9 @@ class CrankImport(Result):
     """Volume of the body."""
     design_volume_mm3: float | None
     """Volume of the crank of the designs, ends included; null where they are no whole crank."""
+    volume_within: float
+    """Share of the volume of the designs, and so of their mass, that the scatter of the corners of triangles
+    over the whole surface may hide; 0 of exact faces."""
     deviation_mm: ImportDeviation
     """Distances of the outlines of bodies and designs."""
     unread: tuple[ImportedLack, ...]

@@ -76,6 +76,7 @@ def result_of(
         assumed=(*body.assumed, *crank.assumed, f"material = {material}: CAD does not tell it"),
         volume_mm3=taken.volume_mm3,
         design_volume_mm3=files.volume_mm3,
+        volume_within=body.volume_within,
         deviation_mm=ImportDeviation(
             max=max(web.read.outline_mm for web in webs),
             rms=math.sqrt(sum(web.read.outline_rms_mm**2 for web in webs) / len(webs)),

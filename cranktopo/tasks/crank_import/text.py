@@ -53,6 +53,11 @@ def unread_lines(result: CrankImport) -> list[str]:
     return [f"{lack.where}: {lack.what}" for lack in result.unread]
 
 
+def within_words(result: CrankImport) -> str:
+    """Return within which share the volume of the designs is told."""
+    return f"{100 * result.volume_within:.2g} %"
+
+
 def import_text(result: CrankImport) -> str:
     """Return what the command prints: what is missing first, then tables, then what to do next."""
     lines = [f"not read: {line}" for line in unread_lines(result)]
@@ -62,5 +67,7 @@ def import_text(result: CrankImport) -> str:
     files = [f"{half.design}: {', '.join(half.webs)}" for half in result.halves]
     if design != result.halves[0].design:
         files = [", ".join((design, *result.files.throws)) + ": the whole crank", *files]
+    if result.source.triangles:
+        files += [f"mass: corners of the triangles tell it within {within_words(result)}"]
     after = [*files, f"page: {result.page}", f"next: cranktopo evaluate {design}"]
     return "\n\n".join(["\n".join(lines), *tables, "\n".join(after)])

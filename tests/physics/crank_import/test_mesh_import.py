@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 from manifold3d import Manifold
 from scipy.spatial.transform import Rotation
 
@@ -15,6 +16,8 @@ from cranktopo import load_scene
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid import step
 from cranktopo.bodies.solid.files import kernel_surface_of, surface_of
+from cranktopo.bodies.volume import half_throw_volume_mm3
+from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.files import write_stl, write_surface
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
@@ -27,8 +30,10 @@ from cranktopo.tasks.crank_import.meshes import mesh_solids
 from cranktopo.tasks.crank_import.result import CrankImport
 from cranktopo.tasks.crank_import.solids import parallel_axes
 from cranktopo.tasks.crank_import.stage import import_crank
+from cranktopo.tasks.crank_import.text import import_text
 from cranktopo.tasks.importing.faces import CylinderFace, Faces
 from tests.physics.crank_import.test_crank_import import built_in, run_out
+from tests.random_engines import random_engine
 
 LENGTH_MM, ANGLE_DEG = 0.02, 0.05
 
@@ -199,6 +204,27 @@ def test_an_elliptic_web_turns_no_axis() -> None:
     for face in whole:
         axis = Rotation.random(random_state=5).as_matrix()[:, 2]
         assert np.linalg.norm(np.cross(face.axis, axis)) < 1e-6
+
+
+@pytest.mark.slow
+def test_corners_beside_the_body_tell_how_sure_the_mass_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Triangles cut into four each have corners in the middle of chords, up to 0.02 mm inside the body."""
+    scene = scene_from_dict(random_engine(12), "engine", whole=True)
+    mesh, volume = coarse(scene, "half", monkeypatch), half_throw_volume_mm3(scene)
+    for folder, body, low, high in (
+        ("drawn", mesh, 0.0, 1e-6),
+        ("again", SurfaceMesh(*trimesh.remesh.subdivide(mesh.vertices_mm, mesh.faces)), 1e-4, 2e-3),
+    ):
+        (tmp_path / folder).mkdir()
+        result = imported(body, folder, tmp_path / folder)
+        off = abs(result.halves[0].design_volume_mm3 / volume - 1)
+        assert low <= off < high
+        assert off < result.volume_within < max(20 * off, 1e-5)
+        assert f"mass: corners of the triangles tell it within {100 * result.volume_within:.2g} %" in (
+            import_text(result)
+        )
 
 
 def test_cylinders_end_in_the_planes_across_them() -> None:
