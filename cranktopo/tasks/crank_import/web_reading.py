@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from cranktopo.base.errors import CranktopoError
@@ -126,6 +127,12 @@ def read_web(
 
 
 def _scene_solid(scene: Scene) -> Manifold:
+    return _solid(scene.model_copy(update={"name": "half throw"}))
+
+
+@lru_cache(maxsize=4)
+def _solid(scene: Scene) -> Manifold:
+    """Return a half throw by the kernel; several halves of a crank may have one design."""
     return solid_of(kernel_surface_of(scene, "half"), scene.name)
 
 
