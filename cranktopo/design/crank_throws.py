@@ -23,7 +23,7 @@ _OTHERS_KEYS = ("crankpin", "second_crankpin_length_mm", "drilling")
 """Keys of [throw] that a crank takes from another design."""
 _TAKEN_BY = (
     "Taken by loads, plan, balance and film, by vibration with shaft.throw_stiffness_Nm_per_rad, by export "
-    "to .step and .stl of throw, crankshaft and web; without this key the pin is straight."
+    "to .step and .stl of throw, crankshaft and web and to a drawing; without this key the pin is straight."
 )
 
 

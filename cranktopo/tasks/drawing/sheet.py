@@ -16,11 +16,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cranktopo.base.files import replacing
+from cranktopo.base.frames import about_z_deg
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.base.units import MM_PER_INCH
 from cranktopo.bodies.prisms import thread_holes
 from cranktopo.bodies.solid.files import cut_in_halves, kernel_surface_of
-from cranktopo.design.crank_throws import refuse_split_pins
+from cranktopo.design.crank_throws import half_turns_deg, is_split
 from cranktopo.design.drawing import surface_notes
 from cranktopo.design.halves import difference, halves, mirror_image, web_asymmetry
 from cranktopo.design.schema import Scene
@@ -30,7 +31,9 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 from cranktopo.report.drafting import GHOST, INK, TEXT_SIZE, folded, frame, projection_symbol
 from cranktopo.report.dxf import write_dxf
 from cranktopo.report.plot import save_figure, save_pages
+from cranktopo.tasks.drawing.half_pin import split_lines, split_notes
 from cranktopo.tasks.drawing.views import Room, Sheet, cross_section, front_view, lengthwise_section
+from cranktopo.throw.journal import Journal
 from cranktopo.throw.profile import ProfileWeb
 
 if TYPE_CHECKING:
@@ -51,6 +54,7 @@ _SHOWN = {
 }
 _REDUCED = " on A3; reduced on this page, not to scale"
 _TURNED = "Half a turn about the throw from where sheet 1 is drawn: x of the design runs to the left."
+_FLYING = ["MAIN JOURNAL none: this web and the next throw's", f"{'':13}are one flying web, back to back"]
 _IMAGE = "The other half is the mirror image beyond the middle of the crankpin."
 
 
@@ -143,6 +147,7 @@ def _page(sheet: Sheet, balance: ThrowBalance) -> SheetPage:
             *strength_notes(scene),
             *treatment_notes(scene),
             *(["Web symmetric in x."] if not web_asymmetry(scene) else [_IMAGE] * (sheet.half is None)),
+            *split_notes(scene, alone=sheet.half is None),
             *[_TURNED] * sheet.turned,
         ],
         ghost="" if sheet.body is None else "body that was re-modelled",
@@ -226,16 +231,19 @@ def table_lines(sheet: Sheet) -> list[str]:
 
 
 def _journal_lines(sheet: Sheet) -> list[str]:
-    scene, lines = sheet.scene, []
+    scene, lines = sheet.scene, list[str]()
     for (journal, _), name in zip(scene.throw.journals, ("MAIN JOURNAL", "CRANKPIN"), strict=True):
-        bore = f", bore ⌀{journal.bore_diameter_mm:g}" if journal.bore_diameter_mm else ", solid"
-        fillet = f", fillets {journal.fillet}" if journal.fillet_mm else ", no fillets"
-        lines.append(f"{name:13}⌀{journal.outer_diameter_mm:g}{bore}")
-        lines.append(f"{'':13}length {journal.length_mm:g}{fillet}")
+        lines += _one_journal(journal, name) if journal.length_mm else _FLYING
     long = f"this half {scene.pitch_mm / 2:g} long" if sheet.half else f"pitch {scene.pitch_mm:g}"
     throw = f"{'THROW':13}radius {scene.throw.radius_mm:g}, {long}"
     drilled = [line for _, one in scene.throw.features() for line in one.drawing(scene).lines]
-    return [*lines, throw, *drilled, ""]
+    return [*lines, *split_lines(scene), throw, *drilled, ""]
+
+
+def _one_journal(journal: Journal, name: str) -> list[str]:
+    bore = f", bore ⌀{journal.bore_diameter_mm:g}" if journal.bore_diameter_mm else ", solid"
+    fillet = f", fillets {journal.fillet}" if journal.fillet_mm else ", no fillets"
+    return [f"{name:13}⌀{journal.outer_diameter_mm:g}{bore}", f"{'':13}length {journal.length_mm:g}{fillet}"]
 
 
 def _outline_lines(scene: Scene) -> list[str]:
@@ -301,19 +309,21 @@ def export_drawing(
 
 
 def throw_sheets(scene: Scene, half: SurfaceMesh | None = None, throw: Manifold | None = None) -> list[Sheet]:
-    """Return the sheets of a throw: half of it, or both halves where they differ.
+    """Return the sheets of a throw: half of it, or both halves where one does not tell the other.
 
     They have the kernel's triangles, which follow a fillet, unless `half` or a `throw` whose halves differ is
     at hand. The second half is turned half a turn about the throw direction, so that it too has its main
-    journal on the left and is seen from the crankpin.
+    journal on the left and is seen from the crankpin. Of a split pin each half has its own half pin up.
     """
-    refuse_split_pins(scene)
-    if not difference(scene):
+    if not difference(scene) and not is_split(scene):
         solid = solid_of(half or kernel_surface_of(scene, "half"), "half throw")
         return [Sheet(scene, solid - thread_holes(scene))]
     near, far = halves(scene)
     whole = throw or solid_of(kernel_surface_of(scene, "throw"), "throw")
-    first, second = cut_in_halves(scene, whole)
+    upright = (whole.rotate((0.0, 0.0, about_z_deg(-turn))) for turn in half_turns_deg(scene))
+    first, second = (cut_in_halves(scene, one)[side] for side, one in enumerate(upright))
     first, second = first - thread_holes(near), second - thread_holes(far)
+    if not difference(scene) and not web_asymmetry(scene):
+        return [Sheet(near, first)]
     turned = second.mirror((1.0, 0.0, 0.0))
     return [Sheet(near, first, half="first"), Sheet(mirror_image(far), turned, half="second")]

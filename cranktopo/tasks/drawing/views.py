@@ -15,6 +15,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.spans import polygon_section
 from cranktopo.bodies.prisms import bolted_counterweight, web_region
+from cranktopo.design.crank_throws import is_split
 from cranktopo.design.opened_fillets import opened_fillets
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.plane_section import section_x, section_y
@@ -33,6 +34,7 @@ from cranktopo.report.drafting import (
     leader,
 )
 from cranktopo.tasks.drawing.bolt_views import bolt_feature, draw_bolts, draw_threads
+from cranktopo.tasks.drawing.half_pin import ANGLE_MM, draw_other_half_pin, front_reach_mm
 from cranktopo.tasks.drawing.point_texts import (
     PLACE_MM,
     line_levels,
@@ -159,13 +161,18 @@ class Sheet:
         return max([self.scene.web.largest_half_width_mm, *added])
 
     @property
+    def front_half_mm(self) -> float:
+        """Largest distance from the axis, across, of what the front view shows."""
+        return max(self.half_width_mm, front_reach_mm(self.scene))
+
+    @property
     def rooms(self) -> tuple[Room, Room, Room]:
         """Rooms of the front view, of the section through both axes and of the section across the throw."""
-        wide, half, end = self.half_width_mm, self.scene.web.largest_half_width_mm, self.scene.pitch_mm / 2
+        wide, half, end = self.front_half_mm, self.scene.web.largest_half_width_mm, self.scene.pitch_mm / 2
         if self.sectioned_feature is not None and self.sectioned_feature.added:
-            half = wide
+            half = self.half_width_mm
         text = _TEXT_MM if isinstance(self.scene.web, ProfileWeb) else _GAP_MM
-        above = 8.0 * any(round(x, 2) for x, _ in self.places)
+        above = 8.0 * any(round(x, 2) for x, _ in self.places) + ANGLE_MM * is_split(self.scene)
         text += PLACE_MM * bool(self.places)
         left, side, beside = (_GAP_MM + lines * _LINE_MM for lines in (2.5, 3.5, 1.5))
         under = 2.2 * _GAP_MM
@@ -205,7 +212,9 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
     gap, line, (y, half) = _GAP_MM / scale, _LINE_MM / scale, outline_points(sheet.scene)
     (low, high), x_way = sheet.web_y_mm, -1 if sheet.turned else 1
     widest, place = web.largest_half_width_mm, float(y[np.argmax(half)])
-    under, beside = sheet.y_range_mm[0], sheet.half_width_mm
+    under, beside = sheet.y_range_mm[0], sheet.front_half_mm
+    if is_split(sheet.scene):
+        draw_other_half_pin(axes, sheet.scene, 1 / scale)
     dimension(axes, (-widest, place), (widest, place), (0, under - gap - place), f"{2 * widest:.2f}")
     for number, (start, end) in enumerate(((low, 0.0), (low, high))):
         dimension(axes, (0, start), (0, end), (-beside - gap - number * line, 0), f"{end - start:.2f}")
@@ -251,7 +260,7 @@ def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
     main, pin = throw.main_journal, throw.crankpin
     own = [one for feature in sheet.features for one in feature.lengthwise]
     for a, b, edge, side, text in (
-        (0.0, start, low, -1, f"{main.length_mm / 2:g}"),
+        *([(0.0, start, low, -1, f"{main.length_mm / 2:g}")] if start else []),
         (start, stop, low, -1, f"{scene.web.thickness_mm:g}"),
         (stop, end, high, 1, f"{pin.length_mm / 2:g}"),
     ):
@@ -259,6 +268,8 @@ def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
         dimension(axes, (a, edge), (b, edge), (0, side * (gap + row * line)), text)
     sides = (main, 0.0, 0.0, -1), (pin, throw.radius_mm, end, 1)
     for (journal, y, z, side), is_open in zip(sides, opened_fillets(scene), strict=True):
+        if not journal.length_mm:
+            continue  # a flying web has none
         diameters = filter(None, (journal.bore_diameter_mm, journal.outer_diameter_mm))
         for number, diameter in enumerate(diameters):
             ends = (z, y - diameter / 2), (z, y + diameter / 2)
@@ -336,9 +347,9 @@ def silhouette(solid: Manifold) -> list[Array]:
 
 
 def _journals(axes: Any, scene: Scene) -> None:
-    throw = scene.throw
-    for journal, y, style in ((throw.main_journal, 0.0, "--"), (throw.crankpin, throw.radius_mm, "-")):
-        circle(axes, journal.radius_mm, y, style, 1.0)
+    for (journal, y), style in zip(scene.throw.journals, ("--", "-"), strict=True):
+        if journal.length_mm:  # else a flying web has none
+            circle(axes, journal.radius_mm, y, style, 1.0)
         if journal.bore_radius_mm:
             circle(axes, journal.bore_radius_mm, y, "-", 1.4, "white")
         reach = 1.15 * journal.radius_mm

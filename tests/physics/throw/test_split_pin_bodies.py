@@ -16,7 +16,6 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import solid_of
 from cranktopo.tasks.crank_import.stage import import_crank
-from cranktopo.tasks.drawing.sheet import throw_sheets
 from tests.physics.throw.test_crossing_drillings import drilled_twin
 from tests.physics.throw.test_whole_crank import check_step_file
 
@@ -82,11 +81,6 @@ def test_half_pins_that_do_not_overlap_are_refused() -> None:
 def test_other_parts_are_refused(part: Any) -> None:
     with pytest.raises(CranktopoError, match=r"pin_splay_deg = -30\.0: split pins are not modelled here"):
         surface_of(split(SPLAY), part)
-
-
-def test_the_drawing_of_one_throw_is_refused() -> None:
-    with pytest.raises(CranktopoError, match=r"split pins are not modelled here"):
-        throw_sheets(split(SPLAY))
 
 
 @pytest.mark.slow
