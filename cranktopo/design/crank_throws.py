@@ -138,8 +138,9 @@ def refuse_flying_web(scene: Scene) -> None:
     """Refuse a throw without a main journal on one side, for what needs a rigid section there."""
     if any(half.throw.main_journal.length_mm == 0 for half in halves(scene)):
         raise CranktopoError(
-            f"{scene.name}: a web beside it is a flying one, which is not modelled by elements or cells.",
-            hint="Taken by loads, balance and export; vibration needs shaft.throw_stiffness_Nm_per_rad.",
+            f"{scene.name}: a web beside it is a flying one, which is not modelled here.",
+            hint="`evaluate` tells its stiffness. Taken by loads, balance and export; vibration needs "
+            "shaft.throw_stiffness_Nm_per_rad.",
         )
 
 

@@ -12,6 +12,7 @@ from cranktopo.base.notes import note
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.crank import Crank
 from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.flying_web import flying_webs
 from cranktopo.design.halves import WebName, halves
 from cranktopo.design.misfire import all_firing, misfire
 from cranktopo.design.schema import Scene
@@ -41,6 +42,8 @@ def one_throw(scene: Scene, number: int | None = None, *, all_fire: bool = True)
         note(
             f"{scene.name}: a throw is modelled between two main bearings, also where crank.bearings has none"
         )
+    for web in flying_webs(scene):
+        note(f"{web.name}: `evaluate` tells its stiffness; no command judges its stress")
     if crank is None or crank.uniform:
         if number is not None:
             raise CranktopoError(

@@ -91,7 +91,9 @@ def test_a_pocket_beside_the_middle_is_on_the_other_side_of_the_second_sheet() -
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "scene", [split(SPLAY), split(70.0), split(3.0), split(SPLAY, 6, "second", 1.0)], ids=str
+    "scene",
+    [split(SPLAY), split(70.0), split(3.0), split(SPLAY, 6, "second", 1.0)],
+    ids=["30 behind", "70 ahead", "3 ahead", "drilled"],
 )
 def test_no_text_lies_over_another(scene: Scene) -> None:
     for figure in drawing_figures(throw_sheets(scene), throw_balance(scene)):

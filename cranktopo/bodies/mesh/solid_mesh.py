@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -166,7 +167,7 @@ def _set_sizes(
     terms = [f"{size!r}"]
     if graded:
         rings = _rings(scene, full)
-        terms += [_ring_size(_finest(scene, size, ring[-1], fillet_fraction), *ring) for ring in rings]
+        terms += [_ring_size(finest_mm(scene, size, ring[-1], fillet_fraction), *ring) for ring in rings]
     heights = ("z", f"({scene.pitch_mm!r}-z)")[: 1 + full]
     for z, half in zip(heights, halves(scene), strict=False):
         for bore in drill_bores(half):
@@ -174,6 +175,11 @@ def _set_sizes(
         for body in web_bodies(half) if graded else ():
             if isinstance(body, SideSlots) and body.floor_radius_mm:
                 terms.append(body.size_term(_at_floor(scene, size, body.floor_radius_mm, fillet_fraction), z))
+    set_size_field(gmsh, terms)
+
+
+def set_size_field(gmsh: Any, terms: Sequence[str]) -> None:
+    """Make the least of some formulae in x, y, z the element size of the open session, mm."""
     text = terms[0]
     for term in terms[1:]:
         text = f"Min({text}, {term})"
@@ -213,11 +219,12 @@ def ring_size_mm(scene: Scene, size: float, points_mm: NDArray[np.float64]) -> N
         result = np.minimum(result, size_mm(bore, size, points_mm))
     for axis_y, radius, centre_z, fillet in _rings(scene, full=False):
         away = np.abs(fillet.off_mm(np.hypot(x, y - axis_y) - radius, z - centre_z))
-        result = np.minimum(result, _finest(scene, size, fillet) + GROWTH * away)
+        result = np.minimum(result, finest_mm(scene, size, fillet) + GROWTH * away)
     return result
 
 
-def _finest(scene: Scene, size: float, fillet: FilletSection, fraction: float | None = None) -> float:
+def finest_mm(scene: Scene, size: float, fillet: FilletSection, fraction: float | None = None) -> float:
+    """Return the element size at a fillet or sharp ring, mm; `fraction` of its radius where given."""
     if fraction is not None and fillet.radial_mm:
         return min(size, fraction * fillet.least_radius_mm)
     return size * min(1.0, max(usual_scale(scene) * fillet.shorter_mm / _ROUND_MM, _FINEST))

@@ -15,7 +15,7 @@ import numpy as np
 from cranktopo.design.assumed import pin_overlap_mm
 from cranktopo.design.crank_throws import half_turns_deg, is_split
 from cranktopo.design.schema import Scene
-from cranktopo.report.drafting import INK, TEXT_SIZE, THIN, centre_line, circle
+from cranktopo.report.drafting import INK, TEXT_SIZE, THIN, centre_line, circle, number_mm
 
 ANGLE_MM = 12.0
 """Paper above a split pin for the angle of its halves."""
@@ -59,8 +59,9 @@ def draw_other_half_pin(axes: Any, scene: Scene, mm: float) -> None:
     for tip, tail in ((0, _HEAD), (-1, -1 - _HEAD)):
         arrow = {"arrowstyle": "-|>", "lw": 0.6, "color": INK, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", arc[tip], arc[tail], arrowprops=arrow)
-    middle = arc[len(arc) // 2] * (1 + _TEXT_MM * mm / arc_mm)
     text = f"{abs(splay_deg(scene)):g}° ±{scene.drawing.throw_angle_tolerance_deg:g}°"
+    aside = abs(sin(radians(splay_deg(scene)) / 2)) * number_mm(text) / 2
+    middle = arc[len(arc) // 2] * (1 + (_TEXT_MM + aside) * mm / arc_mm)
     axes.text(*middle, text, fontsize=TEXT_SIZE + 0.5, ha="center", va="center")
 
 

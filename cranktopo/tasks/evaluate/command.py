@@ -88,11 +88,14 @@ def command(
         tell(EvaluationList(evaluations=tuple(entries)).as_json())
     else:
         from cranktopo.report.result_table import terminal
+        from cranktopo.tasks.throw_fea.flying_web import flying_line
         from cranktopo.tasks.throw_fea.quantities import evaluation_table, result_line
 
         tell(terminal(evaluation_table(found.evaluations)) + "\n")
         for evaluation in found.evaluations:
             tell(result_line(evaluation))
+            for flying in evaluation.flying_webs:
+                tell(flying_line(flying))
         for one in worth:
             from cranktopo.tasks.web_shape.text import sensitivity_text
 

@@ -23,6 +23,7 @@ from cranktopo.tasks.throw_fea.result import (
     EvaluatedMass,
     EvaluationResult,
     EvaluationSeconds,
+    FlyingWebResult,
     MeshSize,
     StiffnessPerMass,
     SupportNames,
@@ -48,6 +49,7 @@ class Evaluation:
         unbalance_kg_mm: mass times y of the centre of mass.
         assumed: what the design does not say and the stiffnesses depend on.
         triangles: the body is a surface of triangles, which the mesh replaces.
+        flying_webs: each distinct one of the crank that the throw is of.
     """
 
     target: str
@@ -65,6 +67,7 @@ class Evaluation:
     triangles: bool = False
     second_web_kg: float | None = None
     balance_factor_percent: float | None = None
+    flying_webs: tuple[FlyingWebResult, ...] = ()
 
     @property
     def torsion_Nm_per_rad(self) -> float:
@@ -110,6 +113,7 @@ class Evaluation:
                 mesh=fine.mesh_seconds, solve=fine.solve_seconds, total=self.total_seconds
             ),
             assumed=self.assumed,
+            flying_webs=self.flying_webs or None,
         )
 
 

@@ -58,6 +58,37 @@ class EvaluationSeconds(Result):
     total: float
 
 
+class FlyingWebBending(Result):
+    """Couple over tilt about the axis across the shaft about which that is least, and most."""
+
+    softest_Nm_per_rad: float
+    softest_axis_deg: float
+    """Ahead of the throw on the free end's side, in the sense of rotation."""
+    stiffest_Nm_per_rad: float
+
+
+class FlyingWebResult(Result):
+    """A flying web between the rigid middle sections of both its crankpins."""
+
+    name: str
+    turn_deg: float
+    """Of the throw behind it ahead of the one before, in the sense of rotation."""
+    mass_kg: float
+    """Of both webs that it is made of."""
+    torsion: dict[str, float]
+    """Torque over relative rotation about the crank axis; held: sections may not move or tilt across."""
+    bending: FlyingWebBending
+    mesh: MeshSize
+    error_estimate_percent: dict[str, float]
+    """Of `torsion` and `bending`: the larger one of both stiffnesses."""
+    seconds: float
+
+    @property
+    def error_percent(self) -> float:
+        """The larger of the two error estimates."""
+        return max(self.error_estimate_percent.values())
+
+
 class EvaluationResult(Result):
     """The evaluation of one target."""
 
@@ -90,6 +121,8 @@ class EvaluationResult(Result):
     """Load states of that minimum: "extremes", "cycle" or "shaft"; None in earlier versions too."""
     fatigue_remarks: tuple[str, ...] | None = UNLESS_NONE
     """Sentences on that minimum: missed checks of the mesh, places not judged, the speed that decides."""
+    flying_webs: tuple[FlyingWebResult, ...] | None = UNLESS_NONE
+    """Each distinct flying web of the crank, where it has any and its design was evaluated as a crank."""
     stress_MPa: float | None = UNLESS_NONE
     """Largest von Mises stress over the same load states, where requested."""
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import Pace, note
 from cranktopo.design.assumed import EVALUATED, assumed_text, filter_by_table
 from cranktopo.tasks.throw_fea.evaluation import Evaluation, evaluate
+from cranktopo.tasks.throw_fea.flying_web import evaluate_flying_web
 from cranktopo.tasks.throw_fea.levels import ErrorTarget, evaluate_to
+from cranktopo.tasks.throw_fea.result import FlyingWebResult
 from cranktopo.tasks.throw_fea.studies import EVALUATION, key_of, load_study
-from cranktopo.tasks.throw_fea.targets import Target, TargetLike, resolve_targets
+from cranktopo.tasks.throw_fea.targets import Target, TargetLike, at_a_bearing, resolve_targets
 
 
 @dataclass(frozen=True)
@@ -62,11 +64,14 @@ def evaluate_targets(targets: Sequence[TargetLike], request: MeshRequest | None 
     resolved = resolve_targets(targets, whole=True)
     print_assumed(resolved, EVALUATED)
     pace = Pace("evaluation", len(resolved))
-    for target in resolved:
+    request = request or MeshRequest()
+    for target in map(at_a_bearing, resolved):
         pace.begin(target.name)
-        evaluation, reached = _evaluate(target, request or MeshRequest())
-        evaluations.append(evaluation)
+        evaluation, reached = _evaluate(target, request)
         missed += [] if reached else [f"{target.name} ({evaluation.error_percent:.2f} %)"]
+        webs = tuple(evaluate_flying_web(web, request.element_size_mm) for web in target.flying)
+        evaluations.append(replace(evaluation, flying_webs=webs))
+        missed += [f"{web.name} ({web.error_percent:.2f} %)" for web in webs if _misses(web, request)]
     return Evaluations(tuple(evaluations), tuple(missed))
 
 
@@ -78,6 +83,10 @@ def print_assumed(targets: Sequence[Target], tables: Sequence[str]) -> None:
         found = filter_by_table(target.assumed, tables)
         if found:
             note(f"{target.name}: {assumed_text(found)}")
+
+
+def _misses(web: FlyingWebResult, request: MeshRequest) -> bool:
+    return request.accuracy_percent is not None and web.error_percent > request.accuracy_percent
 
 
 def _evaluate(target: Target, request: MeshRequest) -> tuple[Evaluation, bool]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.notes import note
 from cranktopo.design.assumed import (
     FATIGUE,
     LOADS,
@@ -18,8 +19,9 @@ from cranktopo.design.assumed import (
     assumptions,
     stored_assumptions,
 )
+from cranktopo.design.flying_web import FlyingWeb, flying_webs, web_at_a_bearing
 from cranktopo.design.halves import require_equal_halves
-from cranktopo.design.loading import builtin_designs, load_scene, shaped_web
+from cranktopo.design.loading import builtin_designs, load_scene, one_web, shaped_web
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run
 from cranktopo.engine.one_throw import one_throw
@@ -47,6 +49,8 @@ class Target:
         assumed: what the design does not say of throw, engine, supports and fatigue.
         left_out: features that the plan takes out of `scene`, and why; empty where none is.
         design: before its effects plan was applied; None where only the planned scene is known.
+        flying: each distinct flying web of the crank that the throw was taken from, without what its plan
+            leaves out.
         throw_stiffness_source: where the stiffness in the shaft table comes from, unless the design gives it.
     """
 
@@ -58,6 +62,7 @@ class Target:
     assumed: tuple[Assumption, ...] = ()
     left_out: str = ""
     design: Scene | None = None
+    flying: tuple[FlyingWeb, ...] = ()
     throw_stiffness_source: str = ""
 
     @property
@@ -181,7 +186,28 @@ def _of_scene(scene: Scene, kept: _Kept) -> Target:
         require_equal_halves(taken)
     left_out = left_out_features(taken, _kept_features(kept.fillets))
     planned, assumed = simulated(taken, kept.fillets), assumptions(scene, USED)
-    return Target(taken.name, planned, assumed=assumed, left_out=left_out, design=taken)
+    flying = () if kept.crank else tuple(_planned_web(web, kept.fillets) for web in flying_webs(scene))
+    return Target(taken.name, planned, assumed=assumed, left_out=left_out, design=taken, flying=flying)
+
+
+def _planned_web(web: FlyingWeb, fillets: bool) -> FlyingWeb:
+    return replace(web, near=simulated(web.near, fillets), far=simulated(web.far, fillets))
+
+
+def at_a_bearing(target: Target) -> Target:
+    """Return the throw of two webs like the one at a bearing, of a throw beside a flying web, with a line.
+
+    Another target is returned as it is.
+    """
+    web = None if target.file else web_at_a_bearing(target.scene)
+    if web is None:
+        return target
+    scene = one_web(target.scene, web)
+    note(
+        f"{target.name}: evaluated is a throw with its {web} web twice, the one at a bearing; the flying web "
+        "has a line of its own"
+    )
+    return replace(target, name=scene.name, scene=scene, design=target.design and one_web(target.design, web))
 
 
 def _run(run: RunStore) -> Target:
