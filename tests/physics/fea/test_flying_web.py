@@ -17,6 +17,7 @@ from cranktopo.app.main import main
 from cranktopo.base.frames import about_z_deg
 from cranktopo.bodies.mesh.flying_mesh import mesh_flying_web
 from cranktopo.bodies.solid.crankshaft import add_crankshaft
+from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.flying_web import FlyingWeb, flying_webs, web_at_a_bearing
 from cranktopo.design.loading import load_scene, one_web, scene_from_dict
@@ -103,6 +104,18 @@ def test_every_command_tells_that_its_stress_is_not_judged(caplog: pytest.LogCap
     assert (
         "flying web between throws 1 and 2: `evaluate` tells its stiffness; no command judges" in caplog.text
     )
+
+
+@pytest.mark.parametrize("turn", [120.0, 240.0])
+def test_round_ends_that_go_on_in_each_other(turn: float) -> None:
+    """The kernel joined them to one cylinder whose seam is in steps, and never came back."""
+    (web,) = flying_webs(crank(turn))
+    meshed = mesh_flying_web(web, 15.0)
+    volume = half_throw_volume_mm3(web.near) + half_throw_volume_mm3(web.far)
+    assert meshed.body.volume_mm3 == pytest.approx(volume, rel=1e-6)
+    both = np.array([np.sin(radians(turn)), 1 + np.cos(radians(turn))])
+    centre = np.array(meshed.body.centre_mm[:2])
+    assert centre / np.linalg.norm(centre) == pytest.approx(both / np.linalg.norm(both), abs=1e-6)
 
 
 def of_web(web: FlyingWeb, size: float) -> tuple[TetMesh, Elasticity]:
