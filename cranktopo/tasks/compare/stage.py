@@ -113,7 +113,8 @@ def compare_targets(
         resolved = resolve_targets(every, design, fillets=True, align=align, whole=True, throw=throw)
         designed, _ = counted_alike(every, resolved, fillets=True)
         fatigues, loaded = judge(designed, methods, index, loads, fillet_fraction or RULE_FRACTION)
-    found = evaluate_targets(targets, request)
+    throws_alone = [replace(target, flying=()) for target in targets]  # a comparison shows no flying web
+    found = evaluate_targets(throws_alone, request)
     judged = (one for by in fatigues for one in by.result.fatigue if isinstance(one, FieldFatigue))
     stresses = {one.target: one.largest_stress_MPa for one in judged}
     worlds = _both_worlds(fatigues[:1])

@@ -203,10 +203,7 @@ def at_a_bearing(target: Target) -> Target:
     if web is None:
         return target
     scene = one_web(target.scene, web)
-    note(
-        f"{target.name}: evaluated is a throw with its {web} web twice, the one at a bearing; the flying web "
-        "has a line of its own"
-    )
+    note(f"{target.name}: evaluated is a throw with its {web} web twice, the one at a bearing")
     return replace(target, name=scene.name, scene=scene, design=target.design and one_web(target.design, web))
 
 
