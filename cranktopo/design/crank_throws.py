@@ -139,8 +139,8 @@ def refuse_flying_web(scene: Scene) -> None:
     if any(half.throw.main_journal.length_mm == 0 for half in halves(scene)):
         raise CranktopoError(
             f"{scene.name}: a web beside it is a flying one, which is not modelled here.",
-            hint="`evaluate` tells its stiffness. Taken by loads, balance and export; vibration needs "
-            "shaft.throw_stiffness_Nm_per_rad.",
+            hint="`evaluate` tells its stiffness beside a throw at a bearing. Taken by loads, balance, "
+            "export; vibration needs shaft.throw_stiffness_Nm_per_rad.",
         )
 
 
