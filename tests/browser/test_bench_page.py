@@ -445,6 +445,44 @@ def test_a_lock_keeps_a_dimension_or_gives_shape_a_range_of_it(quick: Any) -> No
 
 
 @pytest.mark.slow
+def test_the_drawing_has_the_locks_and_shows_how_far_shape_may_go(quick: Any) -> None:
+    """By pointer and by keyboard, whose focus stays where the drawing is made anew."""
+    seen = quick(PLAIN)
+    page = seen.page
+    shown(page)
+    assert page.locator("#front path.free").count() == 0
+    assert page.locator("[data-handle='web.width_mm'] .lock").count() == 0, "always free"
+    lock = page.locator("[data-handle='web.thickness_mm'] .lock")
+    assert lock.get_attribute("aria-pressed") == "true", "shape keeps what has no range"
+    lock.locator(".hit").click()
+    page.wait_for_selector("#history li.here:has-text('free for shape from 13.3 to 24.7')")
+    page.wait_for_selector("[data-handle='web.thickness_mm'] .lock[aria-pressed=false]")
+    way = page.locator("#front path.free").evaluate("(path) => path.getBBox().width")
+    assert way == pytest.approx(24.7 - 13.3, abs=0.01)
+    in_form = page.get_by_role("button", name="thickness: keep as it is")
+    assert in_form.get_attribute("aria-pressed") == "false"
+    lock.focus()
+    page.keyboard.press("Enter")
+    page.wait_for_selector("[data-handle='web.thickness_mm'] .lock[aria-pressed=true]")
+    assert page.locator("#front path.free").count() == 0
+    assert lock.evaluate("(lock) => lock === document.activeElement")
+    assert seen.complaints == []
+
+
+@pytest.mark.slow
+def test_arrow_keys_move_a_handle_again_and_again(quick: Any) -> None:
+    page = quick(PLAIN).page
+    shown(page)
+    field = page.locator("[id='f-web.width_mm']")
+    width = float(field.input_value())
+    page.locator("[data-handle='web.width_mm'] circle").focus()
+    for step in (1, 2):
+        page.keyboard.press("ArrowRight")
+        page.wait_for_selector(f"#history li.here:has-text('web width: {width + 0.5 * step:g} mm')")
+        stays_shown(page)
+
+
+@pytest.mark.slow
 def test_a_cylinder_misfires_and_the_torque_follows(quick: Any) -> None:
     """Of four equal cylinders the work of one is lost, and its compression is given back."""
     seen = quick("car-diesel")

@@ -1,5 +1,6 @@
 // Forms of the design, made of the schema.
 import { $, make, numberOf, shown, words } from "./base.js";
+import { lockOf, lockShape, lockTitle, toggleLock } from "./lock.js";
 import { state, valueAt } from "./state.js";
 import { complain, drag, edit, say, status } from "./talk.js";
 
@@ -125,21 +126,18 @@ function keyRow(key, place) {
   const row = make("div", { "data-row": path, "data-words": `${path} ${key.meaning}`.toLowerCase(), class: !ofTexts(key) ? "row" : Array.isArray(value) ? "row texts range" : "row texts" }, make("label", { for: id, title: facts }, words(key.name)));
   const options = key.kind.startsWith("one of ") ? JSON.parse(`[${key.kind.slice(7)}]`) : key.kind === "true or false" ? [true, false] : null;
   if (options) row.append(selectOf(path, id, help, key, options, value));
-  else row.append(inputOf(path, id, help, key, value), ...(ofTexts(key) ? [] : [make("span", { class: "unit" }, key.unit, ...lockOf(path, value))]));
+  else row.append(inputOf(path, id, help, key, value), ...(ofTexts(key) ? [] : [make("span", { class: "unit" }, key.unit, ...lockButton(path, value))]));
   if (!options && typeof value === "number" && ["mm", "deg"].includes(key.unit)) row.append(sliderOf(path, key, value));
   row.append(make("p", { class: "help", id: help }, facts), make("p", { class: "broken", role: "alert", hidden: true }));
   return row;
 }
 
-// Whether `shape` keeps a dimension or may change it within a range; that of the web's own ones it always may.
-function lockOf(path, value) {
-  const range = state.ranges[path];
-  if (!range || value === undefined) return [];
-  const limits = valueAt(range), name = words(path.split(".").pop());
-  const title = limits ? `shape may change it from ${limits[0]} to ${limits[1]}. Press: it stays as it is` : "Stays as it is in shape. Press: shape may change it within a range";
-  return [make("button", { type: "button", class: "lock", title, "aria-pressed": String(!limits), "aria-label": `${name}: keep as it is`,
-    onclick: () => (limits ? edit({ [range]: null }, `${name}: stays as it is`) : say({ do: "free", key: path })) },
-    make("svg", { viewBox: "0 0 16 16", "aria-hidden": "true" }, make("rect", { x: 3, y: 7, width: 10, height: 7, rx: 1.5 }), make("path", { d: limits ? "M5 7V4.5a3 3 0 0 1 5.8-1" : "M5 7V4.5a3 3 0 0 1 6 0V7" })))];
+// The lock of a dimension; drawings of the page have the same.
+function lockButton(path, value) {
+  const lock = value === undefined ? undefined : lockOf(path), name = words(path.split(".").pop());
+  if (!lock) return [];
+  return [make("button", { type: "button", class: "lock", title: lockTitle(lock), "aria-pressed": String(!lock.limits), "aria-label": `${name}: keep as it is`, onclick: () => toggleLock(lock, name) },
+    make("svg", { viewBox: "0 0 16 16", "aria-hidden": "true" }, ...lockShape(lock.limits)))];
 }
 
 function selectOf(path, id, help, key, options, value) {

@@ -2,6 +2,7 @@
 import { $, make, unitOf, words } from "./base.js";
 import { state } from "./state.js";
 import { reveal } from "./forms.js";
+import { lockOf, lockShape, lockTitle, toggleLock } from "./lock.js";
 import { drag, edit } from "./talk.js";
 
 // The section stands to the right of front view and original; it stays there while a dimension is dragged.
@@ -33,8 +34,10 @@ export function showFront() {
   svg.dataset.scale = scale;
   svg.dataset.start = box[0] + box[2] / 2 - (scale * Math.max(svg.clientWidth, 100)) / 2;
   svg.dataset.end = box[0] + box[2] / 2 + (scale * Math.max(svg.clientWidth, 100)) / 2;
-  svg.replaceChildren(make("g", {}), ...view.handles.map((handle) => handleOf(handle, scale)));
+  const held = document.activeElement, part = held?.classList.contains("lock") ? ".lock" : ".handle";
+  svg.replaceChildren(make("g", {}), ...view.handles.map((handle) => handleOf(handle)));
   moveFront(svg, view);
+  if (held?.dataset.handleKey) svg.querySelector(`${part}[data-handle-key="${CSS.escape(held.dataset.handleKey)}"]`)?.focus({ preventScroll: true });
 }
 
 function moveFront(svg, view) {
@@ -42,7 +45,7 @@ function moveFront(svg, view) {
   const round = (c, kind = c.kind) => make("circle", { class: kind, cx: c.at[0], cy: -c.at[1], r: c.radius });
   const ghost = state.project?.at !== state.project?.original || state.dragging ? state.ghostFront : null;
   const ghosts = ghost && $("ghost").checked ? beside(ghost).paths.filter((p) => p.kind === "web").map((p) => line(p, "ghost")) : [];
-  svg.firstChild.replaceChildren(...view.room.map((p) => line(p)), ...view.paths.map((p) => line(p)), ...view.circles.map((c) => round(c)), ...ghosts);
+  svg.firstChild.replaceChildren(...view.room.map((p) => line(p)), ...view.paths.map((p) => line(p)), ...view.circles.map((c) => round(c)), ...ghosts, ...view.handles.flatMap(wayOf).map((p) => line(p)));
   const byKey = Object.fromEntries(view.handles.map((handle) => [handle.key, handle])), written = [];
   const scale = Number(svg.dataset.scale), letter = 0.8 * scale * parseFloat(getComputedStyle(document.documentElement).fontSize);
   for (const node of svg.querySelectorAll("[data-handle]")) {
@@ -51,6 +54,12 @@ function moveFront(svg, view) {
     node.classList.toggle("quiet", Boolean(quiet));
     if (handle) placeHandle(node, handle, scale, letter, quiet ? [] : written);
   }
+}
+
+// The way that `shape` may move a handle: none where it keeps the dimension.
+function wayOf({ key, value, at, way, per_mm: perMm }) {
+  const limits = lockOf(key)?.limits, place = (limit) => at.map((x, i) => x + (way[i] * (limit - value)) / perMm);
+  return limits ? [{ points: limits.map(place), kind: "free" }] : [];
 }
 
 // Of a dimension, short: "crankpin \u2300", "throw radius", "pocket 1 y".
@@ -71,7 +80,7 @@ function freeLine(start, end, y, letter, written) {
 }
 
 function placeHandle(node, handle, scale, letter, written) {
-  const [dot, text] = node.children, [x, y] = [handle.at[0], -handle.at[1]];
+  const [dot, text, lock] = node.children, [x, y] = [handle.at[0], -handle.at[1]];
   dot.setAttribute("cx", x);
   dot.setAttribute("cy", y);
   dot.setAttribute("r", 7 * scale);
@@ -87,14 +96,24 @@ function placeHandle(node, handle, scale, letter, written) {
   text.style.fontSize = `${letter}px`;
   text.style.strokeWidth = `${3 * scale}px`;
   text.textContent = name;
+  lock?.setAttribute("transform", `translate(${x + (right && !neither ? -22 : 8) * scale} ${y + 2 * scale}) scale(${0.9 * scale})`);
   node.handle = handle;
+}
+
+// The lock below the name of a dimension.
+function lockMark(key, name) {
+  const lock = lockOf(key), press = () => toggleLock(lock, name);
+  if (!lock) return [];
+  const keyed = (event) => ["Enter", " "].includes(event.key) && (event.preventDefault(), press());
+  return [make("g", { class: "lock", role: "button", tabindex: "0", "data-handle-key": key, "aria-pressed": String(!lock.limits), "aria-label": `${name} on the drawing: keep as it is`, onclick: press, onkeydown: keyed },
+    make("title", {}, lockTitle(lock)), make("rect", { class: "hit", x: -3, y: -1, width: 22, height: 20 }), ...lockShape(lock.limits))];
 }
 
 let pressed = { key: "", at: 0 };
 function handleOf(handle) {
   const name = words(handle.key.replaceAll(".", " "));
   const dot = make("circle", { class: "handle", tabindex: "0", role: "slider", "aria-label": name, "data-handle-key": handle.key });
-  const node = make("g", { "data-handle": handle.key }, dot, make("text", {}));
+  const node = make("g", { "data-handle": handle.key }, dot, make("text", {}), ...lockMark(handle.key, name));
   const svg = $("front");
   let held = null, value = 0;
   const move = (to) => {
