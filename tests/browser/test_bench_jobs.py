@@ -1,4 +1,4 @@
-"""Studies as jobs on the page: progress, stop, and the table and the command that stay."""
+"""Studies as jobs on the page: progress, stop, result, and the table and the command that stay."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from cranktopo.tasks.throw_fea.studies import StudyResult
-from tests.browser.bench_page import shown
+from tests.browser.bench_page import JOB_MS, Actions, shown
 from tests.filled import filled
 
 pytest.importorskip("tornado")
@@ -55,4 +55,39 @@ def test_an_accuracy_study_shows_its_progress_and_leaves_a_table_when_it_is_stop
         "cranktopo accuracy bench/mikron-iiic-plain/jobs/001/design.toml --budget=60s --out accuracy-001"
     )
     assert command in page.locator("#commands").text_content()
+    assert seen.complaints == []
+
+
+LISTEN = """() => {
+    window.told = [];
+    const hear = () => {
+        const text = document.querySelector("#jobs .left")?.textContent;
+        if (text && window.told.at(-1) !== text) window.told.push(text);
+    };
+    new MutationObserver(hear).observe(document.querySelector("#jobs"), { subtree: true, childList: true });
+}"""
+"""Takes down how far a job is, as often as the page tells another text."""
+
+
+@pytest.mark.slow
+def test_a_loop_runs_to_its_end_and_comes_back_as_a_variant(quick: Any) -> None:
+    """The whole of `iterate`, with one removal: its bar never goes back, and tells the time left."""
+    seen = quick("mikron-iiic-plain")
+    page, do = seen.page, Actions(seen.page)
+    page.set_default_timeout(JOB_MS)
+    shown(page)
+    page.evaluate(LISTEN)
+    do.choose(page.locator("#job [name=kind]"), "iterate")
+    do.type(page.locator("#job [name=steps]"), "1")
+    do.job("iterate")
+    told = page.evaluate("() => window.told")
+    shares = [int(text.split(" %")[0]) for text in told]
+    assert shares == sorted(shares)
+    assert len(set(shares)) > 1
+    assert any(text.endswith("left") for text in told)
+    rows = page.get_by_role("region", name="Table of iterate 001").locator("tbody th").all_inner_texts()
+    assert rows == ["original", "1", "shape"]
+    assert page.locator("tr[data-variant=v1] th").inner_text().startswith("iterate 001")
+    do.press("Take")
+    assert page.locator("[id='f-web.outline']").input_value() == "profile"
     assert seen.complaints == []

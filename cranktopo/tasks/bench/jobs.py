@@ -47,7 +47,8 @@ _SAVED = "manifest.json"
 _LAST = ["nice", "-n", "19"]
 """Before the words of a job that nobody asked for: whatever else runs goes first."""
 _SHELL = '"$@" >stdout.txt 2>>notes.txt; echo $? >code.tmp; mv code.tmp code'
-_TAIL = 4000
+_SHOWN, _OF_PACE = 4000, 2**18
+"""Ends of the notes, bytes, that are shown, and in which the pace of the whole is looked for."""
 _MOST_MIB = 256
 """Of what a job printed."""
 
@@ -148,7 +149,6 @@ class BenchJob:
 
     def as_json(self, folder: Path | None = None) -> dict[str, Any]:
         """Return what the page shows of it, with the command as it is typed in a folder."""
-        lines = self._notes()
         state = self.state
         return {
             "id": self.known.id,
@@ -156,8 +156,8 @@ class BenchJob:
             "command": self.command if folder is None else self.line(folder),
             "state": state,
             "resumable": self.resumable,
-            "notes": lines[-6:],
-            "pace": self._pace(lines),
+            "notes": self._notes(_SHOWN)[-6:],
+            "pace": self._pace() if state == "running" else None,
             "seconds": round(time.time() - self.known.started),
             "variant": self.known.variant,
             "found": list(self.known.found),
@@ -222,26 +222,25 @@ class BenchJob:
         self.known = self.known.model_copy(update=kept)
         write_json(self.place / _JOB, self.known.as_json())
 
-    def _pace(self, lines: Sequence[str]) -> dict[str, Any] | None:
+    def _pace(self) -> dict[str, Any] | None:
         """Return the share that is done and the time left by its newest line of a pace.
 
         Lines of a part of the work are indented: where the whole has a pace, theirs do not count.
         """
-        if self.state != "running":
-            return None
-        paces = [(line, found) for line in reversed(lines) if (found := pace_of(line))]
+        lines = reversed(self._notes(_OF_PACE))
+        paces = [(line, found) for line in lines if (found := pace_of(line))]
         if not paces:
             return None
         share, left = min(paces, key=lambda pace: len(pace[0]) - len(pace[0].lstrip()))[1]
         return {"share": share, "left": left}
 
-    def _notes(self) -> list[str]:
+    def _notes(self, tail: int) -> list[str]:
         path = self.place / _NOTES
         with suppress(OSError, CranktopoError):
             check_input(path, f"'{path}'", math.inf)
             with path.open("rb") as file:
                 file.seek(0, os.SEEK_END)
-                file.seek(max(0, file.tell() - _TAIL))
+                file.seek(max(0, file.tell() - tail))
                 text = file.read().decode("utf-8", "replace").replace("\r", "\n")
             return [line for line in unfolded(text) if line.strip()]
         return []

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -134,6 +133,7 @@ def _handed_over(
 ) -> LoopResult:
     """Optimise the shape of the best web; return the result with it."""
     best = None if result.best_step is None else webs[result.best_step]
+    note(_progress(settings.steps + 1, webs, settings))
     note(f"shape: begins with {f'the web of step {best.step.number}' if best else 'the original web'}")
     start = None if best is None else best.scene
     found = shape_step(run, scene, best.step if best else None, len(webs), start, settings)
@@ -159,16 +159,11 @@ def _steps(
 ) -> tuple[list[StepWeb], str, str]:
     """Return the webs of all steps, the original one first, why they ended, and why one was lost."""
     webs = [finished_step(run.path / "original") or original_web(run, scene, settings)]
-    durations: list[float] = []
     for number in range(1, settings.steps + 1):
         folder = run.path / f"step-{number:02d}"
-        left = settings.steps - number + 1
         web = finished_step(folder)
         if web is None:
-            mean_s = sum(durations) / max(len(durations), 1)
-            guess = f", about {duration_text(mean_s * left)} left" if durations else ""
-            note(f"step: {bar(number - 1, settings.steps)} {number} of {settings.steps}{guess}")
-            began = time.monotonic()
+            note(_progress(number, webs, settings))
             try:
                 with indented():
                     web = make_step(run, folder, number, webs, settings)
@@ -178,7 +173,6 @@ def _steps(
                 lost = f"step {number} was lost, the steps before it stand: {error}"
                 note(lost)
                 return webs, lost, lost
-            durations.append(time.monotonic() - began)
         webs.append(web)
         steps = [web.step for web in webs]
         found = verdict(steps, settings.least_transition_mm)
@@ -186,10 +180,18 @@ def _steps(
         if found != "better":
             return webs, _reason(found, steps, settings), ""
         check()
-        if left > 1:
+        if number < settings.steps:
             so_far = _result(run, scene, webs, f"step {number} of {settings.steps} done", settings)
             _write_page(run, so_far, webs)
     return webs, f"all {settings.steps} steps done", ""
+
+
+def _progress(number: int, webs: Sequence[StepWeb], settings: Settings) -> str:
+    """Return a line of how far the loop is, with the time left: the shape optimisation is its last part."""
+    parts, done_s = settings.steps + settings.shape, [web.step.seconds for web in webs[1:]]
+    left_s = (parts - number + 1) * sum(done_s) / max(len(done_s), 1)
+    guess = f", about {duration_text(left_s)} left" if done_s else ""
+    return f"loop: {bar(number - 1, parts)} {number} of {parts}{guess}"
 
 
 def _result(

@@ -113,7 +113,11 @@ def test_a_note_that_goes_on_in_the_next_line_is_one(tmp_path: Path) -> None:
 
 
 def test_the_pace_of_the_whole_goes_before_those_of_its_parts(tmp_path: Path) -> None:
-    lines = ["step: [##----------] 2 of 6, about 5 min left", "  fit: [######------] 3 of 5, about 3 s left"]
+    whole, part = (
+        "loop: [##----------] 2 of 6, about 5 min left",
+        "  fit: [######------] 3 of 5, about 3 s left",
+    )
+    lines = [whole, *[part] * 1000]
     job = finished(tmp_path, "iterate", "")
     (job.place / "notes.txt").write_text("\n".join(lines), encoding="utf-8")
     (job.place / "code").unlink()

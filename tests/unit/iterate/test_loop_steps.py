@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,16 +12,18 @@ import trimesh
 from manifold3d import Manifold
 
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.notes import pace_of, redirected
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.envelope_file import envelope_from_file, mirror_difference
 from cranktopo.bodies.volume import web_volume_mm3
+from cranktopo.design.goal.outcome import GoalWords
 from cranktopo.design.loading import load_scene, parse_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.runs.directories import RunStore
 from cranktopo.tasks.extraction.result import ShapedUndercuts
-from cranktopo.tasks.iterate import one_step
+from cranktopo.tasks.iterate import loop, one_step
 from cranktopo.tasks.iterate.one_step import (
     Solids,
     StepWeb,
@@ -31,7 +34,8 @@ from cranktopo.tasks.iterate.one_step import (
     write_envelope,
     write_solids,
 )
-from cranktopo.tasks.iterate.result import LoopStep, best_step, loop_settings, verdict
+from cranktopo.tasks.iterate.result import LoopStep, ShapeOutcome, best_step, loop_settings, verdict
+from cranktopo.tasks.iterate.shape_step import ShapeStep
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.envelope import StlEnvelope
@@ -285,3 +289,29 @@ def test_the_next_envelope_holds_a_drilling_that_crosses_a_bore(tmp_path: Path) 
     bore = drill_bores(scene)[0].surface_mm(0.0)
     assert (np.hypot(*bore[:, :2].T) < scene.throw.main_journal.bore_radius_mm).any()
     assert build_domain(inside, 6.0).design_fraction.sum() > 0
+
+
+def test_how_far_the_loop_is_counts_the_shape_optimisation(
+    tmp_path: Path, mikron: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A bar of all parts, the shape the last of them, with the time left once a step has told its own."""
+    told: list[str] = []
+
+    def made(*given: Any) -> StepWeb:
+        return StepWeb(step(given[2], 1.6 - 0.1 * given[2], 1600.0, 230.0), mikron, Solids(block(), block()))
+
+    def handed_over(*given: Any) -> ShapeStep:
+        return ShapeStep(None, ShapeOutcome(found=False, reason="", goal=GoalWords(minimise="mass")))
+
+    first = StepWeb(ORIGINAL, mikron, Solids(block(), block()))
+    stand_ins = {"original_web": lambda *given: first, "make_step": made, "shape_step": handed_over}
+    for name, stand_in in {**stand_ins, "write_report": lambda *given: None}.items():
+        monkeypatch.setattr(loop, name, stand_in)
+    settings = replace(loop_settings(mikron), steps=2)
+    with redirected(told.append):
+        loop.start_loop(mikron, settings, tmp_path / "loop")
+    assert [pace for line in told if (pace := pace_of(line))] == [
+        (0.0, ""),
+        (1 / 3, "about 2 s"),
+        (2 / 3, "about 1 s"),
+    ]
