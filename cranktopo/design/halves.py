@@ -181,9 +181,13 @@ _USUAL_MM = (42.0, 84.0)
 
 def usual_scale(scene: Scene) -> float:
     """Factor that brings the thinner journal to the nearest usual diameter; 1 within their range."""
-    thinner = min(journal.outer_diameter_mm for journal, _ in scene.throw.journals)
+    return scale_to_usual(min(journal.outer_diameter_mm for journal, _ in scene.throw.journals))
+
+
+def scale_to_usual(thinner_mm: float) -> float:
+    """Return the same factor by the diameter of the thinner journal."""
     low, high = _USUAL_MM
-    return min(max(thinner, low), high) / thinner
+    return min(max(thinner_mm, low), high) / thinner_mm
 
 
 def default_element_size_mm(scene: Scene) -> float:

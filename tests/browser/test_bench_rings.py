@@ -44,6 +44,25 @@ def test_a_safety_is_told_with_its_error_or_waits(quick: Any) -> None:
     assert ring(page, "pin_fillet_safety").startswith("settled")
 
 
+def test_a_stiffness_that_cells_cannot_tell_waits(quick: Any) -> None:
+    """That of the last settled web stood there, stale, beside another one that was told."""
+    page = quick(PLAIN).page
+    shown(page)
+    page.evaluate(
+        """async () => {
+            const [{ state }, { showGauges }] = [await import("./state.js"), await import("./gauges.js")];
+            const settled = { torsion: 1e5, bending: 2e5 };
+            Object.assign(state, { settled, dragging: true, coarse: { torsion: 1.1e5 }, coarseTold: true });
+            const original = { ...state.original, ...settled };
+            Object.assign(state, { coarseErrors: { torsion: 0.9 }, original });
+            showGauges();
+        }"""
+    )
+    assert ring(page, "torsion") == "coarse, error about 0.9 %"
+    assert page.locator("[data-gauge=bending] .value").inner_text().startswith("…")
+    assert ring(page, "bending") == "waits: its error would be too large"
+
+
 def test_a_bound_is_a_share_of_the_design_in_hand(quick: Any) -> None:
     """Cells are not as heavy as the web is: the mass of a bound on them stood beside that of the solid."""
     page = quick(PLAIN).page

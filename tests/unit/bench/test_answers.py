@@ -167,6 +167,7 @@ def test_a_drag_after_an_undo_begins_at_the_design_in_hand() -> None:
     rule = {"gauges": {"m53_pin": 1.3, "m53_journal": 1.6}}
     safety = {"gauges": {"pin_fillet_safety": 1.1, "journal_fillet_safety": 1.3}, "elsewhere": 1.4}
     found = {"live_numbers": rule, "live_picture": rule, "settled_safety": safety}
+    journals = {name: {"outer_diameter_mm": 42.0} for name in ("main_journal", "crankpin")}
     drags = list[dict[str, Any]]()
 
     async def talk() -> None:
@@ -174,11 +175,11 @@ def test_a_drag_after_an_undo_begins_at_the_design_in_hand() -> None:
         names = ("live", "picture", "coarse", "settled", "safety")
         answers._workers = Processes(**{name: SettlingWorker([], {}, found) for name in names})
         for text, width in (("narrow", 50), ("wide", 58), ("narrow", 50)):
-            data = {"web": {"width_mm": width}}
+            data = {"web": {"width_mm": width}, "throw": journals}
             answers.settle(dict.fromkeys((text,), data).__getitem__, text, text)
             while answers._settle.busy:
                 await asyncio.sleep(0)
-        answers.live({"web": {"width_mm": 51}}, 1, drags.append)
+        answers.live({"web": {"width_mm": 51}, "throw": journals}, 1, drags.append)
         while answers._live.busy:
             await asyncio.sleep(0)
 

@@ -119,7 +119,7 @@ function hearCoarse(message) {
   if (state.dragging ? !message.seq : message.seq && message.seq < line.seq) return;
   state.coarse = message.gauges;
   state.coarseErrors = message.error_percent;
-  state.tooFar = !Object.keys(message.gauges).length;
+  state.coarseTold = true;
   showGauges();
 }
 
@@ -141,7 +141,7 @@ function hearSettled(message) {
     state.place = message.place;
     state.point = message.point_mm;
     state.missing = message.missing;
-    Object.assign(state, { coarse: {}, tooFar: false });
+    Object.assign(state, { coarse: {}, coarseTold: false });
     state.fresh = true;
     state.settledPicture = message.picture || null;
     state.colours = message.colours || [];

@@ -18,6 +18,8 @@ export const GAUGES = [
   ["mean_pressure", "Indicated mean pressure", "bar", 3, 0], ["power", "Indicated power", "kW", 4, 0],
 ];
 export const SOLVED = new Set(["torsion", "bending", "torsion_per_mass", "bending_per_mass", "fatigue_safety", "pin_fillet_safety", "journal_fillet_safety", "outlet_safety", "stress", "film", "film_pressure"]);
+// Those that cells tell while a dimension is dragged, near enough to the last settled web.
+const OF_CELLS = new Set(["torsion", "bending", "torsion_per_mass", "bending_per_mass"]), TOO_LARGE = "waits: its error would be too large";
 // Gauges of what a design may leave out, each with its table.
 export const OF_TABLE = { outlet_safety: "throw.drilling", film: "bearings", film_pressure: "bearings" };
 
@@ -29,7 +31,7 @@ export const FAILS_BELOW = 1;
 export const OF_STIFFNESS = new Set(["m53_pin", "m53_journal", "natural_frequency"]);
 
 // What is known of one design alone: forgotten with every step, or with the design.
-export const ofStep = () => ({ fresh: false, settledPicture: null, colours: [], dragging: false, place: null, point: null, spot: false, missing: null, coarse: {}, tooFar: false, safety: { gauges: {}, error_percent: {} }, settledParts: [], settledWarnings: [] });
+export const ofStep = () => ({ fresh: false, settledPicture: null, colours: [], dragging: false, place: null, point: null, spot: false, missing: null, coarse: {}, coarseTold: false, safety: { gauges: {}, error_percent: {} }, settledParts: [], settledWarnings: [] });
 export const ofDesign = () => ({ ...ofStep(), live: {}, rings: {}, marks: {}, stiffness: "", originalStiffness: "", warnings: [], loadWarnings: [], notes: [], settled: {}, errors: {}, original: {}, polars: [], originalPolars: [], plots: [], originalPlots: [], shaftPlots: [], originalShaftPlots: [], madeWarnings: "", picture: null, ghostPicture: null, broken: [], refit: true });
 
 export const state = { reference: null, ranges: {}, project: null, jobs: [], turns: [0], front: null, ghostFront: null, keepPitch: false, ...ofDesign() };
@@ -70,10 +72,10 @@ export function valueOf(name) {
   const estimate = moving || state.settled[name] === undefined ? state.safety.gauges[name] : undefined;
   if (estimate !== undefined) return [estimate, state.broken.length ? "stale: of the last web that broke no rule" : `live, error at most ${state.safety.error_percent[name].toFixed(1)} %`];
   if (moving && state.coarse?.[name] !== undefined) return [state.coarse[name], `coarse, error about ${state.coarseErrors[name].toFixed(1)} %`];
-  if (moving && state.tooFar) return [undefined, "waits: too far from the last settled web"];
+  if (moving && state.coarseTold && OF_CELLS.has(name)) return [undefined, TOO_LARGE];
   const value = state.settled[name], error = (state.errors ?? {})[name.replace("_per_mass", "")];
   if (value === undefined) return [undefined, state.broken.length ? "waits until no rule is broken" : "waits"];
-  if (moving && SAFETIES(name)) return [undefined, state.broken.length ? "waits until no rule is broken" : "waits: its error would be too large"];
+  if (moving && SAFETIES(name)) return [undefined, state.broken.length ? "waits until no rule is broken" : TOO_LARGE];
   if (moving) return [value, "stale: of the last settled web"];
   return [value, `settled${error === undefined ? "" : `, error ${SAFETIES(name) ? "about" : "at most"} ${error.toFixed(1)} %`}`];
 }
