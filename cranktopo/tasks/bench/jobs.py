@@ -225,14 +225,16 @@ class BenchJob:
     def _pace(self) -> dict[str, Any] | None:
         """Return the share that is done and the time left by its newest line of a pace.
 
-        Lines of a part of the work are indented: where the whole has a pace, theirs do not count.
+        Lines of a part of the work are indented: where the whole has a pace, theirs do not count, but for the
+        time left of the part in hand where that of the whole is not known yet.
         """
         lines = reversed(self._notes(_OF_PACE))
         paces = [(line, found) for line in lines if (found := pace_of(line))]
         if not paces:
             return None
         share, left = min(paces, key=lambda pace: len(pace[0]) - len(pace[0].lstrip()))[1]
-        return {"share": share, "left": left}
+        of_part = paces[0][1][1]
+        return {"share": share, "left": left or (of_part and f"{of_part} of this part")}
 
     def _notes(self, tail: int) -> list[str]:
         path = self.place / _NOTES

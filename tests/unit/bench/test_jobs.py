@@ -124,6 +124,8 @@ def test_the_pace_of_the_whole_goes_before_those_of_its_parts(tmp_path: Path) ->
     known = {"pid": os.getpid(), "born": psutil.Process().create_time()}
     running = BenchJob(job.place, job.known.model_copy(update=known))
     assert running.as_json()["pace"] == {"share": 1 / 6, "left": "about 5 min"}
+    (job.place / "notes.txt").write_text(f"loop: [------------] 1 of 6\n{part}\n", encoding="utf-8")
+    assert running.as_json()["pace"] == {"share": 0.0, "left": "about 3 s of this part"}, "not known yet"
 
 
 def finished(folder: Path, kind: str, printed: object, code: int = 0, words: Sequence[str] = ()) -> BenchJob:
