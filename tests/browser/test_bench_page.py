@@ -470,6 +470,21 @@ def test_the_drawing_has_the_locks_and_shows_how_far_shape_may_go(quick: Any) ->
 
 
 @pytest.mark.slow
+def test_a_slider_that_is_held_stays_whatever_else_is_told(quick: Any) -> None:
+    """A proof that a drag ends is told a second later: the forms were made anew under the pointer."""
+    page = quick(PLAIN).page
+    shown(page)
+    slider = page.locator("input[type=range][data-key='web.width_mm']").element_handle()
+    set_slider(page, "web.width_mm", 54, release=False)
+    page.evaluate("async () => (await import('./talk.js')).say({ do: 'keep' })")
+    page.wait_for_selector("tr[data-variant=v1]")
+    assert slider.evaluate("(slider) => slider.isConnected")
+    assert page.locator("[id='f-web.width_mm']").input_value() == "54"
+    set_slider(page, "web.width_mm", 55, release=True)
+    page.wait_for_selector("#history li.here:has-text('width: 55 mm')")
+
+
+@pytest.mark.slow
 def test_arrow_keys_move_a_handle_again_and_again(quick: Any) -> None:
     page = quick(PLAIN).page
     shown(page)

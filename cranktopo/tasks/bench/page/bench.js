@@ -61,12 +61,12 @@ function hearState(message) {
     $("hint").hidden = localStorage.getItem("cranktopo-hint") === "seen";
   }
   if (!before || before.at !== project.at) state.refit = true;
-  if (!before || before.name !== project.name || before.at !== project.at || before.steps[before.at].file !== project.steps[project.at].file)
-    {
+  const moved = !before || before.name !== project.name || before.at !== project.at || before.steps[before.at].file !== project.steps[project.at].file;
+  if (moved) {
     Object.assign(state, ofStep());
     status("Solving");
   }
-  showForms();
+  if (moved || !$("tree").childElementCount) showForms(); // a slider that is held stays
   showMisfire();
   showHistory();
   showMade();
