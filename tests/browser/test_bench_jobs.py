@@ -87,7 +87,7 @@ def test_a_loop_runs_to_its_end_and_comes_back_as_a_variant(quick: Any) -> None:
     assert any(text.endswith("left") for text in told)
     rows = page.get_by_role("region", name="Table of iterate 001").locator("tbody th").all_inner_texts()
     assert rows == ["original", "1", "shape"]
-    assert page.locator("tr[data-variant=v1] th").inner_text().startswith("iterate 001")
+    assert "iterate 001" in page.locator("tr[data-variant=v1] th").inner_text()
     do.press("Take")
     assert page.locator("[id='f-web.outline']").input_value() == "profile"
     assert seen.complaints == []
