@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import nlopt
 import numpy as np
 import pytest
 from scipy.optimize import rosen, rosen_der
@@ -76,19 +77,30 @@ def _bending_valley(noise: np.random.Generator | None) -> tuple[Objective, Const
     return height, ball
 
 
-def test_slopes_that_least_squares_cannot_take_end_a_search_where_it_began() -> None:
-    """Slopes that differ by eleven powers of ten: `iterate` of a diesel ended so in an internal error."""
+def squares(values: Array) -> tuple[float, Array]:
+    return float(1e3 * (values**2).sum()), 2e3 * values
+
+
+def test_slopes_that_least_squares_cannot_take_end_a_search_without_an_error() -> None:
+    """Slopes that differ by eleven powers of ten: by its last bits a processor takes a step, or none."""
     slopes = np.array([[-0.00011], [54000.0], [-47.0], [-14.0], [-2.5e6], [-0.0009]])
     offsets = np.array([-2.5e-06, 35000.0, -0.11, 28.0, -52.0, -3800.0])
-
-    def squares(values: Array) -> tuple[float, Array]:
-        return float(1e3 * (values**2).sum()), 2e3 * values
 
     def rules(values: Array) -> tuple[Array, Array]:
         return slopes @ values + offsets, slopes
 
     bounds = np.full(1, -5.0), np.full(1, 5.0)
-    assert minimise(squares, rules, bounds, np.full(1, 2.0), 1e-3, 50).tolist() == [2.0]
+    (found,) = minimise(squares, rules, bounds, np.full(1, 2.0), 1e-3, 50)
+    assert -5.0 <= found <= 2.0
+
+
+def test_a_search_whose_method_fails_ends_where_it_began(monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(*_: object) -> None:
+        raise nlopt.runtime_error("nlopt failure")  # as its least squares do: `iterate` of a diesel
+
+    monkeypatch.setattr(nlopt.opt, "optimize", failing)
+    bounds = np.full(2, -5.0), np.full(2, 5.0)
+    assert minimise(squares, constraints, bounds, np.array([2.0, 1.0]), 1e-3, 50).tolist() == [2.0, 1.0]
 
 
 def test_errors_of_the_functions_end_a_search() -> None:
