@@ -158,15 +158,15 @@ def test_the_parts_of_a_bay_add_up() -> None:
     with cad_session("bay") as gmsh:
         add_crankshaft(gmsh.model.occ, scene)
         gmsh.model.occ.synchronize()
-        gmsh.option.setNumber("Mesh.MeshSizeMax", 8.0)
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 6.0)
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(2)
         mesh = extract_mesh(gmsh, mirrored=False)
     length = sum(throw.pitch_mm for throw in throw_scenes(scene))
     model = assemble(mesh, scene.material.E_GPa * 1e3, scene.material.poisson)
     bay = torsional_stiffness_Nm_per_rad(condensed(model, length), "free")
-    flying = evaluate_flying_web(web, 8.0).torsion["free_Nm_per_rad"]
-    at_bearing = evaluate_target(one_web(throw_scenes(scene)[0], "first"), MeshRequest(8.0))
+    flying = evaluate_flying_web(web, 6.0).torsion["free_Nm_per_rad"]
+    at_bearing = evaluate_target(one_web(throw_scenes(scene)[0], "first"), MeshRequest(6.0))
     throw = at_bearing.fine.torsion["free"]
     assert throw is not None
     assert 1 / (1 / throw + 1 / flying) == pytest.approx(bay, rel=0.005)
