@@ -17,16 +17,26 @@ def largest_accepted(accepts: Accepts, key: str, refused: float) -> float | None
 
     Other checks may refuse smaller values, too, so that the accepted ones need not reach down to 0.
     """
+    return _nearest_accepted(accepts, key, refused, -1)
+
+
+def least_accepted(accepts: Accepts, key: str, refused: float) -> float | None:
+    """Return the least value above a refused one that is accepted, as above, up to twice the refused one."""
+    return _nearest_accepted(accepts, key, refused, 1)
+
+
+def _nearest_accepted(accepts: Accepts, key: str, refused: float, way: int) -> float | None:
     for step in range(1, _STEPS + 1):
-        low, high = (refused * (1 - k / _STEPS) for k in (step, step - 1))
-        if accepts(key, low):
+        found, beside = (refused * (1 + way * k / _STEPS) for k in (step, step - 1))
+        if accepts(key, found):
             break
     else:
         return None
     for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        low, high = (middle, high) if accepts(key, middle) else (low, middle)
-    printed = rounded_down(low), rounded_down(0.999 * low)
+        middle = (found + beside) / 2
+        found, beside = (middle, beside) if accepts(key, middle) else (found, middle)
+    rounded = rounded_down if way < 0 else rounded_up
+    printed = rounded(found), rounded((1 + way * 0.001) * found)
     return next((value for value in printed if accepts(key, value)), None)
 
 

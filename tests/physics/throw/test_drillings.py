@@ -31,6 +31,7 @@ from cranktopo.throw.drilling.outlet import ring_points
 from cranktopo.throw.drilling.table import drill_bores, drilling_asymmetry, drilling_rules
 from cranktopo.throw.fitted import CLEAR_MM, Surroundings
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
+from tests.hostile.featured_engines import featured_engine
 
 STEP = 1e-9
 
@@ -245,6 +246,54 @@ def test_refused(change: dict[str, object], message: str) -> None:
         mikron({**STRAIGHT, **change})
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("journal", ["main_journal", "crankpin"])
+@pytest.mark.parametrize("rounding_mm", [0.0, 1.0])
+@pytest.mark.parametrize(
+    ("over_diameter", "passes"),
+    [(-0.0052, True), (-0.0048, False), (0.0, False), (8e-4, False), (12e-4, True)],
+)
+def test_a_rim_is_clear_of_the_middle(
+    journal: str, rounding_mm: float, over_diameter: float, passes: bool
+) -> None:
+    """The rim of a radial drilling is its radius and that of the rounding beside its axis."""
+    place = 2.5 + rounding_mm + 5.0 * over_diameter
+    ends = (journal, 110.0, place), (f"{journal}_bore", 110.0, place)
+    with nullcontext() if passes else pytest.raises(CranktopoError, match="where its half throw ends"):
+        mikron(drilling(*ends, rounding=rounding_mm), bore_diameter_mm=20.0)
+
+
+@pytest.mark.parametrize(("web", "passes"), [("both", False), ("first", True)])
+def test_a_drilling_of_one_half_alone_may_end_anywhere_at_the_middle_of_the_pin(
+    web: str, passes: bool
+) -> None:
+    ends = ("crankpin", 110.0, 3.5), ("crankpin_bore", 110.0, 3.5)
+    data = mikron().model_dump(mode="json", exclude_none=True)
+    data["throw"]["drilling"] = [drilling(*ends, rounding=1.0) | {"web": web}]
+    data["throw"]["crankpin"]["bore_diameter_mm"] = 20.0
+    with nullcontext() if passes else pytest.raises(CranktopoError, match="where its half throw ends"):
+        scene_from_dict(data, whole=True)
+
+
+def test_places_on_either_side_of_the_middle_are_told() -> None:
+    """The outlet of the random engine 11 reached 3e-5 mm beyond: its file was inside out there."""
+    data = featured_engine(11)
+    start, length_mm = data["throw"]["drilling"][0]["from"], data["throw"]["main_journal"]["length_mm"]
+    start["place_mm"] = 0.1 * length_mm
+    with pytest.raises(CranktopoError) as caught:
+        scene_from_dict(data, whole=True)
+    told = re.search(
+        r"^throw.drilling\[0\].from.place_mm = 0.7161: the rim of the outlet ends 3e-05 mm beyond the middle "
+        r"of throw.main_journal, where its half throw ends; must be at most (\S+) mm or at least (\S+) mm.$",
+        caught.value.message,
+    )
+    assert told, caught.value.message
+    most, least = (float(limit) for limit in told.groups())
+    assert 0.004 < 0.7161 - most < 0.006
+    assert 0.001 < least - 0.7161 < 0.002
+    for start["place_mm"] in (most, least):
+        scene_from_dict(data, whole=True)
 
 
 @pytest.mark.parametrize(("angle_deg", "nearest"), [(60.0, 81), (-60.0, -80), (300.0, 280)])
