@@ -86,6 +86,21 @@ def covered_rad(points: Array, centre: Array) -> tuple[float, float]:
     return turn, float(angles[(largest + 1) % len(angles)] + turn / 2)
 
 
+def uncovered_rad(triangles: Array, centre: Array) -> float:
+    """Return the largest angle about a centre that none of triangles (m, 3, 2) covers.
+
+    Corners leave gaps as wide as facets; the triangles between them leave none.
+    """
+    away = triangles - centre
+    angles = np.arctan2(away[..., 1], away[..., 0])
+    turns = (angles - angles[:, :1] + np.pi) % (2 * np.pi) - np.pi
+    low, high = (angles[:, 0] + turns.min(axis=1)) % (2 * np.pi), np.ptp(turns, axis=1)
+    order = np.argsort(low)
+    starts = np.concatenate([low[order], low[order] + 2 * np.pi])
+    reached = np.maximum.accumulate(starts + np.tile(high[order], 2))
+    return float(max((starts[1:] - reached[:-1])[len(low) - 1 :].max(), 0.0))
+
+
 def tangent_fillet(out: Array, z: Array, radius: float) -> tuple[float, float]:
     """Return radius and height of the centre of a circle through (out, z) that touches out = `radius`."""
     start = circle(np.column_stack([out, z]))

@@ -1,4 +1,4 @@
-"""Planes, cylinders and fillets of a body of triangles, found by growing regions and least squares.
+"""Planes, cylinders, cones and fillets of a body of triangles, found by growing regions and least squares.
 
 Corners of triangles lie on the body, triangles beside it: normals part the triangles into regions, and
 corners alone tell dimensions. What lies along the crank is looked for in a plane across it.
@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cranktopo.base.arrays import Array, Int64
+from cranktopo.base.arrays import Array, Int64, Mask
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.tasks.crank_import.distortion import Roundness, roundness
 from cranktopo.tasks.crank_import.fits import (
@@ -25,9 +25,10 @@ from cranktopo.tasks.crank_import.fits import (
     weighted_median,
 )
 from cranktopo.tasks.crank_import.mesh_bores import BENT_RAD, FEWEST, bore_of, drillings, of_one_bore
+from cranktopo.tasks.crank_import.mesh_cones import cones_about
 from cranktopo.tasks.crank_import.mesh_skin import Skin
-from cranktopo.tasks.crank_import.mesh_walls import FULL_RAD, Wall, walls
-from cranktopo.tasks.importing.faces import CylinderFace, Faces, PlaneFace, TorusFace
+from cranktopo.tasks.crank_import.mesh_walls import FULL_RAD, Wall, walls, whole_wall
+from cranktopo.tasks.importing.faces import ConeFace, CylinderFace, Faces, PlaneFace, TorusFace
 
 _SPREAD = 0.07
 """Sine between the crank axis and the fold of two neighbours that lie along it."""
@@ -73,6 +74,10 @@ def turned_faces(faces: Faces, matrix: Array, shift: Array) -> Faces:
         tuple(replace(f, normal=matrix @ f.normal, point_mm=at(f.point_mm)) for f in faces.planes),
         tuple(replace(f, centre_mm=at(f.centre_mm), axis=matrix @ f.axis) for f in faces.tori),
         faces.others,
+        tuple(
+            replace(f, axis=matrix @ f.axis, ends_mm=(at(f.ends_mm[0]), at(f.ends_mm[1])))
+            for f in faces.cones
+        ),
     )
 
 
@@ -130,30 +135,52 @@ def _faces(skin: Skin) -> tuple[Faces, tuple[Roundness, ...]]:
     along = skin.normals[:, 2]
     flat, upright = left & (np.abs(along) > _ACROSS), left & (np.abs(along) < _UPRIGHT)
     planes = [_plane(skin, region) for region in skin.regions(flat, _COPLANAR_RAD)]
-    found = [wall for region in skin.regions(upright, BENT_RAD[1]) for wall in walls(skin, region)]
+    found, cones = _upright(skin, upright)
     journals = tuple(roundness(wall) for wall in found if wall.full)
     found = on_axes(found, skin.near_mm)
     left &= ~flat & ~upright
     rounds = [wall for wall in found if wall.full and wall.outward]
     tori: list[TorusFace] = []
     others: list[str] = []
-    for region in skin.regions(left, _FILLET_RAD):
-        torus = _torus(skin, region, rounds)
-        bore = bore_of(skin, region) if torus is None else None
-        if torus is not None:
-            tori.append(torus)
-        elif bore is not None:
+    for whole in skin.regions(left, _FILLET_RAD):
+        torus = _torus(skin, whole, rounds)
+        steep, region = cones_about(skin, whole, _centres(rounds)) if torus is None else ([], whole[:0])
+        bore = bore_of(skin, region) if len(region) else None
+        tori += [] if torus is None else [torus]
+        cones += steep
+        if bore is not None:
             bores.append(bore)
-        else:
+        elif len(region):
             flats = list(_flats(skin, region))
             planes += flats
             small = skin.areas[region].sum() < _SLANTED * skin.areas.sum()
             others += [] if flats or small else [_kind(skin, region, rounds)]
     heights = np.array([plane.point_mm[2] for plane in planes if abs(plane.normal[2]) == 1])
+    cones = [_ended_cone(cone, heights, skin.near_mm) for cone in cones]
+    heights = np.append(heights, [end[2] for cone in cones for end in cone.ends_mm])
     uprights = (_ended(wall.cylinder(), heights, skin.near_mm) for wall in found if wall.radius)
     cylinders = [*uprights, *of_one_bore(bores, skin.near_mm)]
     planes += [wall.plane() for wall in found if not wall.radius]
-    return Faces(tuple(cylinders), tuple(planes), tuple(tori), tuple(others)), journals
+    return Faces(tuple(cylinders), tuple(planes), tuple(tori), tuple(others), tuple(cones)), journals
+
+
+def _upright(skin: Skin, chosen: Mask) -> tuple[list[Wall], list[ConeFace]]:
+    """Return the walls of upright triangles, and the slender cones between them about whole ones."""
+    regions = list(skin.regions(chosen, BENT_RAD[1]))
+    whole = [whole_wall(skin, region) for region in regions]
+    found = [wall for wall in whole if wall is not None]
+    centres = _centres(on_axes([wall for wall in found if wall.outward], skin.near_mm))
+    cones: list[ConeFace] = []
+    for region in (region for region, wall in zip(regions, whole, strict=True) if wall is None):
+        slender, rest = cones_about(skin, region, centres)
+        cones += slender
+        found += walls(skin, rest) if len(rest) else []
+    return found, cones
+
+
+def _centres(rounds: Sequence[Wall]) -> list[Array]:
+    """Return the axes of walls, each once."""
+    return list({tuple(wall.centre): wall.centre for wall in rounds}.values())
 
 
 def on_axes(found: Sequence[Wall], near_mm: float) -> list[Wall]:
@@ -191,12 +218,20 @@ def _plane(skin: Skin, region: Int64) -> PlaneFace:
 
 
 def _ended(face: CylinderFace, heights: Array, near_mm: float) -> CylinderFace:
-    """Return an upright cylinder that ends in the planes across it: its outermost corners scatter."""
-    ends = [
-        float(min(heights[np.abs(heights - end) < near_mm], key=lambda z: abs(z - end), default=end))
-        for end in face.span_mm
-    ]
-    return replace(face, span_mm=(ends[0], ends[1]))
+    """Return an upright cylinder that ends in the faces beside it: its outermost corners scatter."""
+    low, high = (_nearest(heights, end, near_mm) for end in face.span_mm)
+    return replace(face, span_mm=(low, high))
+
+
+def _ended_cone(cone: ConeFace, heights: Array, near_mm: float) -> ConeFace:
+    """Return a cone along z that ends in the planes across it."""
+    low, high = (np.array([*end[:2], _nearest(heights, end[2], near_mm)]) for end in cone.ends_mm)
+    return replace(cone, ends_mm=(low, high))
+
+
+def _nearest(heights: Array, end: float, near_mm: float) -> float:
+    """Return the nearest of heights; the end itself where none is near."""
+    return float(min(heights[np.abs(heights - end) < near_mm], key=lambda z: abs(z - end), default=end))
 
 
 def _flats(skin: Skin, region: Int64) -> Iterator[PlaneFace]:

@@ -105,6 +105,7 @@ def crank_of_mesh(
         for number, group in enumerate(groups, 1)
     )
     count = len(faces.cylinders) + len(faces.planes) + len(faces.tori) + len(faces.others)
+    count += len(faces.cones)
     within = near.scatter_mm * float(mesh.areas_mm2.sum()) / mesh.volume_mm3
     words = (*assumed, *hand_words(crank, groups))
     return FoundBody(solids, taken, crank, halves, count, len(mesh.faces), within, words)
@@ -194,7 +195,9 @@ def straight(faces: Faces, end_mm: float) -> Faces:
     sides = Faces((), planes, (), ()).sides
     cylinders = (_straight_cylinder(face, sides, end_mm) for face in faces.cylinders)
     tori = tuple(replace(t, axis=_ALONG) for t in faces.tori if 0 < t.centre_mm[2] < end_mm)
-    return Faces(tuple(face for face in cylinders if face is not None), planes, tori, faces.others)
+    cones = tuple(c for c in faces.cones if 0 < (c.ends_mm[0][2] + c.ends_mm[1][2]) / 2 < end_mm)
+    others = (*faces.others, *["Cone"] * len(cones))
+    return Faces(tuple(face for face in cylinders if face is not None), planes, tori, others, cones)
 
 
 def _straight_plane(plane: PlaneFace) -> PlaneFace:

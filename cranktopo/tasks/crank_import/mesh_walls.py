@@ -106,11 +106,18 @@ class Wall:
         return PlaneFace(np.array([*self.normal, 0.0]), middle, self.area, off)
 
 
-def walls(skin: Skin, region: Int64) -> Iterator[Wall]:
-    """Yield the walls of a region of upright triangles, the largest first."""
+def whole_wall(skin: Skin, region: Int64) -> Wall | None:
+    """Return the cylinder that a region of upright triangles is all round; None where it is none."""
     whole = _trimmed(skin, region)
     on = (np.abs(whole.off(skin.triangles(region))) < skin.near_mm).all(axis=1)
-    if whole.full and skin.areas[region][on].sum() > _WHOLE * skin.areas[region].sum():
+    own = skin.areas[region][on].sum() > _WHOLE * skin.areas[region].sum()
+    return whole if whole.full and own else None
+
+
+def walls(skin: Skin, region: Int64) -> Iterator[Wall]:
+    """Yield the walls of a region of upright triangles, the largest first."""
+    whole = whole_wall(skin, region)
+    if whole is not None:
         yield whole
         return
     area, left = float(skin.areas[region].sum()), region

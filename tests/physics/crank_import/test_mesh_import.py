@@ -237,6 +237,40 @@ def test_cylinders_end_in_the_planes_across_them() -> None:
     assert lengths == pytest.approx([8.0, 10.0, 22.0], abs=2e-6)
 
 
+def frustum(low: float, high: float, radii: tuple[float, float]) -> Manifold:
+    """A cone whose rims have unlike corners: its triangles are no strips."""
+    points = [
+        (radius * np.cos(a), radius * np.sin(a), z)
+        for z, radius in ((low, radii[0]), (high, radii[1]))
+        for a in 2 * np.pi * np.arange(round(50 + radius)) / round(50 + radius)
+    ]
+    return Manifold.hull_points(np.array(points))
+
+
+def test_cones_of_an_end_are_found() -> None:
+    """A slender one that a cylinder of its radius goes on in, two steep ones that meet, no chamfer."""
+    cones = [(-60.0, -52.0, (4.0, 8.0)), (-52.0, -45.0, (8.0, 6.0)), (-45.0, -25.0, (9.0, 8.0))]
+    seat, chamfer = frustum(-25.0, 0.0, (8.0, 8.0)), frustum(0.0, 1.0, (9.0, 10.0))
+    body = seat + chamfer + frustum(1.0, 10.0, (10.0, 10.0))
+    body += shaft(14.0, 10.0, 18.0, y=9.0) + shaft(9.0, 18.0, 40.0, y=20.0)
+    mesh = turned(mesh_of(sum((frustum(*cone) for cone in cones), body)), 9)
+    rounded = SurfaceMesh(mesh.vertices_mm.astype(np.float32).astype(float), mesh.faces)
+    faces, _ = mesh_faces(rounded, 2e-3)
+    axis = Rotation.random(random_state=9).as_matrix()[:, 2]
+    place = 100 * np.random.default_rng(9).normal(size=3)
+    assert all(cone.outward and cone.full for cone in faces.cones)
+    found = [
+        sorted(
+            ((end - place) @ axis, radius) for end, radius in zip(cone.ends_mm, cone.radii_mm, strict=True)
+        )
+        for cone in faces.cones
+    ]
+    wanted = [[(low, radii[0]), (high, radii[1])] for low, high, radii in cones]
+    assert np.array(sorted(found)) == pytest.approx(np.array(wanted), abs=1e-5)
+    whole = sorted(face.radius_mm for face in faces.cylinders if face.full)
+    assert whole == pytest.approx([8.0, 9.0, 10.0, 14.0], abs=1e-5)
+
+
 def test_dimensions_are_rounded_as_corners_scatter() -> None:
     """To what a drawing has where they are near to that; else to as many decimals as they tell."""
     fine, scan = faceted(4e-6), faceted(3e-3)
