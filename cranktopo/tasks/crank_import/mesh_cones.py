@@ -9,10 +9,9 @@ import numpy as np
 from cranktopo.base.arrays import Array, Int64, Mask
 from cranktopo.tasks.crank_import.fits import uncovered_rad
 from cranktopo.tasks.crank_import.mesh_skin import Skin
+from cranktopo.tasks.crank_import.mesh_walls import OPEN_RAD
 from cranktopo.tasks.importing.faces import ConeFace
 
-WHOLE_RAD = 0.15
-"""Angle about the axis that no triangle of a whole cone covers, at most."""
 _SHORTEST = 0.15
 """Height of a cone over its radius; what is shorter is a chamfer or a strip of a fillet."""
 _CONICAL = 4.0
@@ -35,7 +34,7 @@ def cones_about(skin: Skin, region: Int64, centres: Sequence[Array]) -> tuple[li
 
 
 def _round(skin: Skin, region: Int64, centre: Array) -> bool:
-    return uncovered_rad(skin.triangles(region)[:, :, :2], centre) < WHOLE_RAD
+    return uncovered_rad(skin.triangles(region)[:, :, :2], centre) < OPEN_RAD
 
 
 def _cones(skin: Skin, region: Int64, centre: Array) -> Iterator[tuple[ConeFace, Mask]]:

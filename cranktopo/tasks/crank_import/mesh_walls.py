@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from cranktopo.base.arrays import Array, Int64, Mask
-from cranktopo.tasks.crank_import.fits import circle, covered_rad, rms, trimmed_circle
+from cranktopo.tasks.crank_import.fits import circle, covered_rad, rms, trimmed_circle, uncovered_rad
 from cranktopo.tasks.crank_import.mesh_skin import Skin
 from cranktopo.tasks.importing.faces import CylinderFace, PlaneFace
 
 FULL_RAD = 2 * np.pi - 0.65
 """Angle that the corners of a whole cylinder cover at least: a few facets may lie between."""
+OPEN_RAD = 0.15
+"""Angle that no triangle of it covers at most, narrower than a keyway."""
 _WHOLE = 0.9
 """Share of a region's area that lies on one cylinder, which is then all of it."""
 _TRIES, _MOST = 40, 40
@@ -41,6 +43,7 @@ class Wall:
         centre: of the circle; of a plane, a point on it.
         radius: 0 for a plane.
         normal: outward, of its middle.
+        open_rad: largest angle about its axis that none of its triangles covers: a keyway, not a facet.
     """
 
     points: Array
@@ -48,6 +51,7 @@ class Wall:
     centre: Array
     radius: float
     normal: Array
+    open_rad: float = 0.0
 
     @cached_property
     def turn(self) -> tuple[float, float]:
@@ -57,7 +61,7 @@ class Wall:
     @property
     def full(self) -> bool:
         """True for a whole cylinder."""
-        return self.radius > 0 and self.turn[0] > FULL_RAD
+        return self.radius > 0 and self.turn[0] > FULL_RAD and self.open_rad < OPEN_RAD
 
     @property
     def outward(self) -> bool:
@@ -81,7 +85,7 @@ class Wall:
     def about(self, centre: Array) -> Wall:
         """Return the wall as a cylinder about another axis."""
         radius = float(np.linalg.norm(self.points[:, :2] - centre, axis=1).mean())
-        return Wall(self.points, self.area, centre, radius, self.normal)
+        return replace(self, centre=centre, radius=radius)
 
     def cylinder(self) -> CylinderFace:
         """Return the wall as the face of a cylinder."""
@@ -143,7 +147,8 @@ def _trimmed(skin: Skin, region: Int64) -> Wall:
     out = (corners.mean(axis=1)[:, :2] - found.centre) * skin.normals[region, :2]
     sign = np.sign(float(out.sum(axis=1) @ areas))
     points = skin.corners(region[own] if own.any() else region)
-    return Wall(points, float(areas.sum()), found.centre, found.radius, np.array([sign, 0.0]))
+    gap = uncovered_rad(corners[:, :, :2], found.centre)
+    return Wall(points, float(areas.sum()), found.centre, found.radius, np.array([sign, 0.0]), gap)
 
 
 def _largest(skin: Skin, left: Int64, draw: np.random.Generator) -> tuple[Wall | None, Mask]:

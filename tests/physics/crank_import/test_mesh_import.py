@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
-from manifold3d import Manifold
+from manifold3d import CrossSection, Manifold
 from scipy.spatial.transform import Rotation
 
 from cranktopo import load_scene
@@ -22,6 +22,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.files import write_stl, write_surface
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.tasks.crank_import.compared import Compared
+from cranktopo.tasks.crank_import.end_steps import EndFinder
 from cranktopo.tasks.crank_import.half_body import EXACT, faceted
 from cranktopo.tasks.crank_import.mesh_faces import mesh_faces
 from cranktopo.tasks.crank_import.mesh_skin import Skin
@@ -269,6 +270,25 @@ def test_cones_of_an_end_are_found() -> None:
     assert np.array(sorted(found)) == pytest.approx(np.array(wanted), abs=1e-5)
     whole = sorted(face.radius_mm for face in faces.cylinders if face.full)
     assert whole == pytest.approx([8.0, 9.0, 10.0, 14.0], abs=1e-5)
+
+
+@pytest.mark.parametrize("width", [4.0, 7.0])
+def test_a_keyway_of_an_end_is_found(width: float) -> None:
+    """Also one narrower than the facets that a whole cylinder may have (0.65 rad)."""
+    edge = np.arcsin(width / 20)
+    around = [10 * np.exp(1j * a) for a in np.linspace(edge, 2 * np.pi - edge, 64)]
+    section = np.array([*around, 7 - 0.5j * width, 7 + 0.5j * width]) * np.exp(1j * np.pi / 6)
+    keyed = CrossSection([np.column_stack([section.real, section.imag])]).extrude(20.0)
+    body = keyed.translate((0.0, 0.0, -20.0)) + shaft(12.0, 0.0, 10.0)
+    body += shaft(14.0, 10.0, 18.0, y=9.0) + shaft(9.0, 18.0, 40.0, y=20.0)
+    faces, _ = mesh_faces(mesh_of(body), 2e-3)
+    along = np.array([0.0, 0.0, 1.0])
+    line = [face for face in faces.cylinders if face.full and np.linalg.norm(face.point_mm[:2]) < 1e-5]
+    (step,) = EndFinder(faces, np.zeros(3), along).steps_beyond(line, 0.0, -1)
+    assert (step.radius_mm, step.length_mm) == pytest.approx((10.0, 20.0), abs=1e-5)
+    assert step.keyway is not None
+    assert (step.keyway.width_mm, step.keyway.depth_mm) == pytest.approx((width, 3.0), abs=1e-5)
+    assert step.keyway.direction == pytest.approx([np.sqrt(0.75), 0.5, 0.0], abs=1e-6)
 
 
 def test_dimensions_are_rounded_as_corners_scatter() -> None:
