@@ -249,18 +249,22 @@ def _flats(skin: Skin, region: Int64) -> Iterator[PlaneFace]:
 
 
 def _torus(skin: Skin, region: Int64, rounds: Sequence[Wall]) -> TorusFace | None:
-    """Return the fillet of a whole cylinder that all of a region lies on; None where it is none."""
-    points = skin.corners(region)
-    for wall in rounds:
-        out = np.linalg.norm(points[:, :2] - wall.centre, axis=1)
-        if abs(float(out.min()) - wall.radius) > wall.radius * _SHARED or len(points) < FEWEST:
-            continue
-        tube, height = tangent_fillet(out, points[:, 2], wall.radius)
-        off = np.abs(np.hypot(out - wall.radius - tube, points[:, 2] - height) - abs(tube))
-        if 0 < tube < wall.radius and np.median(off) < skin.near_mm and (off < 2 * skin.near_mm).mean() > 0.9:
-            centre = np.array([*wall.centre, height])
-            return TorusFace(centre, np.array([0.0, 0.0, 1.0]), wall.radius + tube, tube, rms(off))
-    return None
+    """Return the fillet that all of a region lies on best, of a whole cylinder; None where it is none."""
+    tori = (_fillet(skin.corners(region), wall, skin.near_mm) for wall in rounds)
+    return min((torus for torus in tori if torus), key=lambda torus: torus.off_mm, default=None)
+
+
+def _fillet(points: Array, wall: Wall, near_mm: float) -> TorusFace | None:
+    """Return the fillet of one cylinder that corners (n, 3) lie on; None where they do not."""
+    out = np.linalg.norm(points[:, :2] - wall.centre, axis=1)
+    if abs(float(out.min()) - wall.radius) > wall.radius * _SHARED or len(points) < FEWEST:
+        return None
+    tube, height = tangent_fillet(out, points[:, 2], wall.radius)
+    off = np.abs(np.hypot(out - wall.radius - tube, points[:, 2] - height) - abs(tube))
+    if not (0 < tube < wall.radius and np.median(off) < near_mm and (off < 2 * near_mm).mean() > 0.9):
+        return None
+    centre = np.array([*wall.centre, height])
+    return TorusFace(centre, np.array([0.0, 0.0, 1.0]), wall.radius + tube, tube, rms(off))
 
 
 def _kind(skin: Skin, region: Int64, rounds: Sequence[Wall]) -> str:

@@ -291,6 +291,16 @@ def test_a_keyway_of_an_end_is_found(width: float) -> None:
     assert step.keyway.direction == pytest.approx([np.sqrt(0.75), 0.5, 0.0], abs=1e-6)
 
 
+def test_a_fillet_is_that_of_its_own_journal() -> None:
+    """Not of a step of the shaft that is 0.003 mm thicker and larger: corners lie near that one as well."""
+    arc = [(11 - np.cos(a), 9 + np.sin(a)) for a in np.linspace(0.0, np.pi / 2, 12)]
+    profile = np.array([(0.0, 0.0), (10.0, 0.0), *arc, (12.0, 10.0), (12.0, 12.0), (0.0, 12.0)])
+    end = CrossSection([profile]).revolve(64)
+    body = shaft(10.003, -30.0, 0.0) + end + shaft(9.0, 12.0, 30.0, y=2.0)
+    faces, _ = mesh_faces(mesh_of(body), 2e-3)
+    assert [(t.ring_mm, t.tube_mm) for t in faces.tori] == [pytest.approx((11.0, 1.0), abs=1e-4)]
+
+
 def test_dimensions_are_rounded_as_corners_scatter() -> None:
     """To what a drawing has where they are near to that; else to as many decimals as they tell."""
     fine, scan = faceted(4e-6), faceted(3e-3)
