@@ -68,7 +68,10 @@ class EndFinder:
         for hole in self._holes():
             low, high = self._span(hole)
             off = from_line_mm(hole.point_mm, self.origin, self.axis)
-            like = any(math.isclose(hole.radius_mm, r) and math.isclose(off, c) for r, c in known)
+            like = any(
+                math.isclose(hole.radius_mm, r, rel_tol=_NEAR) and math.isclose(off, c, rel_tol=_NEAR)
+                for r, c in known
+            )
             if outward * ((low + high) / 2 - at_mm) > 0 and not like:
                 yield (
                     f"a hole of {2 * hole.radius_mm:.4g} mm in an end of the crank, {off:.4g} mm off its "
