@@ -46,19 +46,24 @@ def unfolded(text: str) -> list[str]:
     lines: list[str] = []
     pieces = ""
     for line in text.splitlines():
-        whole, folded = f"{lines[-1]} {line.lstrip()}" if lines else "", f"{pieces}\n{line}"
-        if lines and in_width(whole) == folded:
-            lines[-1], pieces = whole, folded
-        else:
-            lines.append(line)
-            pieces = line
+        if lines and _indent(line) == _indent(lines[-1]) + _BELOW:  # else it is not its rest
+            whole, folded = f"{lines[-1]} {line.lstrip()}", f"{pieces}\n{line}"
+            if in_width(whole) == folded:
+                lines[-1], pieces = whole, folded
+                continue
+        lines.append(line)
+        pieces = line
     return lines
+
+
+def _indent(line: str) -> str:
+    return " " * (len(line) - len(line.lstrip()))
 
 
 def _sentence(line: str, together: Iterable[str]) -> str:
     if len(line) <= WIDTH or "  " in line.strip():
         return line
-    indent = " " * (len(line) - len(line.lstrip()))
+    indent = _indent(line)
     kept = line.strip()
     for part in together:
         kept = kept.replace(part, part.replace(" ", _SPACE))
