@@ -5,18 +5,16 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 from math import cos, radians, sin
 from typing import Any
 
-from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.bodies.mesh.solid_mesh import finest_mm, set_size_field
+from cranktopo.bodies.mesh.solid_mesh import drilled_mesh, finest_mm, set_size_field
 from cranktopo.bodies.solid.checked import SolidProperties, solid_properties
 from cranktopo.bodies.solid.flying_web import add_flying_web
 from cranktopo.design.flying_web import FlyingWeb
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import body_session
-from cranktopo.numerics.tetrahedra.cad_mesh import by_smaller_elements, generate
+from cranktopo.numerics.tetrahedra.cad_mesh import generate
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.throw.drilling.bore import size_terms
 from cranktopo.throw.drilling.table import drill_bores
@@ -47,12 +45,8 @@ def mesh_flying_web(web: FlyingWeb, element_size_mm: float) -> MeshedFlyingWeb:
             mesh = generate(gmsh, False, stresses=False, regular=True, adapt=adapt)
         return MeshedFlyingWeb(mesh, body, size)
 
-    try:
-        return by_smaller_elements(web.name, element_size_mm, make)
-    except CranktopoError as error:
-        if error.code != ExitCode.SOLVER or not (web.near.throw.drilling or web.far.throw.drilling):
-            raise
-        return by_smaller_elements(web.name, element_size_mm, partial(make, by_tools=True))
+    drilled = bool(web.near.throw.drilling or web.far.throw.drilling)
+    return drilled_mesh(web.name, element_size_mm, make, drilled=drilled)
 
 
 @dataclass(frozen=True)

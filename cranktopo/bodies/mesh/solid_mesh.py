@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ from cranktopo.throw.journal import FilletSection
 from cranktopo.throw.side_slots import SideSlots
 from cranktopo.throw.web import web_bodies
 
+_R = TypeVar("_R")
 FITTED_FRACTION = 0.2
 """Element size on a fillet over its radius up to which stresses are those of fitted polynomials: they smooth
 the scatter of irregular elements, and follow a fillet that is not much longer than their two rings."""
@@ -96,11 +97,19 @@ def mesh_throw(
         web = web_volume_mm3(halves(scene)[0])
         return MeshedThrow(mesh, body, web, whole=whole, element_size_mm=size)
 
-    what = f"solid of {scene.name}"
+    return drilled_mesh(f"solid of {scene.name}", element_size_mm, make, drilled=bool(scene.throw.drilling))
+
+
+def drilled_mesh(what: str, element_size_mm: float, make: Callable[..., _R], *, drilled: bool) -> _R:
+    """Return what `by_smaller_elements` does; a drilled body without a mesh is cut by tools and tried again.
+
+    Args:
+        make: as there, and given `by_tools=True` as that of `drilled` then.
+    """
     try:
         return by_smaller_elements(what, element_size_mm, make)
     except CranktopoError as error:
-        if error.code != ExitCode.SOLVER or not scene.throw.drilling:
+        if error.code != ExitCode.SOLVER or not drilled:
             raise
         return by_smaller_elements(what, element_size_mm, partial(make, by_tools=True))
 

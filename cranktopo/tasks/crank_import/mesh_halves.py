@@ -104,8 +104,7 @@ def crank_of_mesh(
         )
         for number, group in enumerate(groups, 1)
     )
-    count = len(faces.cylinders) + len(faces.planes) + len(faces.tori) + len(faces.others)
-    count += len(faces.cones)
+    count = sum(map(len, (faces.cylinders, faces.planes, faces.tori, faces.others, faces.cones)))
     within = near.scatter_mm * float(mesh.areas_mm2.sum()) / mesh.volume_mm3
     words = (*assumed, *hand_words(crank, groups))
     return FoundBody(solids, taken, crank, halves, count, len(mesh.faces), within, words)

@@ -320,8 +320,9 @@ def throw_sheets(scene: Scene, half: SurfaceMesh | None = None, throw: Manifold 
         return [Sheet(scene, solid - thread_holes(scene))]
     near, far = halves(scene)
     whole = throw or solid_of(kernel_surface_of(scene, "throw"), "throw")
-    upright = (whole.rotate((0.0, 0.0, about_z_deg(-turn))) for turn in half_turns_deg(scene))
-    first, second = (cut_in_halves(scene, one)[side] for side, one in enumerate(upright))
+    turns = half_turns_deg(scene)
+    cut = {turn: cut_in_halves(scene, whole.rotate((0.0, 0.0, about_z_deg(-turn)))) for turn in turns}
+    first, second = (cut[turn][side] for side, turn in enumerate(turns))
     first, second = first - thread_holes(near), second - thread_holes(far)
     if not difference(scene) and not web_asymmetry(scene):
         return [Sheet(near, first)]

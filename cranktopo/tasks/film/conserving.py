@@ -20,9 +20,8 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.bearing_film.conserving import TouchingError
 from cranktopo.numerics.bearing_film.conserving_orbit import ConservedOrbit, OilFeed, conserved_orbit
 from cranktopo.numerics.bearing_film.orbit import LEAST_SHARE, LoadedJournal, Orbit
-from cranktopo.tasks.film.result import BearingFilm, ConservingFilm, EdgeFilm
+from cranktopo.tasks.film.result import BIG_END, BearingFilm, ConservingFilm, EdgeFilm
 
-BIG_END = "big end"
 NEAR = 1.5
 """A film below so many times the least thickness it may have, or above the most pressure over it, is near."""
 HOLE_SHARE, PIN_HOLE_DEG = 0.1, 90.0

@@ -8,6 +8,9 @@ from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
 from cranktopo.tasks.film.permitted import LeastFilm
 
+BIG_END = "big end"
+"""Name of the big-end bearings, which are told as one."""
+
 
 class EdgeFilm(Result):
     """The film that keeps its oil under a journal that is tilted in its bearing.

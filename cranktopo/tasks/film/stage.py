@@ -26,13 +26,12 @@ from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.performance import note_pressure, pressure_words
 from cranktopo.numerics.bearing_film.orbit import LEAST_SHARE, JournalBearing, LoadedJournal, Orbit, orbits
 from cranktopo.tasks.film.conserving import (
-    BIG_END,
     NEAR,
     hole_assumptions,
     with_conserving,
 )
 from cranktopo.tasks.film.permitted import films_hold
-from cranktopo.tasks.film.result import BearingFilm, FilmResult, FilmsAtSpeed
+from cranktopo.tasks.film.result import BIG_END, BearingFilm, FilmResult, FilmsAtSpeed
 
 BEARINGS = "bearings"
 ALONE = "throws that stand alone between two bearings"

@@ -19,7 +19,7 @@ from cranktopo.base.frames import about_z_deg
 from cranktopo.base.units import NMM_PER_NM, angular_speed_rad_s
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
-from cranktopo.engine.balance.layout import engine_layout
+from cranktopo.engine.balance.layout import engine_layout, unit_vectors
 from cranktopo.engine.cylinders import cylinders
 from cranktopo.engine.forces import INERTIA_EFFECTS, ShaftTorque, by_throw
 from cranktopo.engine.histories import every_degree
@@ -269,8 +269,7 @@ def journal_loads_N(cycle: ShaftCycle) -> Complex:
 def journal_tilts(cycle: ShaftCycle) -> Complex:
     """Return how far each journal leads off its axis per length, turned as its force, (sections, states)."""
     motion = cycle.motion.reshape(len(cycle.bearing_N), 6, -1)
-    turn = np.exp(-1j * np.radians([about_z_deg(angle) for angle in cycle.angle_deg]))
-    return np.asarray((-motion[:, RX] + 1j * motion[:, RY]) * turn)
+    return np.asarray((-motion[:, RX] + 1j * motion[:, RY]) * unit_vectors(cycle.angle_deg))
 
 
 def pin_tilts(

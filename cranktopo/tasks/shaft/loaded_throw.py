@@ -68,33 +68,32 @@ class LoadedBlock:
     block: Superelement
     names: tuple[str, ...]
 
+    @property
+    def on_model(self) -> Array:
+        """Shares of the loads of the full throw that act on the model, (loads,)."""
+        models = self.block.copies * self.block.parts
+        return np.array([1.0 if name == "centrifugal" else 1 / models for name in self.names])
+
     def section_forces(self) -> dict[str, Array]:
         """Return what the unit loads of the full throw do on both its sections, (12,) each."""
         split = SPLITS[self.span][list(self.block.motions)]
         per_model = split.T @ self.block.extra_loads / self.block.parts
         models = self.block.copies * self.block.parts
-        return {
-            name: per_model[:, column] * (models if name == "centrifugal" else 1)
-            for column, name in enumerate(self.names)
-        }
+        return dict(zip(self.names, (per_model * (models * self.on_model)).T, strict=True))
 
     def aside_motion(self, name: str) -> Array:
         """Return the work of a load "aside" of 1 N on what each of `ACTING` moves, sections held, (6,)."""
         found = np.zeros(len(ACTING))
-        if name not in self.names:
-            return found
-        models = self.block.copies * self.block.parts
-        moved = self.block.extra_compliance[self.names.index(name)]
-        for acting, work in zip(self.names, moved, strict=True):
-            found[ACTING.index(acting)] = work if acting == "centrifugal" else work / models
+        if name in self.names:
+            work = self.block.extra_compliance[self.names.index(name)] * self.on_model
+            found[[ACTING.index(acting) for acting in self.names]] = work
         return found
 
     def load_fields(self) -> Array:
         """Return what each load of `of_still` on the full throw does, sections held, (unknowns, k)."""
         loaded = self.block.displacement[:, self.block.displacement.shape[1] - len(self.names) :]
-        models = self.block.copies * self.block.parts
-        factors = [1.0 if name == "centrifugal" else 1 / models for name in self.of_still]
-        return loaded[:, : len(factors)] * factors
+        still = len(self.of_still)
+        return loaded[:, :still] * self.on_model[:still]
 
     @property
     def of_still(self) -> tuple[str, ...]:
@@ -114,10 +113,8 @@ class LoadedBlock:
         bent = (axes.T / length) @ SPLITS[self.span][list(block.motions)]
         shares = np.zeros((axes.shape[1] + len(self.names), 12 + len(ACTING)))
         shares[: axes.shape[1], :12] = bent
-        for row, name in enumerate(self.names, start=axes.shape[1]):
-            shares[row, 12 + ACTING.index(name)] = (
-                1.0 if name == "centrifugal" else 1 / (block.copies * block.parts)
-            )
+        for row, (name, share) in enumerate(zip(self.names, self.on_model, strict=True), axes.shape[1]):
+            shares[row, 12 + ACTING.index(name)] = share
         loaded = block.displacement[:, block.displacement.shape[1] - len(self.names) :]
         return np.hstack([block.displacement[:, :motions] @ (length[:, None] * axes), loaded]), shares
 

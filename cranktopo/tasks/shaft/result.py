@@ -7,9 +7,8 @@ from pydantic.json_schema import SkipJsonSchema
 
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
-from cranktopo.tasks.film.conserving import BIG_END
 from cranktopo.tasks.film.permitted import LeastFilm, beyond_permitted
-from cranktopo.tasks.film.result import ConservingFilm
+from cranktopo.tasks.film.result import BIG_END, ConservingFilm
 from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings, ShaftStiffness, linear_bearings
 from cranktopo.tasks.shaft.web_sections import WebSections
 from cranktopo.tasks.throw_fea.evaluation import SCHEMA_VERSION
