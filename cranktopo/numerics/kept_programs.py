@@ -27,6 +27,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.seals import read_sealed_bytes, write_sealed_bytes
 from cranktopo.numerics.kernels.registry import kernel_settings, known_kernels, make_known, on_processor
 from cranktopo.numerics.precision import folder_of_programs
+from cranktopo.numerics.source_files import NUMERICS, digest_of_sources
 
 _R = TypeVar("_R")
 _NAME_DIGITS = 32
@@ -148,8 +149,8 @@ def _shape(leaf: Any) -> Hashable:
 
 
 def _digest_of_origin(function: Callable[..., object], key: _Key) -> str:
-    folders = Path(__file__).parent, Path(function.__code__.co_filename).parent
-    made_from = key, kernel_settings(), _settings(), _jaxlib(), _sources(*folders)
+    sources = digest_of_sources(NUMERICS, Path(function.__code__.co_filename).parent)
+    made_from = key, kernel_settings(), _settings(), _jaxlib(), sources
     return hashlib.sha256(repr(made_from).encode()).hexdigest()[:_NAME_DIGITS]
 
 
@@ -160,13 +161,6 @@ def _settings() -> list[tuple[str, str]]:
 @cache
 def _jaxlib() -> str:
     return version("jaxlib")
-
-
-@cache
-def _sources(*folders: Path) -> str:
-    """Digest of the files in folders, in which all that programs are made of stands."""
-    files = [file for folder in folders for file in sorted(folder.rglob("*.py"))]
-    return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 
 
 def _renamed(function: Callable[..., _R], name: str) -> Callable[..., _R]:

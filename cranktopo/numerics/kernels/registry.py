@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 import jax
+import llvmlite
 import llvmlite.ir as ir
 import numpy as np
 
@@ -37,6 +38,7 @@ from cranktopo.numerics.kernels.plane_sweep import (
 )
 from cranktopo.numerics.kernels.stiffness import StiffnessOperator, write_energies
 from cranktopo.numerics.kernels.xla_ffi import write_handler
+from cranktopo.numerics.source_files import NUMERICS, digest_of_sources
 
 if TYPE_CHECKING:
     import llvmlite.binding as llvm
@@ -48,18 +50,21 @@ _engines: list[llvm.ExecutionEngine] = []  # machine code lives as long as its e
 _known: list[tuple[str, str]] = []
 
 
-def address_of(function: str, text: str) -> int:
+def address_of(function: str, origin: Hashable, text: Callable[[], str]) -> int:
     """Return the address of a function of a module, written for LLVM, as machine code for this processor.
 
-    LLVM takes a tenth of a second for a kernel: its object files are kept.
+    LLVM takes a tenth of a second for a kernel, and to write its text takes longer: its object files are kept.
+
+    Args:
+        origin: what the text is made from, the same for two processes that would write the same one.
     """
     import llvmlite.binding as llvm  # loads all of LLVM: only who solves needs it
 
     machine = _machine()
-    kept = _kept(f"{llvm.llvm_version_info} {machine.triple} {_processor()} {text}")
+    kept = _kept(f"{llvm.llvm_version_info} {machine.triple} {_processor()} {origin!r}")
     code = None if kept is None else read_sealed_bytes(kept)
     if code is None:
-        code = _compiled(text)
+        code = _compiled(text())
         if kept is not None:
             _keep(code, kept)
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
@@ -104,7 +109,7 @@ def _processor() -> tuple[str, str]:
 
 
 def _kept(source: str) -> Path | None:
-    """File for the code made from a text; None where it is not wanted, or has no place that is the user's."""
+    """File for the code of a source; None where it is not wanted, or has no place that is the user's."""
     folder = private_cache(_FOLDER) if getattr(jax.config, _KEEPING) else None
     return None if folder is None else folder / f"{hashlib.sha256(source.encode()).hexdigest()[:32]}.o"
 
@@ -302,7 +307,9 @@ def kernel_settings() -> Hashable:
 
 @cache
 def _address(kernel: str, precision: str, width: int, threads: int) -> int:
-    return address_of("handler", str(_module(_KERNELS[kernel], precision, width, threads)))
+    settings = kernel, precision, width, threads
+    origin = settings, llvmlite.__version__, digest_of_sources(NUMERICS)
+    return address_of("handler", origin, lambda: str(_module(_KERNELS[kernel], *settings[1:])))
 
 
 def _module(kernel: _Kernel, precision: str, width: int, threads: int) -> ir.Module:

@@ -16,6 +16,7 @@ import pytest
 from cranktopo.numerics import kept_programs
 from cranktopo.numerics.kept_programs import KeptProgram, kept_program
 from cranktopo.numerics.precision import cache_folder, double_precision
+from cranktopo.numerics.source_files import digest_of_sources
 
 traced: list[tuple[int, ...]] = []
 MATRIX = np.array([[4.0, 1.0, 0.5], [1.0, 3.0, 0.25], [0.5, 0.25, 5.0]])
@@ -104,7 +105,7 @@ def test_what_cannot_be_loaded_here_is_compiled_again(monkeypatch: pytest.Monkey
 def test_a_program_of_other_origin_is_another_one(monkeypatch: pytest.MonkeyPatch) -> None:
     """Other files, settings or shapes; one from XLA's cache lacks code and is not kept once more."""
     answer(fresh())
-    for number, (name, found) in enumerate({"_sources": "x", "_settings": "x"}.items()):
+    for number, (name, found) in enumerate({"digest_of_sources": "x", "_settings": "x"}.items()):
         with monkeypatch.context() as changed:
             changed.setattr(kept_programs, name, lambda *_, found=found: found)
             answer(fresh())
@@ -120,9 +121,9 @@ def test_a_program_of_other_origin_is_another_one(monkeypatch: pytest.MonkeyPatc
 def test_a_digest_follows_the_files(tmp_path: Path) -> None:
     file = tmp_path / "part.py"
     file.write_text("a = 1")
-    before = kept_programs._sources.__wrapped__(tmp_path)
+    before = digest_of_sources.__wrapped__(tmp_path)
     file.write_text("a = 2")
-    assert kept_programs._sources.__wrapped__(tmp_path) != before
+    assert digest_of_sources.__wrapped__(tmp_path) != before
 
 
 def test_plain_numbers_are_arguments_as_they_are() -> None:

@@ -117,7 +117,7 @@ def restriction(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[in
     monkeypatch.setattr(jax.ffi, "include_dir", lambda: str(tmp_path))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     text = str(processor._module(processor._KERNELS["restriction"], "float32", 8, 1))
-    return frames._HANDLER(machine_code.address_of("handler", text))
+    return frames._HANDLER(machine_code.address_of("handler", text, lambda: text))
 
 
 @pytest.fixture
@@ -342,11 +342,11 @@ def test_code_is_loaded_from_the_own_folder_alone(tmp_path: Path, monkeypatch: p
     monkeypatch.setattr(machine_code, "_compiled", lambda text: compiled.append(text) or compile_text(text))
     text = str(processor._module(processor._KERNELS["restriction"], "float32", 4, 1))
     for _ in range(2):
-        machine_code.address_of("handler", text)
+        machine_code.address_of("handler", text, lambda: text)
     assert len(compiled) == 1
     (file,) = (tmp_path / "cranktopo").rglob("*.o")
     file.parent.chmod(0o777)
-    machine_code.address_of("handler", text)
+    machine_code.address_of("handler", text, lambda: text)
     assert len(compiled) == 2
 
 

@@ -1,0 +1,16 @@
+"""What kept machine code was made from: the files of the program, in place of what they make each time."""
+
+from __future__ import annotations
+
+import hashlib
+from functools import cache
+from pathlib import Path
+
+NUMERICS = Path(__file__).parent
+
+
+@cache
+def digest_of_sources(*folders: Path) -> str:
+    """Return SHA-256 (hex) over the Python files in folders, their subfolders included."""
+    files = [file for folder in folders for file in sorted(folder.rglob("*.py"))]
+    return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
