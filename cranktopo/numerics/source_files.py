@@ -1,4 +1,4 @@
-"""What kept machine code was made from: the files of the program, in place of what they make each time."""
+"""Digest of the files that kept machine code is made from, in place of the text that they make each time."""
 
 from __future__ import annotations
 

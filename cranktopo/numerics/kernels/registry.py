@@ -53,7 +53,7 @@ _known: list[tuple[str, str]] = []
 def address_of(function: str, origin: Hashable, text: Callable[[], str]) -> int:
     """Return the address of a function of a module, written for LLVM, as machine code for this processor.
 
-    LLVM takes a tenth of a second for a kernel, and to write its text takes longer: its object files are kept.
+    LLVM takes a tenth of a second for a kernel, its text as long: its object files are kept.
 
     Args:
         origin: what the text is made from, the same for two processes that would write the same one.

@@ -344,6 +344,7 @@ def test_code_is_loaded_from_the_own_folder_alone(tmp_path: Path, monkeypatch: p
     for _ in range(2):
         machine_code.address_of("handler", text, lambda: text)
     assert len(compiled) == 1
+    machine_code.address_of("handler", text, lambda: pytest.fail("text of kept code was written"))
     (file,) = (tmp_path / "cranktopo").rglob("*.o")
     file.parent.chmod(0o777)
     machine_code.address_of("handler", text, lambda: text)
