@@ -7,6 +7,7 @@ import io
 import math
 import re
 import textwrap
+from bisect import bisect_right
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -112,11 +113,9 @@ def _names(columns: Sequence[_Printed]) -> Sequence[_Printed]:
 
 def _fitting(columns: Sequence[_Printed], room: int) -> list[int] | None:
     """Return the widest widths at which the columns fit side by side, heads broken last; None if none do."""
-    for most in range(WIDTH, _WORDS - 1, -1):
-        widths = [column.width(most) for column in columns]
-        if sum(widths) + 2 * (len(widths) - 1) <= room:
-            return widths
-    return None
+    left, tried = room - 2 * (len(columns) - 1), range(_WORDS, WIDTH + 1)
+    fits = bisect_right(tried, left, key=lambda most: sum(column.width(most) for column in columns))
+    return [column.width(tried[fits - 1]) for column in columns] if fits else None
 
 
 def _block(columns: Sequence[_Printed], ruled: bool) -> str:
