@@ -38,8 +38,10 @@ def run_to_its_end(ours: list[int]) -> NoReturn:
     os.environ.setdefault(*_ONE_THREAD)
     os.environ.setdefault(*_ERRORS_ALONE)
     from cranktopo.app.main import main
+    from cranktopo.base.late_modules import load_late
     from cranktopo.numerics.precision import compile_quickly
 
+    load_late()
     compile_quickly()
     sys.unraisablehook = _raise_again
     _watch(ours)
