@@ -6,6 +6,7 @@ import io
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -249,23 +250,59 @@ _PANEL_INCHES, _POLAR_AXES = (4.4, 3.0), (0.07, 0.09, 0.5, 0.72)
 
 
 @dataclass(frozen=True)
+class Undrawn:
+    """One pair of axes that are still to be drawn, in any process that is sent them.
+
+    Attributes:
+        draw: is called with the axes and the arguments; a function of a module where it is sent.
+        polar: leaves room for a legend beside them.
+    """
+
+    draw: Callable[..., None]
+    arguments: tuple[Any, ...]
+    polar: bool = False
+
+    def figure(self) -> Figure:
+        """Draw them; labelled curves are named below."""
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=_PANEL_INCHES, facecolor="none", layout=None if self.polar else "constrained")
+        FigureCanvasAgg(figure)
+        axes = figure.add_axes(_POLAR_AXES, projection="polar") if self.polar else figure.add_subplot()
+        axes.set_facecolor("none")
+        self.draw(axes, *self.arguments)
+        for text, letters in ((axes.yaxis.label, _UPRIGHT_LETTERS), (axes.title, _TITLE_LETTERS)):
+            text.set_text(textwrap.fill(text.get_text(), letters, break_on_hyphens=False))
+        if axes.get_legend() is None:
+            _name_below(axes)
+        return figure
+
+
+@dataclass(frozen=True)
 class Picture:
     """A plot and its text for a reader who cannot see it; as pixels where it has thousands of faces.
 
     Attributes:
+        drawn: what is undrawn is drawn when somebody looks at it.
         sheet: a drawing on its own sheet, which on paper takes a whole page, turned.
     """
 
     name: str
-    figure: Figure
+    drawn: Figure | Undrawn
     alt: str
     raster: bool = False
     sheet: bool = False
 
+    @cached_property
+    def figure(self) -> Figure:
+        """The plot, drawn once."""
+        return self.drawn.figure() if isinstance(self.drawn, Undrawn) else self.drawn
+
     @property
     def wide(self) -> bool:
         """True if it takes the whole width of a page."""
-        return bool(self.figure.get_size_inches()[0] > _WIDE_INCHES)
+        return not isinstance(self.drawn, Undrawn) and bool(self.drawn.get_size_inches()[0] > _WIDE_INCHES)
 
 
 @dataclass(frozen=True)
@@ -278,23 +315,8 @@ class DrawnPicture:
 
 
 def picture(name: str, alt: str, draw: Callable[..., None], *arguments: Any, polar: bool = False) -> Picture:
-    """Return a plot with one pair of axes; `draw` is called with them and the arguments.
-
-    Labelled curves are named below the axes. Polar axes leave room for a legend beside them.
-    """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=_PANEL_INCHES, facecolor="none", layout=None if polar else "constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.add_axes(_POLAR_AXES, projection="polar") if polar else figure.add_subplot()
-    axes.set_facecolor("none")
-    draw(axes, *arguments)
-    for text, letters in ((axes.yaxis.label, _UPRIGHT_LETTERS), (axes.title, _TITLE_LETTERS)):
-        text.set_text(textwrap.fill(text.get_text(), letters, break_on_hyphens=False))
-    if axes.get_legend() is None:
-        _name_below(axes)
-    return Picture(name, figure, alt)
+    """Return a plot with one pair of axes; `draw` is called with them and the arguments."""
+    return Picture(name, Undrawn(draw, arguments, polar), alt)
 
 
 _UPRIGHT_LETTERS, _TITLE_LETTERS = 32, 52

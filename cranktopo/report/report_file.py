@@ -5,12 +5,14 @@ from __future__ import annotations
 import base64
 import io
 import re
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
+from cranktopo.base.companion import ALONE, Companion, Work
 from cranktopo.base.files import write_bytes, write_text
 from cranktopo.report.drafting import INK, STEEL, THIN
 from cranktopo.report.page import Fact, Page, Section
@@ -55,21 +57,29 @@ _THEME = {colour: f"var(--c{number})" for number, found in enumerate(_CURVES) fo
 }
 
 
-def html(page: Page) -> str:
-    """Return the report as the text of an HTML file."""
+Drawn = Mapping[str, str]
+"""Plots as SVG by their names."""
+
+
+def html(page: Page, beside: Companion = ALONE, ahead: Sequence[Work[Drawn]] = ()) -> str:
+    """Return the report as the text of an HTML file.
+
+    Args:
+        beside: draws the plots.
+        ahead: of those that are drawn already, or nearly.
+    """
     from markupsafe import Markup
 
+    drawn = {name: text for work in ahead for name, text in work().items()}
+    plots = [p for section in page.sections for p in section.pictures if not p.raster]
+    others = beside.begin(drawn_plots, [plot for plot in plots if plot.name not in drawn])
     return _template().render(
         page=page,
         style=Markup((TEMPLATES / "report.css").read_text(encoding="utf-8")),
         script=Markup(SCRIPT.read_text(encoding="utf-8")),
         scene3d=Markup(packed(page.scene3d)) if page.scene3d else "",
         still=Markup(_inline_png(page.picture)) if page.picture else "",
-        drawings={
-            p.name: Markup(_inline_png(p) if p.raster else _inline_svg(p))
-            for section in page.sections
-            for p in section.pictures
-        },
+        drawings={name: Markup(text) for name, text in {**_rasters(page), **drawn, **others()}.items()},
         version=metadata.version("cranktopo"),
         word=_WORD,
     )
@@ -116,6 +126,15 @@ def _inline_png(picture: Picture | DrawnPicture) -> str:
     content = picture.png if isinstance(picture, DrawnPicture) else png(picture.figure)
     data = base64.b64encode(content).decode("ascii")
     return f'<img src="data:image/png;base64,{data}" alt="{_attribute(picture.alt)}">'
+
+
+def _rasters(page: Page) -> Drawn:
+    return {p.name: _inline_png(p) for section in page.sections for p in section.pictures if p.raster}
+
+
+def drawn_plots(pictures: Sequence[Picture]) -> Drawn:
+    """Draw plots for `html`, in any process."""
+    return {picture.name: _inline_svg(picture) for picture in pictures}
 
 
 def _inline_svg(picture: Picture) -> str:
@@ -194,10 +213,15 @@ def check_report_path(path: Path) -> None:
     check_file(path, "report", _SUFFIXES)
 
 
-def write_report(page: Page, path: Path) -> None:
-    """Write a report as HTML or Markdown, by the ending of its name; replaced only when it is complete."""
+def write_report(
+    page: Page, path: Path, beside: Companion = ALONE, ahead: Sequence[Work[Drawn]] = ()
+) -> None:
+    """Write a report as HTML or Markdown, by the ending of its name; replaced only when it is complete.
+
+    Plots of HTML are drawn as in `html`.
+    """
     check_report_path(path)
     if path.suffix.lower() == ".md":
         write_markdown(page, path)
     else:
-        write_text(path, html(page))
+        write_text(path, html(page, beside, ahead))

@@ -13,8 +13,6 @@ from typing import Any
 
 import numpy as np
 from manifold3d import Manifold
-from matplotlib.collections import TriMesh
-from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
@@ -130,6 +128,9 @@ def extent_mm(body: ShadedMesh, view: Array) -> Array:
 
 def draw(axes: Any, body: ShadedMesh, view: Array) -> None:
     """Draw a body in matplotlib axes as seen along a view from `view_axes`, in mm to scale."""
+    from matplotlib.collections import TriMesh
+    from matplotlib.tri import Triangulation
+
     points = body.vertices_mm @ view.T
     corners = points[body.faces]
     edges = corners[:, 1:, :2] - corners[:, :1, :2]

@@ -9,12 +9,9 @@ import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from cranktopo.bodies.cells.grid import DensityGrid
@@ -29,6 +26,10 @@ from cranktopo.report.shading import (
     shaded,
     view_axes,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 SHARE = 0.99
 """Part of a surface that the colours tell apart: the rest lies at sharp edges, where stress has no limit."""
@@ -270,6 +271,9 @@ def gallery(bodies: Sequence[tuple[str, ShadedMesh, Direction]]) -> tuple[Figure
 
     Each has a title and a direction to the viewer.
     """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
     columns = min(len(bodies), _GALLERY_COLUMNS)
     rows = -(-len(bodies) // columns)
     figure = Figure(figsize=(3.75 * columns, 4.0 * rows), dpi=110, facecolor="none")

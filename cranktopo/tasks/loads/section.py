@@ -37,18 +37,22 @@ def loads_section(
         of_stresses: the cases are those of a plan for stress and fatigue.
     """
     table = tabulate(_LOAD_COLUMNS, cases)
-    pictures: tuple[Picture, ...] = ()
     text = "The scene names no engine: unit loads, so that stiffnesses are what counts."
     if analysis is not None:
         count = analysis.engine.cylinders
         text = f"{count} cylinder{'s' * (count > 1)} at {analysis.engine.speed_rpm:g} rpm."
         text += f" {_OF_STRESSES}" if of_stresses else ""
-        if analysis.cycle is not None:
-            pictures = tuple(
-                picture(f"loads-{number}", alt, panel, analysis)
-                for number, (panel, alt) in enumerate(zip(PANELS, _alts(analysis), strict=True), start=1)
-            )
-    return Section("loads", "Loads", text, (("Load cases", table),), pictures)
+    return Section("loads", "Loads", text, (("Load cases", table),), loads_pictures(analysis))
+
+
+def loads_pictures(analysis: LoadAnalysis | None) -> tuple[Picture, ...]:
+    """Return the curves over the cycle; none without an engine with gas data."""
+    if analysis is None or analysis.cycle is None:
+        return ()
+    return tuple(
+        picture(f"loads-{number}", alt, panel, analysis)
+        for number, (panel, alt) in enumerate(zip(PANELS, _alts(analysis), strict=True), start=1)
+    )
 
 
 def _alts(analysis: LoadAnalysis) -> tuple[str, ...]:

@@ -191,7 +191,12 @@ def _exit_code(metrics: RunMetrics) -> ExitCode:
     return ExitCode.CRITERION_NOT_MET if unmet else ExitCode.DONE
 
 
-_LIBRARIES = "cranktopo.bodies.cells.domain", "cranktopo.tasks.optimise.picture"
+_LIBRARIES = (
+    "cranktopo.bodies.cells.domain",
+    "cranktopo.tasks.optimise.picture",
+    "matplotlib.backends.backend_agg",
+    "matplotlib.backends.backend_svg",
+)
 """Modules of the second process: it begins before this one loads its own, which takes a second."""
 _QUIET_S = 10.0
 """Least time between lines of the pace, where there is no bar."""

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.companion import Companion
+from cranktopo.base.companion import Companion, Work
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import write_bytes
 from cranktopo.base.notes import redirected
@@ -20,7 +20,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import CompileClock, double_precision
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.report.report_file import REPORT, write_report
+from cranktopo.report.report_file import REPORT, Drawn, drawn_plots, write_report
 from cranktopo.report.vtu import write_density_vtu
 from cranktopo.runs.directories import RunStore
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
@@ -34,7 +34,7 @@ from cranktopo.tasks.extraction.checked_surface import CheckedSurface, checked_s
 from cranktopo.tasks.extraction.result import NoSurface, RunSurface
 from cranktopo.tasks.optimise.evaluated_goal import EvaluatedGoal, evaluation_seconds, goal_by_evaluation
 from cranktopo.tasks.optimise.metrics import run_metrics, run_seconds, run_surface
-from cranktopo.tasks.optimise.page import run_page
+from cranktopo.tasks.optimise.page import convergence_pictures, run_page
 from cranktopo.tasks.optimise.picture import run_pictures
 from cranktopo.tasks.optimise.result import OptimisedRun
 from cranktopo.tasks.optimise.run_record import read_run_stress, record_of, snapshots
@@ -48,10 +48,12 @@ class Prefetched(NamedTuple):
     Attributes:
         cells: gives the cells of the bound; None where the plan leaves it out.
         original: solid fractions of the scene's own web on the cells of the design; None where it is known.
+        loads: plots of the loads.
     """
 
     cells: Cells | None
     original: Array | None
+    loads: Work[Drawn]
 
 
 def cells_of_bound(run: RunStore, prepared: Prepared) -> Cells | None:
@@ -83,7 +85,7 @@ def finalise_run(
     optimised = time.perf_counter()
     design = loop.final_design(problem, state)
     rows = _history_rows(problem, state.history)
-    (surface, half_throw, views, files), judged = side_by_side(
+    (surface, half_throw, views, files, curves), judged = side_by_side(
         lambda: _write_design(run, prepared, design, rows, beside),
         lambda: _judged(run, prepared, problem, state, design.physical, ahead),
     )
@@ -111,7 +113,7 @@ def finalise_run(
     stress = read_run_stress(run, files["stl"]) if "stl" in files else None
     designs = snapshots(run, prepared.domain, problem.density_chain)
     record = record_of(run, metrics, rows, prepared.scene, half_throw, designs, stress)
-    write_report(run_page(record, views), run.path / REPORT)
+    write_report(run_page(record, views), run.path / REPORT, beside, (ahead.loads, curves))
     end = time.perf_counter()
     seconds = metrics.seconds.model_copy(update={"total": end - began, "report": end - now})
     metrics = metrics.model_copy(update={"seconds": seconds})
@@ -180,12 +182,16 @@ def _beside_goal(bound: BoundStatements | NoBound, goal: GoalOutcome | None) -> 
 
 
 class _Written(NamedTuple):
-    """Measures of the surface, or why there is none, its half throw, a PNG of its views, names of files."""
+    """Measures of the surface, or why there is none, its half throw, a PNG of its views, names of files.
+
+    The curves are plots over the iterations.
+    """
 
     surface: RunSurface | NoSurface
     half_throw: SurfaceMesh | None
     views: bytes | None
     files: dict[str, str]
+    curves: Work[Drawn]
 
 
 def _write_design(
@@ -201,6 +207,7 @@ def _write_design(
     files, views = {"vtu": _DENSITY, "history": "history.csv"}, None
     if half_throw is not None:
         drawn = beside.begin(run_pictures, half_throw, rows, _title(scene), scene.web_z_mm)
+    curves = beside.begin(drawn_plots, convergence_pictures(rows))
     run.write_history(rows)
     _write_density(run, prepared.domain, design)
     measured = run_surface(surface, scene)
@@ -213,7 +220,7 @@ def _write_design(
         write_bytes(run.path / _PICTURE, picture)
         files = {"stl": _SURFACE, **files, "picture": _PICTURE}
     always = {"metrics": "metrics.json", "manifest": "manifest.json", "log": "run.log", "report": REPORT}
-    return _Written(measured, half_throw, views, files | always)
+    return _Written(measured, half_throw, views, files | always, curves)
 
 
 def _surface(prepared: Prepared, design: loop.WebDensities) -> CheckedSurface | str:

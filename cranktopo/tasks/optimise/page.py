@@ -142,10 +142,15 @@ def _convergence(record: RunRecord) -> Section:
         "Convergence",
         f"{record.metrics.status.capitalize()}: {record.metrics.stop_reason}. Dotted lines: the "
         "projection gets steeper there.",
-        pictures=tuple(
-            picture(f"convergence-{number}", alt, panel, record.history)
-            for number, (panel, alt) in enumerate(zip(PANELS, _CURVE_ALT, strict=True), start=1)
-        ),
+        pictures=convergence_pictures(record.history),
+    )
+
+
+def convergence_pictures(history: Sequence[Mapping[str, Any]]) -> tuple[Picture, ...]:
+    """Return the curves over the iterations, from the rows of history.csv."""
+    return tuple(
+        picture(f"convergence-{number}", alt, panel, history)
+        for number, (panel, alt) in enumerate(zip(PANELS, _CURVE_ALT, strict=True), start=1)
     )
 
 

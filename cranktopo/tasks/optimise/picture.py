@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.plot import GREY, plain, plain_decades, png
 from cranktopo.report.shading import ShadedMesh, draw, extent_mm, shaded, view_axes
 from cranktopo.report.viewer.scene3d import JOURNAL_SIDE, PIN_SIDE, UP, Direction
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _History = Sequence[Mapping[str, Any]]
 # Name, direction to the viewer, axis labels (none: not along the axes).
@@ -45,8 +46,7 @@ def run_pictures(
 
 def run_figure(body: ShadedMesh, history: _History, title: str) -> Figure:
     """Return the picture of a run as a figure of its own: no global matplotlib state is read or changed."""
-    figure = Figure(figsize=(15, 9.2), dpi=140, facecolor="white")
-    FigureCanvasAgg(figure)
+    figure = _sheet(9.2, 140, "white")
     figure.suptitle(title, x=0.035, y=0.975, ha="left", fontsize=15, fontweight="bold")
     _draw_views(figure, body, bottom=0.43, top=0.91)
     _draw_curves(figure, history)
@@ -55,11 +55,19 @@ def run_figure(body: ShadedMesh, history: _History, title: str) -> Figure:
 
 def views_figure(body: ShadedMesh) -> Figure:
     """Return the four views alone, on no background."""
-    figure = Figure(figsize=(15, 4.9), dpi=110, facecolor="none")
-    FigureCanvasAgg(figure)
+    figure = _sheet(4.9, 110, "none")
     _draw_views(figure, body, bottom=0.11, top=0.93)
     for axes in figure.axes:
         axes.set_facecolor("none")
+    return figure
+
+
+def _sheet(height_inches: float, dpi: int, facecolor: str) -> Figure:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(15, height_inches), dpi=dpi, facecolor=facecolor)
+    FigureCanvasAgg(figure)
     return figure
 
 

@@ -32,6 +32,7 @@ from cranktopo.design.goal.scene_goal import goal_of
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, new_run
+from cranktopo.engine.analysis import analyse
 from cranktopo.numerics.kernels.registry import compile_kernels
 from cranktopo.numerics.precision import CompileClock, check_device, double_precision
 from cranktopo.runs.checkpoint import load_checkpoint, save_checkpoint, save_iteration
@@ -60,7 +61,6 @@ _LIBRARIES = (
     "meshio",
     "skimage.measure",
     "scipy.ndimage",
-    "matplotlib.backends.backend_svg",
     "jinja2",
 )
 """Libraries that the end of a run imports, half a second's worth."""
@@ -220,13 +220,18 @@ def _compiled(problem: DensityProblem) -> None:
 
 
 def _ready_for_the_end(job: _Job) -> Prefetched:
-    """Find what the end needs, and load the libraries that surfaces, pictures and pages take."""
+    """Find what the end needs, and load the libraries that surfaces and pages take."""
+    from cranktopo.report.report_file import drawn_plots
+    from cranktopo.tasks.loads.section import loads_pictures
     from cranktopo.tasks.optimise.finalise import Prefetched, cells_of_bound
 
+    scene = job.prepared.scene
+    analysis = analyse(scene) if scene.engine else None
+    loads = job.beside.begin(drawn_plots, loads_pictures(analysis))
     cells = cells_of_bound(job.run, job.prepared)
     for name in _LIBRARIES:
         import_module(name)
-    return Prefetched(cells, job.original() if job.original else None)
+    return Prefetched(cells, job.original() if job.original else None, loads)
 
 
 def _checked(progress: Progress, check: Callable[[], None], end: LazyFuture[Prefetched]) -> Progress:
