@@ -24,15 +24,16 @@ _REMOVED = -1000
 def material(added: Sequence[Span], removed: Sequence[Span] = ()) -> tuple[Array, Array]:
     """Return the ends (intervals, ...) of what some interval of the first holds and none of the second."""
     shape = np.broadcast_shapes(*(end.shape for span in (*added, *removed) for end in span))
-    ends, steps = [], []
-    for weight, spans in ((1, added), (_REMOVED, removed)):
-        for start, stop in spans:
-            ends += [np.broadcast_to(start, shape), np.broadcast_to(np.maximum(stop, start), shape)]
-            steps += [weight, -weight]
-    places = np.stack(ends)
+    places = np.empty((2 * (len(added) + len(removed)), *shape))
+    for number, (start, stop) in enumerate((*added, *removed)):
+        places[2 * number] = start
+        np.maximum(stop, start, out=places[2 * number + 1])
+    begun = np.repeat(np.array([1, _REMOVED], np.int32), (len(added), len(removed)))
     order = places.argsort(axis=0, kind="stable")
-    places = np.take_along_axis(places, order, axis=0)
-    solid = np.array(steps)[order].cumsum(axis=0)[:-1] > 0
+    solid = np.stack([begun, -begun], axis=1).take(order).cumsum(axis=0, dtype=np.int32)[:-1] > 0
+    order *= places[0].size  # places in the flat array: to take by these is several times faster
+    order += np.arange(places[0].size).reshape(shape)
+    places = places.take(order)
     return places[:-1], np.where(solid, places[1:], places[:-1])
 
 
