@@ -127,9 +127,12 @@ def _held_back(
     for row in rows.tolist():
         for column in columns.tolist():
             start[[first, second]] = end[[first, second]] = row, column
-            cuts, within = (_cuts(solid, start, end, axis) for solid in (body, filled))
-            met += bool(len(cuts))
-            found = _voids_mm(cuts, within, way.parting_mm)
+            cuts = _cuts(body, start, end, axis)
+            if not len(cuts):  # it misses the web
+                lengths.append([0.0, 0.0])
+                continue
+            met += 1
+            found = _voids_mm(cuts, _cuts(filled, start, end, axis), way.parting_mm)
             lengths.append([float(np.abs(np.diff(side)).sum()) for side in found])
             if max(lengths[-1]) > longest:
                 longest, at_mm = max(lengths[-1]), start.copy()
@@ -189,8 +192,6 @@ def _voids_mm(cuts: Array, within: Array, parting_mm: float | None) -> tuple[Arr
     if parting_mm is not None:
         cuts, within = cuts - parting_mm, within - parting_mm
         return _beyond_mm(cuts, within) + parting_mm, parting_mm - _beyond_mm(-cuts[::-1], -within[::-1])
-    if not len(cuts):
-        return np.zeros((0, 2)), np.zeros((0, 2))
     return _beyond_mm(cuts - cuts[0], within - cuts[0]) + cuts[0], np.zeros((0, 2))
 
 

@@ -203,24 +203,23 @@ def _layer_map(lattice: Lattice, factors: Cells, heights: tuple[float, ...]) -> 
     """
     across, along = _samples(factors[0]), _samples(factors[1])
     result = np.empty((len(across), len(along), len(heights), 24, 24))
-    bound = 0.0
     for k, height in enumerate(heights):
         stiffness = layer_stiffness(lattice, lattice.dz_mm.index(height))
         for (p, i), (q, j) in product(enumerate(across), enumerate(along)):
-            weights = np.kron(_interpolation((i, j, k), factors), np.eye(3))
+            weights = _interpolation((i, j, k), factors)
             result[p, q, k] = weights.T @ stiffness @ weights
-            bound = max(bound, jacobi_bound(result[p, q, k]))
-    return result.reshape(-1, 576), bound
+    return result.reshape(-1, 576), jacobi_bound(result)
 
 
 def jacobi_bound(stiffness: Array) -> float:
-    """Return the largest eigenvalue of diag(K)^-1 K of a cell."""
-    root = 1 / np.sqrt(np.diag(stiffness))
-    return float(np.linalg.eigvalsh(root[:, None] * stiffness * root).max())
+    """Return the largest eigenvalue of diag(K)^-1 K of a cell, or of many (..., 24, 24)."""
+    root = 1 / np.sqrt(np.diagonal(stiffness, axis1=-2, axis2=-1))
+    return float(np.linalg.eigvalsh(root[..., :, None] * stiffness * root[..., None, :]).max())
 
 
+@lru_cache(maxsize=64)
 def _interpolation(cell: Cells, factors: Cells) -> Array:
-    """Return trilinear weights (8 fine corners, 8 coarse corners) of a fine cell inside its coarse cell."""
+    """Return trilinear weights (24, 24) of a fine cell, its rows, inside its coarse cell."""
     position = (np.array(cell) + CORNERS) / np.array(factors)  # (8, 3) in [0, 1]
     weights = np.where(CORNERS[None] == 1, position[:, None], 1 - position[:, None])
-    return np.asarray(np.prod(weights, axis=2))
+    return np.kron(np.prod(weights, axis=2), np.eye(3))
