@@ -9,7 +9,6 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import Pace, note
 from cranktopo.design.assumed import EVALUATED, assumed_text, filter_by_table
 from cranktopo.tasks.throw_fea.evaluation import Evaluation, evaluate
-from cranktopo.tasks.throw_fea.flying_web import evaluate_flying_web
 from cranktopo.tasks.throw_fea.levels import ErrorTarget, evaluate_to
 from cranktopo.tasks.throw_fea.result import FlyingWebResult
 from cranktopo.tasks.throw_fea.studies import EVALUATION, key_of, load_study
@@ -69,10 +68,18 @@ def evaluate_targets(targets: Sequence[TargetLike], request: MeshRequest | None 
         pace.begin(target.name)
         evaluation, reached = _evaluate(target, request)
         missed += [] if reached else [f"{target.name} ({evaluation.error_percent:.2f} %)"]
-        webs = tuple(evaluate_flying_web(web, request.element_size_mm) for web in target.flying)
+        webs = _flying_webs(target, request)
         evaluations.append(replace(evaluation, flying_webs=webs))
         missed += [f"{web.name} ({web.error_percent:.2f} %)" for web in webs if _misses(web, request)]
     return Evaluations(tuple(evaluations), tuple(missed))
+
+
+def _flying_webs(target: Target, request: MeshRequest) -> tuple[FlyingWebResult, ...]:
+    if not target.flying:
+        return ()
+    from cranktopo.tasks.throw_fea.flying_web import evaluate_flying_web
+
+    return tuple(evaluate_flying_web(web, request.element_size_mm) for web in target.flying)
 
 
 def print_assumed(targets: Sequence[Target], tables: Sequence[str]) -> None:

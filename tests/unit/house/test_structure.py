@@ -307,3 +307,13 @@ def test_reading_a_design_loads_no_optimiser() -> None:
     )
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert told.strip() == "[]"
+
+
+def test_evaluate_loads_its_solver_beside_the_mesh() -> None:
+    """What the main thread loads before gmsh begins, it waits for: SciPy's sparse matrices a tenth of it all."""
+    code = (
+        "import sys, cranktopo.tasks.throw_fea.stage, cranktopo.tasks.evaluate.command; "
+        "print([m for m in ('scipy.sparse', 'scipy.linalg', 'skfem') if m in sys.modules])"
+    )
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert told.strip() == "[]"
