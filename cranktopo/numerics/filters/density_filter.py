@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
+from itertools import count
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy.fft import next_fast_len
 
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.device_arrays import on_device
@@ -137,9 +137,17 @@ def _lengths(shape: Shape, kernel: Shape, mirrored_x: bool) -> list[int]:
     """Return lengths that transform fast: the zeros between the last value and the first keep both apart."""
     reflected = (_reflected(kernel, mirrored_x), 0, 0)
     return [
-        next_fast_len(max(size + before + n // 2, n), real=True)
+        fast_length(max(size + before + n // 2, n))
         for size, n, before in zip(shape, kernel, reflected, strict=True)
     ]
+
+
+def fast_length(least: int) -> int:
+    """Return the next length of real data whose prime factors are 2, 3 and 5, which transforms fast.
+
+    As `scipy.fft.next_fast_len(least, real=True)`, whose package takes a tenth of what a run loads at first.
+    """
+    return next(length for length in count(least) if 60**length.bit_length() % length == 0)
 
 
 def _reflected(kernel: Shape, mirrored_x: bool) -> int:
