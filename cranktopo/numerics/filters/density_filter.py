@@ -147,7 +147,7 @@ def fast_length(least: int) -> int:
 
     As `scipy.fft.next_fast_len(least, real=True)`, whose package takes a tenth of what a run loads at first.
     """
-    return next(length for length in count(least) if 60**length.bit_length() % length == 0)
+    return next(length for length in count(least) if 60 ** length.bit_length() % length == 0)
 
 
 def _reflected(kernel: Shape, mirrored_x: bool) -> int:

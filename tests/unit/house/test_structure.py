@@ -310,7 +310,7 @@ def test_reading_a_design_loads_no_optimiser() -> None:
 
 
 def test_evaluate_loads_its_solver_beside_the_mesh() -> None:
-    """What the main thread loads before gmsh begins, it waits for: SciPy's sparse matrices a tenth of it all."""
+    """What the main thread loads before gmsh begins, it waits for: SciPy is a tenth of it."""
     code = (
         "import sys, cranktopo.tasks.throw_fea.stage, cranktopo.tasks.evaluate.command; "
         "print([m for m in ('scipy.sparse', 'scipy.linalg', 'skfem') if m in sys.modules])"
