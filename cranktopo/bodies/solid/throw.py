@@ -25,6 +25,7 @@ from cranktopo.design.halves import (
     of_halves,
     of_second,
     require_equal_halves,
+    usual_scale,
 )
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import DimTags
@@ -35,6 +36,8 @@ from cranktopo.throw.web import web_bodies
 
 _NUDGE = 1e-6
 """Of the radius of a fillet that the kernel cannot fuse: a thousandth of the volume that is let through."""
+_GRAZING_MM = 0.01
+"""Overlap of a fillet's foot and a bore, on a throw of usual size, whose crescent the kernel cannot cut."""
 
 
 def add_half_throw(occ: Any, scene: Scene, *, by_tools: bool = False) -> DimTags:
@@ -68,7 +71,7 @@ def built(
         form: closed form of what is built.
     """
     body = build(occ, scene)
-    other = _with_nudged_fillet(scene)
+    other = _nudged(scene)
     if other is not None and misfit(occ, body, form(scene)) > 1:
         occ.remove(body, recursive=True)
         body = build(occ, other)
@@ -83,16 +86,33 @@ def built(
     return body
 
 
-def _with_nudged_fillet(scene: Scene) -> Scene | None:
-    """Return a scene whose counterweight has a fillet larger by nanometres; None where it has none.
+def _nudged(scene: Scene) -> Scene | None:
+    """Return a scene with fillets changed by micrometres, where surfaces touch; None where none do.
 
-    The fillet touches flank and outline, and now and then the kernel loses a piece where surfaces touch.
+    The kernel now and then loses a piece there: beside the fillet of a counterweight, which touches flank and
+    outline, and where the fillet of a journal ends just inside the bore of the other one.
     """
-    weight = scene.web.counterweight
-    if weight is None or not weight.fillet_mm:
-        return None
-    nudged = weight.model_copy(update={"fillet_mm": weight.fillet_mm * (1 + _NUDGE)})
-    return scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": nudged})})
+    weight, throw = scene.web.counterweight, scene.throw
+    main, pin = throw.main_journal, throw.crankpin
+    nudged = scene
+    if weight is not None and weight.fillet_mm:
+        larger = weight.model_copy(update={"fillet_mm": weight.fillet_mm * (1 + _NUDGE)})
+        nudged = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": larger})})
+    ended = {
+        name: journal.model_copy(update={"fillet_mm": journal.fillet_mm - inside})
+        for name, journal, other in (("main_journal", main, pin), ("crankpin", pin, main))
+        if 0 < (inside := _inside_mm(journal, other, throw.radius_mm)) < _GRAZING_MM / usual_scale(scene)
+    }
+    if ended:
+        nudged = nudged.model_copy(update={"throw": throw.model_copy(update=ended)})
+    return None if nudged is scene else nudged
+
+
+def _inside_mm(journal: Journal, other: Journal, radius_mm: float) -> float:
+    """Return how far the fillet of a journal reaches into the bore of the other one; 0 without both."""
+    if not journal.fillet_mm or not other.bore_diameter_mm:
+        return 0.0
+    return journal.clear_radius_mm + other.bore_radius_mm - radius_mm
 
 
 def half_form(scene: Scene) -> ClosedForm:

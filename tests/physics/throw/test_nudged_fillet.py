@@ -1,4 +1,4 @@
-"""A counterweight's fillet that the CAD kernel loses a piece of, found by `shape`: 12 mm3, of one radius."""
+"""Fillets where surfaces touch, which the CAD kernel loses a piece of or cannot join to the web."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ WEB: dict[str, Any] = {
 
 @pytest.fixture(scope="module")
 def touching() -> Scene:
+    """12 mm3 beside the fillet of a counterweight are lost, of one radius alone: found by `shape`."""
     material = load_scene("mikron-iiic-plain").material.model_dump(exclude_none=True)
     journals = {"main_journal": {"outer_diameter_mm": 52.0, **JOURNAL}}
     own = {"radius_mm": 37.5, **journals, "crankpin": {"outer_diameter_mm": 46.0, **JOURNAL}}
@@ -48,3 +49,14 @@ def test_a_fillet_that_is_whole_is_not_nudged(touching: Scene, monkeypatch: pyte
     monkeypatch.setattr(throw, "_half", lambda occ, one, **how: built.append(one) or half(occ, one, **how))
     assert _built_mm3(scene) == pytest.approx(half_throw_volume_mm3(scene), rel=1e-9)
     assert built == [scene]
+
+
+@pytest.mark.parametrize("inside_mm", [1e-6, 1e-3, 3e-3])
+def test_a_fillet_that_ends_just_inside_the_other_bore(touching: Scene, inside_mm: float) -> None:
+    """The kernel made three bodies of it, the largest a tenth of the throw."""
+    data = touching.model_dump(mode="json", exclude_none=True)
+    bore_mm = 2 * (touching.throw.radius_mm - touching.throw.crankpin.clear_radius_mm + inside_mm)
+    data["throw"]["main_journal"]["bore_diameter_mm"] = bore_mm
+    del data["web"]["counterweight"]
+    scene = scene_from_dict(data)
+    assert _built_mm3(scene) == pytest.approx(half_throw_volume_mm3(scene), rel=5e-6)
