@@ -14,6 +14,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid.checked import ClosedForm, check_body, misfit, without_crumbs
 from cranktopo.bodies.solid.culprit import culprit
 from cranktopo.bodies.solid.drilled import drilled, drilled_at, to_middle
+from cranktopo.bodies.solid.joined import with_joined_edges
 from cranktopo.bodies.solid.shapes import add_bodies, add_solid, cut, turned, turned_half
 from cranktopo.bodies.volume import half_throw_volume_mm3, outlet_roundings_mm3, throw_volume_mm3
 from cranktopo.design.checks.scene import check_solid
@@ -70,11 +71,17 @@ def built(
     Args:
         form: closed form of what is built.
     """
-    body = build(occ, scene)
-    other = _nudged(scene)
-    if other is not None and misfit(occ, body, form(scene)) > 1:
-        occ.remove(body, recursive=True)
-        body = build(occ, other)
+    shape = form(scene)
+
+    def fitting() -> DimTags:
+        body = build(occ, scene)
+        other = _nudged(scene)
+        if other is not None and misfit(occ, body, shape) > 1:
+            occ.remove(body, recursive=True)
+            body = build(occ, other)
+        return body
+
+    body = with_joined_edges(occ, fitting, shape, usual_scale(scene))
 
     def misfit_of(part: Scene) -> float:
         tags = build(occ, part)
@@ -82,7 +89,7 @@ def built(
         occ.remove(tags, recursive=True)
         return found
 
-    check_body(occ, body, form(scene), name, lambda: culprit(scene, misfit_of))
+    check_body(occ, body, shape, name, lambda: culprit(scene, misfit_of))
     return body
 
 
@@ -145,6 +152,13 @@ def add_full_throw(occ: Any, scene: Scene, *, by_tools: bool = False) -> DimTags
         by_tools: as of `drilled`.
     """
     check_half_pins_overlap(scene)
+    form = throw_form(scene)
+    body = with_joined_edges(occ, lambda: _full(occ, scene, form, by_tools), form, usual_scale(scene))
+    check_body(occ, body, form, "full throw")
+    return body
+
+
+def _full(occ: Any, scene: Scene, form: ClosedForm, by_tools: bool) -> DimTags:
     first, second = halves(scene)
     half = _add_half(occ, _without_late(first, scene), by_tools)
     other = _add_second(occ, scene, second, by_tools)
@@ -155,9 +169,7 @@ def add_full_throw(occ: Any, scene: Scene, *, by_tools: bool = False) -> DimTags
     placed = [(turn, bore) for turn, own in zip(turns, late, strict=True) for bore in own]
     heights = to_middle([bore for _, bore in placed], first.pitch_mm / 2)
     body = drilled_at(occ, list(body), placed, between_mm=heights, by_tools=by_tools)
-    body = without_crumbs(occ, body, throw_form(scene))
-    check_body(occ, body, throw_form(scene), "full throw")
-    return list(body)
+    return list(without_crumbs(occ, body, form))
 
 
 def _add_second(occ: Any, scene: Scene, second: Scene, by_tools: bool) -> DimTags:
