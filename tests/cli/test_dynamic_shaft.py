@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import pytest
 
@@ -101,11 +102,13 @@ def test_torsion_is_not_counted_twice() -> None:
 
 
 def test_what_cannot_vibrate_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    """Free bearings, films, and a material without loss, before anything is meshed."""
+    """Free bearings, and bearings with play, before anything is meshed."""
     assert main([*WORDS, "--dynamic", "--bearings", "free"]) == 2
     assert "--dynamic: the forces on all bearings need [engine.gas]" in capsys.readouterr().err
-    assert main(["shaft", "car-diesel", "--dynamic", "--bearings", "film", "--quiet"]) == 2
-    assert "--dynamic: needs linear bearings" in capsys.readouterr().err
+    assert main(["shaft", "car-diesel", "--dynamic", "--bearings", "clearance", "--quiet"]) == 2
+    told = capsys.readouterr().err
+    assert "--dynamic: --bearings clearance has no answer for a shaft with mass" in told
+    assert "Choose --bearings rigid, spring or film." in told
 
 
 def test_a_shaft_on_springs_in_words() -> None:
@@ -118,4 +121,34 @@ def test_a_shaft_on_springs_in_words() -> None:
     text = "\n\n".join(dynamics_text(found))
     words = " ".join(text.split())
     assert "its output swings with what it drives. Without a mass_kg in torsion alone: propeller." in words
+    assert max(map(len, in_width(text).splitlines())) <= 80
+
+
+def test_a_shaft_in_its_oil_films() -> None:
+    """Films beside those without mass, what is permitted of them, their work, and the words."""
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
+    data["bearings"] = {"clearance_mm": 0.05, "viscosity_mPas": 9.0, "permitted_film_um": 4.0}
+    with patch(
+        "cranktopo.tasks.film.stage.with_conserving", side_effect=lambda _, films, *rest: tuple(films)
+    ):
+        found = assess_shaft(scene_from_dict(data), "film", SIZE_MM, dynamic=True)
+    assert found.dynamics is not None
+    (at,), (still,) = found.dynamics.speeds, found.on_bearings
+    for one, before in zip(at.main_bearings, still.main_bearings, strict=True):
+        assert one.film_um is not None
+        assert one.film_um == pytest.approx(25.0 - at.sections[one.bearing - 1].offset_um, abs=0.1)
+        assert one.quasi_static_film_um == before.film_um != one.film_um
+        assert one.film_um == pytest.approx(before.film_um, rel=0.3)
+    assert at.film_work_J is not None
+    assert at.work_in_J == pytest.approx(at.damping_work_J + at.film_work_J, rel=1e-5)
+    thin = [one.bearing for one in at.main_bearings if one.film_um is not None and one.film_um < 4.0]
+    assert thin
+    assert found.dynamics.films_hold is False
+    text = "\n\n".join(dynamics_text(found.dynamics))
+    words = " ".join(text.split())
+    assert (
+        "Its journals move in oil films, where a disturbance of its cycle dies away. Of its films, below"
+        in words
+    )
+    assert all(f"main {number}" in words for number in thin)
     assert max(map(len, in_width(text).splitlines())) <= 80

@@ -2,7 +2,8 @@
 
 All is in the frame that turns with the shaft: there rigid bearings, and springs alike in every direction, are
 constant, and so are the forces' places on the pins. A spring without damping does not feel that its bearing
-stands still; what damps the shaft is its own material, what it carries, and friction by cylinder.
+stands still; what damps the shaft is its own material, what it carries, and friction by cylinder. Journals in
+oil films lie as `on_film` finds.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ShaftTable
 from cranktopo.engine.bearings import bearing_tilt_spring_Nmm_per_rad
+from cranktopo.numerics.bearing_film.in_motion import CarriedShaft
 from cranktopo.numerics.harmonic_balance import (
     CondensedBody,
     DampedBody,
@@ -38,13 +40,13 @@ from cranktopo.tasks.shaft.cycle import CycleForces, ShaftCycle, load_shares
 
 @dataclass(frozen=True)
 class MovingShaft:
-    """A shaft on rigid bearings or springs, with what its ends carry.
+    """A shaft on rigid bearings, springs or oil films, with what its ends carry.
 
     Attributes:
         throws: from the free end; equal ones are the same object.
         ends: both ends over the six motions of the outer section first, then their own unknowns.
         viscous: damping of the sections' motions by what is none of these bodies, (6 sections, 6 sections).
-        spring_N_per_mm: radial stiffness of every main bearing; None: rigid.
+        spring_N_per_mm: radial stiffness of every main bearing; None: rigid, or a film.
         borne_by: sections that sit in a bearing.
         turns_freely: the last section swings with what it drives; else it turns evenly.
         loss_factor: of the throws' material.
@@ -78,6 +80,7 @@ class MovingCycle:
             adds to the stress, (unknowns, states) each.
         work_in_J: what the forces on the pins do over the cycle.
         damping_work_J: what all damping takes over it.
+        film_work_J: what the oil films take of it, in the turning frame; None without films.
     """
 
     shaft: ShaftCycle
@@ -85,6 +88,7 @@ class MovingCycle:
     strains: tuple[Array, ...]
     work_in_J: float
     damping_work_J: float
+    film_work_J: float | None = None
 
 
 def moving_shaft(throws: Sequence[MovingThrow], scene: Scene, spring_N_per_mm: float | None) -> MovingShaft:
@@ -114,33 +118,19 @@ def _between_throws(shaft: ShaftTable, throws: int) -> Array:
 
 
 def moving_cycle(shaft: MovingShaft, forces: CycleForces) -> MovingCycle:
-    """Solve the steady vibration under the forces of a cycle, all harmonics that its states resolve.
+    """Solve the steady vibration under the forces of a cycle, in rigid bearings or on springs."""
+    return ShaftHarmonics(shaft, forces).cycle()
 
-    The mean of them holds the last section in rotation and along the axis, as a shaft without mass is held;
-    all others leave the shaft free along its axis.
+
+class ShaftHarmonics:
+    """A shaft at all frequencies of a cycle that its states resolve.
+
+    The mean holds the last section in rotation and along the axis, as a shaft without mass is held; all other
+    harmonics leave the shaft free along its axis.
     """
-    solved = _Harmonics(shaft, forces)
-    motion = solved.motions()
-    states = forces.angle_deg.size
-    cycle = ShaftCycle(
-        forces.angle_deg,
-        curves_of(motion, states),
-        curves_of(solved.bearing_forces(motion), states),
-        curves_of(solved.throw_forces(motion), states),
-    )
-    within = solved.within(motion)
-    work, lost = solved.works(motion, within)
-    inner, strains = (
-        tuple(curves_of(one, states) for one in every) for every in (within, solved.strains(motion, within))
-    )
-    return MovingCycle(cycle, inner, strains, work, lost)
-
-
-class _Harmonics:
-    """The shaft at all frequencies of a cycle."""
 
     def __init__(self, shaft: MovingShaft, forces: CycleForces) -> None:
-        self._shaft, states = shaft, forces.angle_deg.size
+        self._shaft, self._angle_deg, states = shaft, forces.angle_deg, forces.angle_deg.size
         cycle_rad = states * np.radians(forces.angle_deg[1] - forces.angle_deg[0])
         number = np.arange(states // 2 + 1)
         self._frequency = forces.angular_speed_rad_s * 2 * np.pi / cycle_rad * number
@@ -161,6 +151,29 @@ class _Harmonics:
         ]
         self._stiffness = self._joined()
 
+    def cycle(self, lying_mm: Array | None = None) -> MovingCycle:
+        """Return the steady vibration.
+
+        Args:
+            lying_mm: y and x of every journal that is borne, (2 bearings, states); without it they are in
+                the middle of rigid bearings, or on springs.
+        """
+        motion = self._motions(None if lying_mm is None else harmonics_of(lying_mm))
+        states = self._angle_deg.size
+        cycle = ShaftCycle(
+            self._angle_deg,
+            curves_of(motion, states),
+            curves_of(self._bearing_forces(motion), states),
+            curves_of(self._throw_forces(motion), states),
+        )
+        within = self._within(motion)
+        work, lost = self._works(motion, within)
+        inner, strains = (
+            tuple(curves_of(one, states) for one in every)
+            for every in (within, self._strains(motion, within))
+        )
+        return MovingCycle(cycle, inner, strains, work, lost)
+
     def _condensed(self, body: DampedBody, loads: Array, joined: int) -> CondensedBody:
         return condensed(body.dynamic_stiffness(self._frequency, self._speed), loads, joined)
 
@@ -179,23 +192,48 @@ class _Harmonics:
     def _of_bearings(self, *motions: int) -> NDArray[np.intp]:
         return np.array([6 * section + motion for section in self._shaft.borne_by for motion in motions])
 
-    def motions(self) -> Complex:
-        """Return the amplitudes of all sections, (6 sections, harmonics)."""
-        load, stiffness, borne = self._load(), self._stiffness.copy(), self._of_bearings(UX, UY)
-        held: set[int] = set()
-        if self._shaft.spring_N_per_mm is None:
-            held = set(borne.tolist())
-        else:
+    def _motions(self, lying: Complex | None = None) -> Complex:
+        """Return the amplitudes of all sections, (6 sections, harmonics), of journals that lie so."""
+        load, stiffness, borne = self._load(), self._stiffness.copy(), self._of_bearings(UY, UX)
+        moved, held = np.zeros_like(load), borne
+        if lying is not None:
+            moved[borne] = lying
+            load -= np.einsum("kmb,bk->mk", stiffness[:, :, borne], lying)
+        elif self._shaft.spring_N_per_mm is not None:
             stiffness[:, borne, borne] += self._shaft.spring_N_per_mm
-        moved, last = np.zeros_like(load), len(load) - 6
-        even = {last + RZ, last + UZ}
-        moving = self._frequency > 0
-        for which, fixed in ((~moving, even), (moving, set() if self._shaft.turns_freely else {last + RZ})):
-            free = np.array([one for one in range(len(load)) if one not in held | fixed])
-            matrix = stiffness[np.ix_(np.flatnonzero(which), free, free)]
-            right = load[np.ix_(free, np.flatnonzero(which))].T[..., None]
-            moved[np.ix_(free, np.flatnonzero(which))] = np.linalg.solve(matrix, right)[..., 0].T
+            held = borne[:0]
+        for which, free in self._free(held):
+            matrix = stiffness[np.ix_(which, free, free)]
+            right = load[np.ix_(free, which)].T[..., None]
+            moved[np.ix_(free, which)] = np.linalg.solve(matrix, right)[..., 0].T
         return moved
+
+    def _free(self, held: NDArray[np.intp]) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
+        """Return the mean and all other harmonics, each with the motions that nothing holds."""
+        every = np.arange(len(self._shaft.viscous))
+        last = len(every) - 6
+        turning = [] if self._shaft.turns_freely else [last + RZ]
+        return [
+            (np.flatnonzero(which), np.setdiff1d(every, [*held, *fixed]))
+            for which, fixed in (
+                (self._frequency == 0, [last + RZ, last + UZ]),
+                (self._frequency > 0, turning),
+            )
+        ]
+
+    def on_bearings(self) -> CarriedShaft:
+        """Return what the shaft does to its bearings, y and x of each that is borne."""
+        borne, load = self._of_bearings(UY, UX), self._load()
+        held = load[borne]
+        bent = self._stiffness[:, borne[:, None], borne].copy()
+        for which, free in self._free(borne):
+            across = self._stiffness[np.ix_(which, free, borne)]
+            right = np.concatenate([across, load[np.ix_(free, which)].T[..., None]], axis=2)
+            led = np.linalg.solve(self._stiffness[np.ix_(which, free, free)], right)
+            lever = self._stiffness[np.ix_(which, borne, free)]
+            bent[which] -= lever @ led[..., :-1]
+            held[:, which] -= (lever @ led[..., -1:])[..., 0].T
+        return CarriedShaft(held, bent)
 
     def _load(self) -> Complex:
         load = np.zeros((len(self._shaft.viscous), len(self._frequency)), dtype=complex)
@@ -203,7 +241,7 @@ class _Harmonics:
             load[6 * index : 6 * index + 12] += turn @ own
         return load
 
-    def bearing_forces(self, motion: Complex) -> Complex:
+    def _bearing_forces(self, motion: Complex) -> Complex:
         """Return x and y of what holds every section, (sections, 2, harmonics)."""
         left = np.einsum("kmn,nk->mk", self._stiffness, motion, optimize=True) - self._load()
         return np.asarray(left.reshape(-1, 6, left.shape[1])[:, [UX, UY]])
@@ -212,7 +250,7 @@ class _Harmonics:
         """Return the motions of both sections of a throw in its own axes, (12, harmonics)."""
         return np.asarray(self._about_z[index].T @ motion[6 * index : 6 * index + 12])
 
-    def throw_forces(self, motion: Complex) -> Complex:
+    def _throw_forces(self, motion: Complex) -> Complex:
         """Return what neighbours do to both sections of every throw in its axes, (throws, 12, harmonics)."""
         found = [
             np.einsum("kmn,nk->mk", throw.stiffness, self._in_throw(motion, index)) - self._own[index]
@@ -220,7 +258,7 @@ class _Harmonics:
         ]
         return np.stack(found)
 
-    def within(self, motion: Complex) -> list[Complex]:
+    def _within(self, motion: Complex) -> list[Complex]:
         """Return the other unknowns of every throw, (unknowns, harmonics) each."""
         return [
             np.einsum("kmn,nk->mk", throw.by_motion, self._in_throw(motion, index))
@@ -228,12 +266,12 @@ class _Harmonics:
             for index, throw in enumerate(self._throws)
         ]
 
-    def strains(self, motion: Complex, within: Sequence[Complex]) -> list[Complex]:
+    def _strains(self, motion: Complex, within: Sequence[Complex]) -> list[Complex]:
         """Return all unknowns of every throw, with the part of the stress ahead of the strain by loss."""
         lost = 1 + 1j * np.where(self._frequency > 0, self._shaft.loss_factor, 0.0)
         return [lost * np.vstack([self._in_throw(motion, index), own]) for index, own in enumerate(within)]
 
-    def works(self, motion: Complex, within: Sequence[Complex]) -> tuple[float, float]:
+    def _works(self, motion: Complex, within: Sequence[Complex]) -> tuple[float, float]:
         """Return the work of all pin forces over the cycle, and what damping takes of it, J."""
         number, work = np.arange(len(self._frequency)), 0.0
         lost = self._lost(motion, np.zeros_like(self._shaft.viscous), self._shaft.viscous)

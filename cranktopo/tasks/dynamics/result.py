@@ -6,6 +6,8 @@ from pydantic import Field, InstanceOf
 from pydantic.json_schema import SkipJsonSchema
 
 from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.tasks.film.permitted import LeastFilm
+from cranktopo.tasks.shaft.result import FilmedBearing, worst_beyond
 from cranktopo.tasks.shaft.web_sections import WebSections
 
 
@@ -36,8 +38,8 @@ class DynamicWeb(Result):
     """The equivalent of the first over that of the second."""
 
 
-class DynamicBearing(Result):
-    """A main bearing at a speed."""
+class DynamicBearing(FilmedBearing):
+    """A main bearing at a speed; with its film where the shaft vibrates in oil films."""
 
     bearing: int
     """Its number from the free end, 1 first."""
@@ -49,6 +51,13 @@ class DynamicBearing(Result):
     """The largest force of the shaft without mass."""
     ratio: float
     """The first over the second."""
+    quasi_static_film_um: float | None = UNLESS_NONE
+    """Least film of the shaft without mass; mass-conserving where that is computed."""
+
+    @property
+    def name(self) -> str:
+        """The bearing in words."""
+        return f"main {self.bearing}"
 
 
 class SectionSwing(Result):
@@ -76,7 +85,10 @@ class DynamicSpeed(Result):
     work_in_J: float
     """Work of the forces on the pins in the vibration over a cycle."""
     damping_work_J: float
-    """Work that all damping takes over a cycle: it is the same."""
+    """Work that all damping takes over a cycle: it is the same, but for that of films."""
+    film_work_J: float | None = UNLESS_NONE
+    """Work that the oil films take of the vibration over a cycle, where the shaft is in films; what they
+    take of the even rotation is not in it."""
     curves: SkipJsonSchema[InstanceOf[WebSections] | None] = Field(default=None, exclude=True)
     """Forces and moments in the webs at every angle."""
 
@@ -125,6 +137,12 @@ class ShaftDynamics(Result):
     """At the speeds of the cycle."""
     resonances: tuple[Resonance, ...]
     """Between several speeds, the slowest first."""
+    films_hold: bool | None = UNLESS_NONE
+    """True where the films of the shaft that vibrates are within what `[bearings]` permits at all speeds."""
+    permitted_film_um: float | None = Field(default=None, exclude=True)
+    """Least film that `[bearings]` permits, of a shaft in films."""
+    permitted_pressure_MPa: float | None = Field(default=None, exclude=True)
+    """Largest pressure of a film that it permits."""
     added_speed_rpm: float | None = UNLESS_NONE
     """The resonance with the largest equivalent moment of a web, where no speed asked for is as bad: it is
     among the speeds."""
@@ -133,3 +151,19 @@ class ShaftDynamics(Result):
     def worst(self) -> DynamicSpeed:
         """The speed with the largest equivalent moment of a web."""
         return max(self.speeds, key=lambda at: at.worst_web.range_Nm.equivalent)
+
+    @property
+    def in_films(self) -> bool:
+        """True of a shaft that vibrates in its oil films."""
+        return self.speeds[0].film_work_J is not None
+
+    @property
+    def beyond_permitted(self) -> list[str]:
+        """Lines on the films that are not as the design permits, each bearing at its worst speed."""
+        return worst_beyond(self.permitted_film_um, self.permitted_pressure_MPa, self.least_films)
+
+    @property
+    def least_films(self) -> list[LeastFilm]:
+        """Film and pressure of every main bearing at every speed; none without films."""
+        films = [one.least(at.speed_rpm) for at in self.speeds for one in at.main_bearings]
+        return [film for film in films if film is not None]

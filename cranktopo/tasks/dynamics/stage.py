@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import zip_longest
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +20,7 @@ from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.dynamics.moving_shaft import MovingCycle, MovingShaft, moving_cycle, moving_shaft
 from cranktopo.tasks.dynamics.moving_throw import moving_throw, pin_friction_Ns_per_mm
+from cranktopo.tasks.dynamics.on_film import cycle_on_film
 from cranktopo.tasks.dynamics.resonance import OrderCrossing, crossings_of
 from cranktopo.tasks.dynamics.result import (
     DynamicBearing,
@@ -28,9 +31,13 @@ from cranktopo.tasks.dynamics.result import (
     SectionSwing,
     ShaftDynamics,
 )
+from cranktopo.tasks.film.permitted import films_hold
+from cranktopo.tasks.film.result import BearingFilm
+from cranktopo.tasks.film.stage import films_of
 from cranktopo.tasks.modes.carried import without_mass
 from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings
 from cranktopo.tasks.shaft.condensed_throw import once_each
+from cranktopo.tasks.shaft.continuous import filmed_by, loaded_journals
 from cranktopo.tasks.shaft.cycle import cycle_forces, shaft_cycle
 from cranktopo.tasks.shaft.loaded_throw import ThrowBody
 from cranktopo.tasks.shaft.result import ContinuousShaft
@@ -63,7 +70,12 @@ class DynamicShaft:
     def cycle(self, speed_rpm: float) -> MovingCycle:
         """Return its steady vibration at a speed, solved once."""
         if speed_rpm not in self._solved:
-            self._solved[speed_rpm] = moving_cycle(self.moving, cycle_forces(at_speed(self.scene, speed_rpm)))
+            at = at_speed(self.scene, speed_rpm)
+            if self.bearings == "film":
+                note(f"{self.scene.name}: the shaft with its mass in oil films at {speed_rpm:g} rpm")
+                self._solved[speed_rpm] = cycle_on_film(self.moving, at, cycle_forces(at))
+            else:
+                self._solved[speed_rpm] = moving_cycle(self.moving, cycle_forces(at))
         return self._solved[speed_rpm]
 
     @cached_property
@@ -75,10 +87,10 @@ class DynamicShaft:
     ) -> tuple[tuple[float, ...], tuple[Resonance, ...], float | None]:
         """Return speeds with the worst resonance between them, all that are felt, and that which was added.
 
-        Of one speed there are none.
+        Of one speed there are none, nor in oil films, in which the shaft has no modes of its own.
         """
         speeds = tuple(speeds_rpm)
-        if len(speeds) < 2:
+        if len(speeds) < 2 or self.bearings == "film":
             return speeds, (), None
         spring = self.spring_N_per_mm or 0.0
         held: Bearings = "rigid" if self.spring_N_per_mm is None else "spring"
@@ -119,18 +131,43 @@ class DynamicShaft:
         """Return the vibration at the speeds of the shaft without mass, beside that."""
         table = self.scene.shaft or ShaftTable()
         states = self.cycle(on_bearings[0].speed_rpm).shaft.angle_deg.size
+        every = self._films([at.speed_rpm for at in on_bearings])
+        speeds = tuple(self._at(still, films) for still, films in zip(on_bearings, every, strict=True))
         return ShaftDynamics(
             loss_factor=table.throw_loss_factor,
             turns_freely=self.moving.turns_freely,
             highest_order=states // 2 * 360.0 / engine_of(self.scene).cycle_deg,
             unknowns=self.moving.unknowns,
             torsion_only=without_mass(table),
-            speeds=tuple(self._at(still) for still in on_bearings),
+            speeds=speeds,
             resonances=resonances,
             added_speed_rpm=added,
+            **self._permitted(speeds),
         )
 
-    def _at(self, still: ContinuousShaft) -> DynamicSpeed:
+    def _films(self, speeds_rpm: Sequence[float]) -> list[tuple[BearingFilm, ...]]:
+        """Return the films of all main bearings at each speed; none of other bearings than films."""
+        if self.bearings != "film":
+            return [()] * len(speeds_rpm)
+        cases = []
+        for rpm in speeds_rpm:
+            at, cycle = at_speed(self.scene, rpm), self.cycle(rpm).shaft
+            cases.append((at, loaded_journals(at, cycle), cycle.angle_deg))
+        return films_of(cases, conserving=True)
+
+    def _permitted(self, speeds: Sequence[DynamicSpeed]) -> dict[str, Any]:
+        """Return what the design permits of films, and whether those of the shaft keep to it."""
+        table = self.scene.bearings
+        if self.bearings != "film" or table is None:
+            return {}
+        least = [one.least(at.speed_rpm) for at in speeds for one in at.main_bearings]
+        return {
+            "films_hold": films_hold(table, [film for film in least if film is not None]),
+            "permitted_film_um": table.permitted_film_um,
+            "permitted_pressure_MPa": table.permitted_pressure_MPa,
+        }
+
+    def _at(self, still: ContinuousShaft, films: Sequence[BearingFilm]) -> DynamicSpeed:
         cycle = self.cycle(still.speed_rpm)
         assert still.sections is not None
         curves = web_sections(cycle.shaft, self.scenes)
@@ -147,10 +184,11 @@ class DynamicShaft:
                 )
                 for number, (moved, before) in enumerate(pairs)
             ),
-            main_bearings=_bearings(cycle, still),
+            main_bearings=_bearings(cycle, still, films),
             sections=_swings(cycle),
             work_in_J=cycle.work_in_J,
             damping_work_J=cycle.damping_work_J,
+            film_work_J=cycle.film_work_J,
             curves=curves,
         )
 
@@ -165,8 +203,7 @@ def dynamic_shaft(
     """Return the shaft of a scene with its mass; `bodies` are its throws by their names.
 
     Raises:
-        CranktopoError: bearings that are neither rigid nor springs, a material without damping, or a failed
-            solve.
+        CranktopoError: bearings in which it cannot vibrate, a material without damping, or a failed solve.
     """
     check_dynamics(scene, bearings)
     note(f"{scene.name}: the throws with their mass")
@@ -180,11 +217,11 @@ def dynamic_shaft(
 
 
 def check_dynamics(scene: Scene, bearings: ShaftBearings) -> None:
-    """Refuse bearings that are not linear, a shaft at rest, and one whose bending nothing damps."""
-    if bearings not in ("rigid", "spring"):
+    """Refuse bearings that are free or have play, and a shaft whose bending nothing damps."""
+    if bearings not in ("rigid", "spring", "film"):
         raise CranktopoError(
-            f"--dynamic: needs linear bearings, and --bearings {bearings} has none.",
-            hint="Choose --bearings rigid or spring.",
+            f"--dynamic: --bearings {bearings} has no answer for a shaft with mass.",
+            hint="Choose --bearings rigid, spring or film.",
             code=ExitCode.USAGE,
         )
     if not (scene.shaft or ShaftTable()).throw_loss_factor:
@@ -217,11 +254,16 @@ def _resonance(met: OrderCrossing, moved: Array, still: Array) -> Resonance:
     return Resonance(**vars(met), web=web + 1, ratio=float(ratio[web]))
 
 
-def _bearings(cycle: MovingCycle, still: ContinuousShaft) -> tuple[DynamicBearing, ...]:
+def _bearings(
+    cycle: MovingCycle, still: ContinuousShaft, films: Sequence[BearingFilm]
+) -> tuple[DynamicBearing, ...]:
     size = np.hypot(cycle.shaft.bearing_N[:, 0], cycle.shaft.bearing_N[:, 1])
     found = []
-    for before in still.main_bearings:
-        own = size[before.bearing - 1]
+    for before, film in zip_longest(still.main_bearings, films):
+        own, least = size[before.bearing - 1], before.least(still.speed_rpm)
+        filmed = {} if film is None else filmed_by(film)
+        if film is not None and least is not None:
+            filmed["quasi_static_film_um"] = least.film_um
         found.append(
             DynamicBearing(
                 bearing=before.bearing,
@@ -229,6 +271,7 @@ def _bearings(cycle: MovingCycle, still: ContinuousShaft) -> tuple[DynamicBearin
                 at_deg=float(cycle.shaft.angle_deg[own.argmax()]),
                 quasi_static_N=before.largest_N,
                 ratio=float(own.max()) / before.largest_N,
+                **filmed,
             )
         )
     return tuple(found)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -197,7 +198,11 @@ def _with_films(found: Sequence[_AtSpeed]) -> tuple[ContinuousShaft, ...]:
     shafts, cases = [at.shaft for at in found], {}
     for place, at in enumerate(found):
         if at.scene.bearings is not None and engine_of(at.scene).speed_rpm:
-            cases[place] = at.scene, [*_loaded(at), _loaded_big_end(at)], at.cycle.angle_deg
+            cases[place] = (
+                at.scene,
+                [*loaded_journals(at.scene, at.cycle), _loaded_big_end(at)],
+                at.cycle.angle_deg,
+            )
     _tell_touching([one for _, loaded, _ in cases.values() for one in loaded])
     for place, films in zip(cases, films_of(list(cases.values()), conserving=True), strict=True):
         shafts[place] = _filled(shafts[place], films)
@@ -220,11 +225,11 @@ def _tell_touching(loaded: Sequence[LoadedBearing]) -> None:
         )
 
 
-def _loaded(at: _AtSpeed) -> list[LoadedBearing]:
-    scene, cycle = at.scene, at.cycle
+def loaded_journals(scene: Scene, cycle: ShaftCycle) -> list[LoadedBearing]:
+    """Return the main bearings of a scene with the forces on their journals and the tilts of these."""
     loads, tilts, still = journal_loads_N(cycle), journal_tilts(cycle), np.zeros_like(cycle.angle_deg)
     found = []
-    for number in (one.bearing - 1 for one in at.shaft.main_bearings):
+    for number in carried(scene):
         bearing = main_bearing(scene, number)
         half_mm = (bearing.width_mm * bearing.films + plain_bearings(scene).groove_mm) / 2
         tilt = tilts[number] * (half_mm / bearing.clearance_mm)
@@ -244,16 +249,18 @@ def _loaded_big_end(at: _AtSpeed) -> LoadedBearing:
     return replace(one, tilts=half * np.array(tilts) * unit_vectors(angle))
 
 
+def filmed_by(film: BearingFilm) -> dict[str, Any]:
+    """Return the values of a `FilmedBearing` by their names."""
+    return {
+        "film_um": film.film_um,
+        "film_below_um": film.below_um,
+        "pressure_MPa": film.pressure_MPa,
+        "conserving": film.conserving,
+    }
+
+
 def _filled(shaft: ContinuousShaft, films: Sequence[BearingFilm]) -> ContinuousShaft:
     *bearings, big_ends = (
-        one.model_copy(
-            update={
-                "film_um": film.film_um,
-                "film_below_um": film.below_um,
-                "pressure_MPa": film.pressure_MPa,
-                "conserving": film.conserving,
-            }
-        )
-        for one, film in zip(shaft.bearings, films, strict=True)
+        one.model_copy(update=filmed_by(film)) for one, film in zip(shaft.bearings, films, strict=True)
     )
     return shaft.model_copy(update={"main_bearings": tuple(bearings), "big_ends": big_ends})

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from pydantic import Field, InstanceOf
 from pydantic.json_schema import SkipJsonSchema
 
@@ -169,6 +171,20 @@ class ContinuousShaft(Result):
         return max(self.main_bearings, key=lambda bearing: bearing.largest_N)
 
 
+def worst_beyond(
+    permitted_film_um: float | None, permitted_pressure_MPa: float | None, films: Sequence[LeastFilm]
+) -> list[str]:
+    """Return lines on the films that are not as permitted, each bearing at its worst speed."""
+    names = dict.fromkeys(film.bearing for film in films)
+    of_each = [[film for film in films if film.bearing == name] for name in names]
+    thinnest = [min(own, key=lambda film: film.film_um) for own in of_each]
+    hardest = [max(own, key=lambda film: film.pressure_MPa) for own in of_each]
+    return [
+        *beyond_permitted(permitted_film_um, None, thinnest),
+        *beyond_permitted(None, permitted_pressure_MPa, hardest),
+    ]
+
+
 class TorsionError(Result):
     """Bound of the discretisation error of the stiffnesses, percent."""
 
@@ -256,15 +272,7 @@ class ShaftEvaluation(Result):
     def beyond_permitted(self) -> list[str]:
         """Lines on the films of bearings that are not as the design permits, each at its worst speed."""
         films = [film for at in self.on_bearings for film in at.least_films]
-        names = dict.fromkeys(film.bearing for film in films)
-        of_each = [[film for film in films if film.bearing == name] for name in names]
-        thinnest = [min(own, key=lambda film: film.film_um) for own in of_each]
-        hardest = [max(own, key=lambda film: film.pressure_MPa) for own in of_each]
-        return [
-            *beyond_permitted(self.permitted_film_um, None, thinnest),
-            *beyond_permitted(None, self.permitted_pressure_MPa, hardest),
-            *self._thin_edges,
-        ]
+        return [*worst_beyond(self.permitted_film_um, self.permitted_pressure_MPa, films), *self._thin_edges]
 
     @property
     def _thin_edges(self) -> list[str]:

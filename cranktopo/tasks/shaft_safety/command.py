@@ -100,7 +100,8 @@ def command(
     stands on all its main bearings over the working cycle: with --bearings clearance with the play of
     [bearings], with --bearings film in its oil. With --method its mesh follows the fillets, and
     the safety of each part of each web is that of the worst point, crank angle and speed.
-    With --dynamic all of it is told a second time, of the shaft that vibrates with its mass.
+    With --dynamic all of it is told a second time, of the shaft that vibrates with its mass in rigid
+    bearings, on springs or in oil films.
 
     TARGET is a design, a run directory, or an STL or STEP file of the half throw (with --design).
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from cranktopo.base.units import N_PER_KN, plain_number
 from cranktopo.report.result_table import ResultTable, Row, terminal
-from cranktopo.tasks.dynamics.result import DynamicSpeed, Resonance, ShaftDynamics
+from cranktopo.tasks.dynamics.result import DynamicBearing, DynamicSpeed, Resonance, ShaftDynamics
+from cranktopo.tasks.film.permitted import film_words
 from cranktopo.tasks.shaft_safety.result import ShaftSafety
 
 
@@ -34,16 +35,24 @@ def model_words(shaft: ShaftDynamics) -> str:
         if shaft.turns_freely
         else "its output turns evenly, as [shaft] joins nothing to it"
     )
+    films = f" {_film_words(shaft)}" if shaft.in_films else ""
     light = ", ".join(shaft.torsion_only)
     counts = f" Without a mass_kg in torsion alone: {light}." if light else ""
     return (
         f"With its mass the shaft vibrates in bending, torsion and along its axis: {shaft.unknowns} unknowns "
         f"of each order up to {shaft.highest_order:g}, loss factor {plain_number(shaft.loss_factor, 3)} of "
-        f"its material, {turns}.{counts}"
+        f"its material, {turns}.{films}{counts}"
     )
 
 
+def _film_words(shaft: ShaftDynamics) -> str:
+    beyond = f" Of its films, {'; '.join(shaft.beyond_permitted)}." if shaft.beyond_permitted else ""
+    return f"Its journals move in oil films, where a disturbance of its cycle dies away.{beyond}"
+
+
 def _resonances(shaft: ShaftDynamics) -> list[str]:
+    if shaft.in_films:
+        return ["Between the speeds no resonance is looked for in oil films."]
     if not shaft.resonances:
         return ["No order meets a mode between them so that it is felt."]
     added = shaft.added_speed_rpm
@@ -79,11 +88,21 @@ def bearing_forces(at: DynamicSpeed) -> ResultTable:
             "at_deg": one.at_deg,
             "quasi_static_kN": one.quasi_static_N / N_PER_KN,
             "ratio": one.ratio,
+            **_film_of(one, at.speed_rpm),
         }
         for one in at.main_bearings
     )
     digits = {"bearing": 0, "largest_kN": 2, "at_deg": 0, "quasi_static_kN": 2, "ratio": 3}
-    return ResultTable(digits, rows)
+    films = dict.fromkeys(("film_um", "quasi_static_um"), 2) if at.film_work_J is not None else {}
+    return ResultTable({**digits, **films}, rows)
+
+
+def _film_of(bearing: DynamicBearing, speed_rpm: float) -> dict[str, str]:
+    least = bearing.least(speed_rpm)
+    if least is None or bearing.quasi_static_film_um is None:
+        return {}
+    films = {"film_um": least.film_um, "quasi_static_um": bearing.quasi_static_film_um}
+    return {name: film_words(film_um, least.below_um) for name, film_um in films.items()}
 
 
 def journal_motions(at: DynamicSpeed) -> ResultTable:

@@ -56,7 +56,7 @@ def assess_shaft(
         report: page to write, HTML or Markdown; it needs a method.
         csv: file of what every web carries at every angle and speed.
         dynamic: also its steady vibration, bending, torsion and axial motion together, beside that; between
-            several speeds its worst resonance is added to them.
+            several speeds its worst resonance is added to them, where it is not in oil films.
 
     Raises:
         CranktopoError: a cylinder that the engine does not have, no engine, no loads or no bearings to judge
