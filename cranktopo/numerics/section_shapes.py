@@ -130,3 +130,66 @@ class SectionShapes:
         angle = 2 * math.pi * np.arange(24) / 24
         x, y = np.outer(radius, np.cos(angle)), np.outer(radius, np.sin(angle))
         return x.ravel(), y.ravel(), np.repeat(weights * radius / radius.sum(), 24)
+
+
+WARPS = 6
+"""Number of `WarpShapes`."""
+_INWARD, _THREEFOLD = 0.57, 0.15
+"""Of the ovals of hollow journals as long as their radius, which other journals have nearly as well."""
+
+
+@dataclass(frozen=True)
+class WarpShapes:
+    """Displacements (x, y, z) of a round section by which it mainly deforms in a shaft, two of each kind.
+
+    It grows oval in its plane, becomes a saddle along z, or warps along z as under a shear force. Complex,
+    with the radius as unit, an amplitude c displaces the place w = x + iy by c w* (1 - a w w*) + c* b w^3 in
+    the plane, by the real part of c* w^2 along z, or by that of c* w (w w* - m). All are orthogonal to rigid
+    motions, and a section that is turned has the same ones.
+
+    Attributes:
+        radius_mm, bore_mm: outer and inner radius.
+    """
+
+    radius_mm: float
+    bore_mm: float
+
+    @property
+    def count(self) -> int:
+        """Number of shapes."""
+        return WARPS
+
+    @property
+    def axial(self) -> NDArray[np.bool_]:
+        """Mask of the shapes that move along z, (shapes,)."""
+        return np.arange(WARPS) >= 2
+
+    def at(self, x: Array, y: Array) -> Array:
+        """Return the displacements of points, (3, points, shapes)."""
+        place = (x + 1j * y) / self.radius_mm
+        square, hollow = np.abs(place) ** 2, self.bore_mm / self.radius_mm
+        upright = 2 / 3 * (1 - hollow**6) / (1 - hollow**4)  # it does not tilt
+        found = np.zeros((3, len(place), WARPS))
+        for number, own in enumerate((1, 1j)):
+            across = own * place.conj() * (1 - _INWARD * square) + np.conj(own) * _THREEFOLD * place**3
+            found[0, :, number], found[1, :, number] = across.real, across.imag
+            found[2, :, 2 + number] = (np.conj(own) * place**2).real
+            found[2, :, 4 + number] = (np.conj(own) * place).real * (square - upright)
+        return found
+
+    def turned(self, angle_rad: float) -> Array:
+        """Return what amplitudes become of a section that is turned about z, (shapes, shapes)."""
+        return warps_turned(angle_rad)
+
+    def having(self, lateral: Literal["even", "odd", "none"]) -> NDArray[np.intp]:
+        """Return which shapes are even or odd in the mirror x -> -x; all of them for "none"."""
+        return np.array({"even": [0, 2, 5], "odd": [1, 3, 4], "none": range(WARPS)}[lateral])
+
+
+def warps_turned(angle_rad: float) -> Array:
+    """Return what amplitudes of `WarpShapes` become of a section that is turned about z, (shapes, shapes)."""
+    found = np.zeros((WARPS, WARPS))
+    for first, times in ((0, 2), (2, 2), (4, 1)):
+        c, s = math.cos(times * angle_rad), math.sin(times * angle_rad)
+        found[first : first + 2, first : first + 2] = [[c, -s], [s, c]]
+    return found

@@ -14,15 +14,18 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.harmonic_balance import DampedBody
 from cranktopo.numerics.turning_body import TurningBody
 from cranktopo.tasks.dynamics.moving_shaft import MovingShaft
-from cranktopo.tasks.dynamics.moving_throw import SECTIONS, MovingThrow
+from cranktopo.tasks.dynamics.moving_throw import MovingThrow
 from cranktopo.tasks.modes.shaft_model import MOTIONS, end_coordinates
-from cranktopo.tasks.shaft.assembly import turned
+from cranktopo.tasks.shaft.assembly import SECTIONS, own_unknowns, turned
+from cranktopo.tasks.shaft.cycle import warps_of
 from cranktopo.tasks.shaft.loaded_throw import LOADS
 
 _SQUARE_SPEED = "rad2/s2"
 """Unit of the amplitude of the load "centrifugal", whose unit load is that of 1 rad/s; of others it is N."""
 _INERTIAL = "mm t0.5"
 """Unit of a field that is orthonormal in the mass."""
+_WARPS = ("oval", "oval", "saddle", "saddle", "shear", "shear")
+"""What the deformations of a section are, in their order."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +34,8 @@ class Coordinate:
 
     Attributes:
         name: of the section, field or part that moves.
-        motion: one of `MOTIONS`, or "field" of the inner deformation of a throw with its sections held.
+        motion: one of `MOTIONS`; "oval", "saddle" or "shear" of the deformation of a section (`WarpShapes`);
+            or "field" of the inner deformation of a throw with its sections held.
         unit: of the unknown.
         z_mm: its place along the shaft, the middle of the first main journal at 0; of a field, of its throw.
     """
@@ -58,17 +62,17 @@ class AssembledShaft:
 
 
 def assembled(shaft: MovingShaft, scene: Scene) -> AssembledShaft:
-    """Join the bodies of a shaft over one set of unknowns: all sections, fields of throws, ends."""
-    sections = len(shaft.viscous)
+    """Join the bodies of a shaft over one set of unknowns: motions of all sections, warps, fields, ends."""
+    sections, count = len(shaft.viscous), len(shaft.throws)
     coordinates = _sections(main_journal_places_mm(scene))
     parts = list[tuple[DampedBody, Array, list[int]]]()
     for index, (throw, angle) in enumerate(zip(shaft.throws, shaft.angles_deg, strict=True)):
         new = _fields(throw, index + 1, coordinates[6 * index].z_mm, coordinates[6 * index + 6].z_mm)
-        at = [*range(6 * index, 6 * index + SECTIONS), *_behind(coordinates, new)]
+        at = [*own_unknowns(index, count, SECTIONS), *_behind(coordinates, new)]
         back = np.eye(len(at))
-        back[:SECTIONS, :SECTIONS] = turned(about_z_deg(angle)).T
+        back[:SECTIONS, :SECTIONS] = turned(about_z_deg(angle), SECTIONS).T
         parts.append((throw.damped, back, at))
-    for side, end, first in zip(SIDES, shaft.ends, (0, sections - 6), strict=True):
+    for side, end, first in zip(SIDES, shaft.ends, (0, 6 * count), strict=True):
         new = [Coordinate(name, motion, _unit(motion), z) for name, motion, z in end_coordinates(scene, side)]
         at = [*range(first, first + 6), *_behind(coordinates, new)]
         parts.append((end, np.eye(len(end.loss)), at))
@@ -81,8 +85,13 @@ def assembled(shaft: MovingShaft, scene: Scene) -> AssembledShaft:
         total += part.body.over(motion)
         loss += motion.T @ part.loss @ motion
         viscous += motion.T @ part.viscous @ motion
-    own = tuple(motions[: len(shaft.throws)])
-    return AssembledShaft(DampedBody(total, loss, viscous), tuple(coordinates), own)
+    kept = np.delete(np.arange(len(rows)), warps_of(shaft.rigid_at, count + 1, sections))
+    chosen = np.ix_(kept, kept)
+    return AssembledShaft(
+        DampedBody(total.over(rows[:, kept]), loss[chosen], viscous[chosen]),
+        tuple(coordinates[one] for one in kept),
+        tuple(motion[:, kept] for motion in motions[:count]),
+    )
 
 
 def _behind(coordinates: list[Coordinate], new: Sequence[Coordinate]) -> range:
@@ -95,8 +104,9 @@ def _behind(coordinates: list[Coordinate], new: Sequence[Coordinate]) -> range:
 def _sections(places_mm: Sequence[float]) -> list[Coordinate]:
     return [
         Coordinate(f"section {number}", motion, _unit(motion), z)
+        for motions in (MOTIONS, _WARPS)
         for number, z in enumerate(places_mm, start=1)
-        for motion in MOTIONS
+        for motion in motions
     ]
 
 

@@ -32,10 +32,11 @@ from cranktopo.numerics.harmonic_balance import (
     harmonics_of,
 )
 from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, RZ, UX, UY, UZ
-from cranktopo.tasks.dynamics.moving_throw import SECTIONS, MovingThrow
+from cranktopo.tasks.dynamics.moving_throw import MovingThrow
 from cranktopo.tasks.modes.shaft_model import damped_end
-from cranktopo.tasks.shaft.assembly import turned
-from cranktopo.tasks.shaft.cycle import CycleForces, ShaftCycle, load_shares
+from cranktopo.tasks.shaft.assembly import SECTIONS, own_unknowns, turned
+from cranktopo.tasks.shaft.cycle import CycleForces, ShaftCycle, load_shares, warps_of
+from cranktopo.tasks.shaft.on_film import rigid_sections
 
 
 @dataclass(frozen=True)
@@ -45,11 +46,12 @@ class MovingShaft:
     Attributes:
         throws: from the free end; equal ones are the same object.
         ends: both ends over the six motions of the outer section first, then their own unknowns.
-        viscous: damping of the sections' motions by what is none of these bodies, (6 sections, 6 sections).
+        viscous: damping of the unknowns of all sections by what is none of these bodies, (n, n).
         spring_N_per_mm: radial stiffness of every main bearing; None: rigid, or a film.
         borne_by: sections that sit in a bearing.
         turns_freely: the last section swings with what it drives; else it turns evenly.
         loss_factor: of the throws' material.
+        rigid_at: sections that stay rigid.
     """
 
     throws: tuple[MovingThrow, ...]
@@ -61,6 +63,7 @@ class MovingShaft:
     borne_by: tuple[int, ...]
     turns_freely: bool
     loss_factor: float
+    rigid_at: tuple[int, ...]
 
     @property
     def unknowns(self) -> int:
@@ -75,7 +78,7 @@ class MovingCycle:
 
     Attributes:
         shaft: motions and forces of its sections, as of one without mass.
-        within: the unknowns of every throw beyond the motions of its sections, (unknowns, states) each.
+        within: the unknowns of every throw beyond those of its sections, (unknowns, states) each.
         strains: all unknowns of every throw, in its axes, as they strain it: with what its material's loss
             adds to the stress, (unknowns, states) each.
         work_in_J: what the forces on the pins do over the cycle.
@@ -105,12 +108,13 @@ def moving_shaft(throws: Sequence[MovingThrow], scene: Scene, spring_N_per_mm: f
         tuple(carried(scene)),
         shaft.has_takeoff,
         throws[0].loss_factor,
+        tuple(rigid_sections(scene)),
     )
 
 
 def _between_throws(shaft: ShaftTable, throws: int) -> Array:
     """Return the damping between neighbouring throws: each turns by the mean of both its sections."""
-    turns = np.zeros((throws, 6 * throws + 6))
+    turns = np.zeros((throws, SECTIONS // 2 * (throws + 1)))
     for throw in range(throws):
         turns[throw, [6 * throw + RZ, 6 * throw + 6 + RZ]] = 0.5
     against = np.diff(turns, axis=0)
@@ -135,7 +139,10 @@ class ShaftHarmonics:
         number = np.arange(states // 2 + 1)
         self._frequency = forces.angular_speed_rad_s * 2 * np.pi / cycle_rad * number
         self._speed = about_z_deg(1.0) * forces.angular_speed_rad_s
-        self._about_z = [turned(about_z_deg(angle)) for angle in shaft.angles_deg]
+        self._about_z = [turned(about_z_deg(angle), SECTIONS) for angle in shaft.angles_deg]
+        count = len(shaft.throws)
+        self._at = [own_unknowns(index, count, SECTIONS) for index in range(count)]
+        self._end_at = slice(0, 6), slice(6 * count, 6 * count + 6)
         self._shares = [
             harmonics_of(load_shares(throw.still, forces, index)) for index, throw in enumerate(shaft.throws)
         ]
@@ -160,11 +167,13 @@ class ShaftHarmonics:
         """
         motion = self._motions(None if lying_mm is None else harmonics_of(lying_mm))
         states = self._angle_deg.size
+        sections, warps = np.split(motion, [6 * len(self._shaft.throws) + 6])
         cycle = ShaftCycle(
             self._angle_deg,
-            curves_of(motion, states),
+            curves_of(sections, states),
             curves_of(self._bearing_forces(motion), states),
             curves_of(self._throw_forces(motion), states),
+            curves_of(warps, states),
         )
         within = self._within(motion)
         work, lost = self._works(motion, within)
@@ -181,9 +190,9 @@ class ShaftHarmonics:
         """Return the dynamic stiffness of all sections without that of radial springs, (harmonics, n, n)."""
         total = 1j * self._frequency[:, None, None] * self._shaft.viscous
         for index, (throw, turn) in enumerate(zip(self._throws, self._about_z, strict=True)):
-            motions = slice(6 * index, 6 * index + 12)
-            total[:, motions, motions] += turn @ throw.stiffness @ turn.T
-        for end, motions in zip(self._ends, (slice(0, 6), slice(-6, None)), strict=True):
+            at = self._at[index]
+            total[:, at[:, None], at] += turn @ throw.stiffness @ turn.T
+        for end, motions in zip(self._ends, self._end_at, strict=True):
             total[:, motions, motions] += end.stiffness
         tilting = self._of_bearings(RX, RY)
         total[:, tilting, tilting] += self._shaft.tilt_Nmm_per_rad
@@ -193,7 +202,7 @@ class ShaftHarmonics:
         return np.array([6 * section + motion for section in self._shaft.borne_by for motion in motions])
 
     def _motions(self, lying: Complex | None = None) -> Complex:
-        """Return the amplitudes of all sections, (6 sections, harmonics), of journals that lie so."""
+        """Return the amplitudes of motions and warps of all sections, (unknowns, harmonics)."""
         load, stiffness, borne = self._load(), self._stiffness.copy(), self._of_bearings(UY, UX)
         moved, held = np.zeros_like(load), borne
         if lying is not None:
@@ -210,11 +219,11 @@ class ShaftHarmonics:
 
     def _free(self, held: NDArray[np.intp]) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
         """Return the mean and all other harmonics, each with the motions that nothing holds."""
-        every = np.arange(len(self._shaft.viscous))
-        last = len(every) - 6
+        sections, every = len(self._shaft.throws) + 1, np.arange(len(self._shaft.viscous))
+        last, rigid = 6 * sections - 6, warps_of(self._shaft.rigid_at, sections, len(every))
         turning = [] if self._shaft.turns_freely else [last + RZ]
         return [
-            (np.flatnonzero(which), np.setdiff1d(every, [*held, *fixed]))
+            (np.flatnonzero(which), np.setdiff1d(every, [*held, *rigid, *fixed]))
             for which, fixed in (
                 (self._frequency == 0, [last + RZ, last + UZ]),
                 (self._frequency > 0, turning),
@@ -238,22 +247,23 @@ class ShaftHarmonics:
     def _load(self) -> Complex:
         load = np.zeros((len(self._shaft.viscous), len(self._frequency)), dtype=complex)
         for index, (own, turn) in enumerate(zip(self._own, self._about_z, strict=True)):
-            load[6 * index : 6 * index + 12] += turn @ own
+            load[self._at[index]] += turn @ own
         return load
 
     def _bearing_forces(self, motion: Complex) -> Complex:
         """Return x and y of what holds every section, (sections, 2, harmonics)."""
         left = np.einsum("kmn,nk->mk", self._stiffness, motion, optimize=True) - self._load()
-        return np.asarray(left.reshape(-1, 6, left.shape[1])[:, [UX, UY]])
+        motions = left[: 6 * len(self._shaft.throws) + 6]
+        return np.asarray(motions.reshape(-1, 6, left.shape[1])[:, [UX, UY]])
 
     def _in_throw(self, motion: Complex, index: int) -> Complex:
-        """Return the motions of both sections of a throw in its own axes, (12, harmonics)."""
-        return np.asarray(self._about_z[index].T @ motion[6 * index : 6 * index + 12])
+        """Return motions and warps of both sections of a throw in its own axes, (`SECTIONS`, harmonics)."""
+        return np.asarray(self._about_z[index].T @ motion[self._at[index]])
 
     def _throw_forces(self, motion: Complex) -> Complex:
         """Return what neighbours do to both sections of every throw in its axes, (throws, 12, harmonics)."""
         found = [
-            np.einsum("kmn,nk->mk", throw.stiffness, self._in_throw(motion, index)) - self._own[index]
+            (np.einsum("kmn,nk->mk", throw.stiffness, self._in_throw(motion, index)) - self._own[index])[:12]
             for index, throw in enumerate(self._throws)
         ]
         return np.stack(found)
@@ -280,7 +290,7 @@ class ShaftHarmonics:
             given = (self._shares[index] * (throw.loads.T @ whole).conj()).imag
             work += float(4 * np.pi * (number * given).sum())
             lost += self._lost(whole, throw.damped.loss, throw.damped.viscous)
-        for end, small, at in zip(self._shaft.ends, self._ends, (slice(0, 6), slice(-6, None)), strict=True):
+        for end, small, at in zip(self._shaft.ends, self._ends, self._end_at, strict=True):
             inner = np.einsum("kmn,nk->mk", small.by_motion, motion[at])
             lost += self._lost(np.vstack([motion[at], inner]), end.loss, end.viscous)
         return work / NMM_PER_NM, lost / NMM_PER_NM

@@ -11,23 +11,23 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.harmonic_balance import DampedBody
+from cranktopo.numerics.section_shapes import WarpShapes
 from cranktopo.numerics.turning_body import TurningBody
-from cranktopo.tasks.modes.reduced_throw import HeldFields, ReducedThrow, reduced_throw, section_shapes
+from cranktopo.tasks.modes.reduced_throw import HeldFields, ReducedThrow, reduced_throw
 from cranktopo.tasks.modes.stage import moving_kg
+from cranktopo.tasks.shaft.assembly import SECTIONS
 from cranktopo.tasks.shaft.loaded_throw import LOADS, LoadedThrow, ThrowBody, loaded_throw
 from cranktopo.tasks.throw_fea.unit_fields import UnitField
 
-SECTIONS = 12
-"""Motions of both sections: the first unknowns."""
 _STEPS = 1
 """Steps of inertia: fields of the loads stand beside them."""
 
 
 @dataclass(frozen=True)
 class MovingThrow:
-    """A throw over the motions of its two sections, then the fields of its loads, then those of inertia.
+    """A throw over motions and warps of its sections, then the fields of its loads, then those of inertia.
 
-    Its sections are rigid, as those of `LoadedThrow`, whose stiffness and loads it has without its mass.
+    Its stiffness and loads without its mass are those of `LoadedThrow`.
 
     Attributes:
         loads: unit loads over the unknowns, (unknowns, loads).
@@ -79,7 +79,8 @@ def moving_throw(
     Raises:
         CranktopoError: a failed solve.
     """
-    shapes = section_shapes(scene, 0)
+    journal = scene.throw.main_journal
+    shapes = WarpShapes(journal.radius_mm, journal.bore_radius_mm)
     reduced = reduced_throw(body, scene, shapes, _STEPS, moving_kg(scene), with_loads=True)
     own = reduced.body.over(np.eye(len(reduced.step_of))[:, _order(reduced.held)])
     still = loaded_throw(body.blocks, scene)

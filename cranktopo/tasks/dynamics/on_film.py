@@ -82,7 +82,7 @@ def check_steady(shaft: MovingShaft, scene: Scene, films: FilmSlopes) -> None:
     """Refuse a cycle that a disturbance leads away from; raises CranktopoError."""
     engine = engine_of(scene)
     speed = angular_speed_rad_s(engine.speed_rpm)
-    last = len(shaft.viscous) - 6
+    last = 6 * len(shaft.throws)
     held = {last + UZ} if shaft.turns_freely else {last + UZ, last + RZ}
     whole = assembled(shaft, scene)
     body, around = (

@@ -122,6 +122,7 @@ class DynamicShaft:
             moving.spring_N_per_mm,
             moving.borne_by,
             tilt_Nmm_per_rad=moving.tilt_Nmm_per_rad,
+            rigid_at=moving.rigid_at,
         )
         return _equivalents(web_sections(still, self.scenes))
 

@@ -11,7 +11,8 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.tetrahedra.stress import joined
 from cranktopo.tasks.dynamics.moving_shaft import MovingCycle
-from cranktopo.tasks.dynamics.moving_throw import SECTIONS, MovingThrow
+from cranktopo.tasks.dynamics.moving_throw import MovingThrow
+from cranktopo.tasks.shaft.assembly import SECTIONS
 from cranktopo.tasks.shaft.loaded_throw import ACTING, SWING
 from cranktopo.tasks.throw_fatigue.shaft_stress import ShaftStress
 from cranktopo.tasks.throw_fatigue.stress_model import StressModel, stress_model

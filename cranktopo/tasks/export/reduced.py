@@ -44,7 +44,8 @@ _EXPLAINED = {
     "schema_version": "number of this form of the file",
     "design": "name of the design",
     "coordinate_name": "section (middle of a main journal), field, joint of an end or part that moves, (n,)",
-    "coordinate_motion": "ux, uy, uz, rx, ry, rz, or field: deformation of a throw, sections held, (n,)",
+    "coordinate_motion": "ux, uy, uz, rx, ry, rz; oval, saddle, shear: a section deforms in its plane, "
+    "or along z as a saddle or as under a shear force; field: deformation of a throw, sections held, (n,)",
     "coordinate_unit": "of the coordinate q, (n,)",
     "coordinate_z_mm": "place along the shaft, (n,); of a field, the middle of its throw",
     "stiffness": "(n, n)",

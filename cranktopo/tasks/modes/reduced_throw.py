@@ -20,7 +20,7 @@ from cranktopo.base.units import KG_PER_TONNE, density_tonne_per_mm3
 from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.section_shapes import SectionShapes
+from cranktopo.numerics.section_shapes import SectionShapes, WarpShapes
 from cranktopo.numerics.tetrahedra.component_modes import inertial_fields, reduced
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mass_matrix, mean_displacement
 from cranktopo.numerics.tetrahedra.rigid_motions import body_motions, plane_nodes
@@ -41,6 +41,7 @@ from cranktopo.tasks.throw_fea.condense import Lateral, loaded_mm
 
 DEGREE = 3
 """Of the polynomials by which mid-journal sections deform."""
+Shapes = SectionShapes | WarpShapes
 
 
 @dataclass(frozen=True)
@@ -50,14 +51,14 @@ class ReducedThrow:
     First come the six rigid motions of both sections, then the deformations of both.
 
     Attributes:
-        shapes: by which either section deforms.
+        shapes: by which either section deforms; warps have the radius of each.
         step_of: 0 of the motions of sections, else the step that found the field, (unknowns,); 1 of loads.
         stations: its halves, placed from the near section.
         held: fields with both sections held, where its loads have some of their own.
     """
 
     body: TurningBody
-    shapes: SectionShapes
+    shapes: Shapes
     step_of: NDArray[np.intp]
     stations: tuple[Station, ...]
     held: tuple[HeldFields, ...] = ()
@@ -111,7 +112,7 @@ def section_shapes(scene: Scene, degree: int = DEGREE) -> SectionShapes:
 def reduced_throw(
     body: ThrowBody,
     scene: Scene,
-    shapes: SectionShapes,
+    shapes: Shapes,
     steps: int,
     moving_kg: float,
     *,
@@ -120,7 +121,7 @@ def reduced_throw(
     """Reduce a condensed throw.
 
     Args:
-        shapes: of its sections, as of `section_shapes` of the shaft.
+        shapes: of its sections, as of `section_shapes` of the shaft, or the warps that it has already.
         steps: how often the inertia of the fields adds to them; 0: static fields alone.
         moving_kg: mass of rods and pistons on the crankpin.
         with_loads: also what its unit loads do with the sections held, so that it gives way to them as the
@@ -146,7 +147,7 @@ def _block(
     model: Elasticity,
     part: LoadedBlock,
     mass: sp.csr_matrix,
-    shapes: SectionShapes,
+    shapes: Shapes,
     steps: int,
     with_loads: bool,
 ) -> _Block:
@@ -158,10 +159,13 @@ def _block(
     if loads:
         more.append(part.load_fields())
         step_of += [1] * len(loads)
-    chosen = shapes.having(part.lateral)
-    ends = (0.0, float(model.nodes_mm[2].max())) if part.span == "whole" else (0.0,)
-    deformed = [_deformed(model, block.solve, shapes, chosen, z) for z in ends]
-    which = np.concatenate([chosen + shapes.count * number for number in range(len(ends))])
+    if isinstance(shapes, WarpShapes):
+        which, deformed = part.warps, [part.warp_fields]
+    else:
+        chosen = shapes.having(part.lateral)
+        ends = (0.0, float(model.nodes_mm[2].max())) if part.span == "whole" else (0.0,)
+        deformed = [_deformed(model, block.solve, shapes, chosen, z) for z in ends]
+        which = np.concatenate([chosen + shapes.count * number for number in range(len(ends))])
     fields = np.hstack([static, *deformed, *more])
     return _Block(part.span, part.lateral, block.motions, which, fields, tuple(step_of), loads)
 
@@ -190,7 +194,7 @@ class _Throw:
         model: Elasticity,
         scene: Scene,
         mass: sp.csr_matrix,
-        shapes: SectionShapes,
+        shapes: Shapes,
         blocks: list[_Block],
         moving: float,
     ) -> None:

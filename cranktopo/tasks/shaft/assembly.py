@@ -7,12 +7,14 @@ from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import Span
 from cranktopo.base.result import Result
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.section_shapes import WARPS, warps_turned
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
 from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, RZ, UX, UY
 from cranktopo.numerics.tetrahedra.superelement import Superelement
@@ -30,6 +32,15 @@ SPLITS: dict[Span, Array] = {
     "whole": np.eye(12),
 }
 """Motions of both sections that the motions of a block are, (motions of the block, 12)."""
+_WARP_MIRROR = np.diag([1.0, 1.0, -1.0, -1.0, -1.0, -1.0])
+WARP_SPLITS: dict[Span, Array] = {
+    "symmetric": np.hstack([np.eye(WARPS), _WARP_MIRROR]) / 2,
+    "antisymmetric": np.hstack([np.eye(WARPS), -_WARP_MIRROR]) / 2,
+    "whole": np.eye(2 * WARPS),
+}
+"""The same of the warps of the sections, (warps of the block, 2 `WARPS`)."""
+SECTIONS = 12 + 2 * WARPS
+"""Unknowns of both sections of a throw: the motions of the near and the far one, then their warps."""
 _LENGTH_MM = 50.0
 """Scales rotations to displacements where a rank is decided."""
 
@@ -97,18 +108,25 @@ def throw_matrix(blocks: Sequence[tuple[Span, Superelement]], forms: Sequence[Ar
 
 
 def shaft_matrix(throws: Array, angles_deg: Sequence[float]) -> Array:
-    """Stiffness of a shaft of throws turned about z, right-handed, shape (6 (n + 1), 6 (n + 1)).
+    """Stiffness of a shaft of throws turned about z, right-handed, over its unknowns (`own_unknowns`).
 
     Args:
-        throws: matrices of the throws, (n, 12, 12), or one of all of them, (12, 12).
+        throws: matrices of the throws over their motions, (n, 12, 12), or `SECTIONS`; or one of all of them.
     """
-    shaft = np.zeros((6 * (len(angles_deg) + 1),) * 2)
-    every = np.broadcast_to(throws, (len(angles_deg), 12, 12))
+    count, own = len(angles_deg), throws.shape[-1]
+    shaft = np.zeros((own // 2 * (count + 1),) * 2)
+    every = np.broadcast_to(throws, (count, own, own))
     for index, angle in enumerate(angles_deg):
-        turn = turned(angle)
-        motions = slice(6 * index, 6 * index + 12)
-        shaft[motions, motions] += turn @ every[index] @ turn.T
+        turn, at = turned(angle, own), own_unknowns(index, count, own)
+        shaft[np.ix_(at, at)] += turn @ every[index] @ turn.T
     return shaft
+
+
+def own_unknowns(index: int, throws: int, own: int) -> NDArray[np.intp]:
+    """Return where so many unknowns of a throw are in a shaft: motions of all sections, then all warps."""
+    first, warps = 6 * index, own // 2 - 6
+    after = 6 * (throws + 1) + warps * index
+    return np.r_[first : first + 12, after : after + 2 * warps]
 
 
 def shaft_stiffness(
@@ -147,13 +165,17 @@ def shaft_stiffness(
     return ShaftStiffness(end_to_end_Nm_per_rad=end_to_end, throws_Nm_per_rad=per_throw)
 
 
-def turned(angle_deg: float) -> Array:
-    """Return the right-handed rotation about z of the twelve motions of a throw, (12, 12)."""
+def turned(angle_deg: float, unknowns: int = 12) -> Array:
+    """Return the right-handed rotation about z of the motions of a throw, or of all its `SECTIONS`."""
     angle = math.radians(angle_deg)
     rotation = np.array(
         [[math.cos(angle), -math.sin(angle), 0.0], [math.sin(angle), math.cos(angle), 0.0], [0.0, 0.0, 1.0]]
     )
-    return np.kron(np.eye(4), rotation)
+    found = np.eye(unknowns)
+    found[:12, :12] = np.kron(np.eye(4), rotation)
+    if unknowns > 12:
+        found[12:, 12:] = np.kron(np.eye(2), warps_turned(angle))
+    return found
 
 
 def _solve_singular(matrix: Array, force: Array, kept: list[int]) -> Array:

@@ -1,14 +1,14 @@
 """The shaft on all its main bearings over the cycle, quasi-static: motions and forces of its sections.
 
 In the frame that turns with the shaft the bearings, alike in every direction, are constant; loads of a cycle
-are right-hand sides of one matrix of six unknowns a section. The last section holds the shaft in rotation and
-along its axis.
+are right-hand sides of one matrix of six motions and four warps a section. The last section holds the shaft
+in rotation and along its axis.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,7 @@ from cranktopo.engine.histories import every_degree
 from cranktopo.engine.vibration.shaft_chain import rods_shares
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_torque
 from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, RZ, UX, UY, UZ
-from cranktopo.tasks.shaft.assembly import shaft_matrix, turned
+from cranktopo.tasks.shaft.assembly import own_unknowns, shaft_matrix, turned
 from cranktopo.tasks.shaft.loaded_throw import LOADS, SWING, LoadedThrow
 
 
@@ -71,6 +71,7 @@ class ShaftCycle:
 
     Attributes:
         motion: of every section, shape (6 sections, states), mm and rad.
+        warps: of every section, shape (`WARPS` sections, states), mm; none where sections stay rigid.
         bearing_N: x and y of the force of every bearing on the shaft, shape (sections, 2, states).
         throw_N: forces on both sections of every throw in its own axes, shape (throws, 12, states).
     """
@@ -79,6 +80,15 @@ class ShaftCycle:
     motion: Array
     bearing_N: Array
     throw_N: Array
+    warps: Array = field(default_factory=lambda: np.zeros((0, 1)))
+
+    def of_throw(self, index: int, angle_deg: float) -> Array:
+        """Return motions and warps of both sections of a throw in its own axes, (12 or more, states)."""
+        count, states = len(self.throw_N), self.motion.shape[1]
+        warps = self.warps if len(self.warps) else np.zeros((0, states))
+        own = 2 * (6 + len(warps) // (count + 1))
+        every = np.vstack([self.motion, warps])
+        return np.asarray(turned(about_z_deg(angle_deg), own).T @ every[own_unknowns(index, count, own)])
 
 
 def cycle_forces(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> CycleForces:
@@ -138,6 +148,7 @@ def shaft_cycle(
     borne_by: Sequence[int] | None = None,
     offset_mm: Array | None = None,
     tilt_Nmm_per_rad: float = 0.0,
+    rigid_at: Sequence[int] = (),
 ) -> ShaftCycle:
     """Solve the shaft for all states of a cycle.
 
@@ -147,27 +158,29 @@ def shaft_cycle(
         borne_by: sections that sit in a bearing; all by default.
         offset_mm: x and y of each of them in rigid bearings, shape (2 bearings, states); none by default.
         tilt_Nmm_per_rad: stiffness by which each of them resists the tilt of its journal.
+        rigid_at: sections that stay rigid.
     """
     about_z = [about_z_deg(angle) for angle in angles_deg]
     sections, states = len(about_z) + 1, forces.angle_deg.size
     own = np.stack([_pin_loads(throw, forces, index) for index, throw in enumerate(throws)])
-    load = np.zeros((6 * sections, states))
+    load = np.zeros((own.shape[1] // 2 * sections, states))
+    at = [own_unknowns(index, len(about_z), own.shape[1]) for index in range(len(about_z))]
     for index, angle in enumerate(about_z):
-        load[6 * index : 6 * index + 12] += turned(angle) @ own[index]
+        load[at[index]] += turned(angle, own.shape[1]) @ own[index]
     if forces.swing is not None:
         load[RZ] += about_z_deg(1.0) * forces.swing.ahead_Nm * NMM_PER_NM
     stiffness = shaft_matrix(np.stack([throw.stiffness for throw in throws]), about_z)
     radial = _radial(range(sections))
     in_bearings = range(sections) if borne_by is None else borne_by
     borne, tilting = _radial(in_bearings), _tilting(in_bearings)
-    held = {6 * (sections - 1) + RZ, 6 * (sections - 1) + UZ}
+    held = {6 * (sections - 1) + RZ, 6 * (sections - 1) + UZ, *warps_of(rigid_at, sections, len(load))}
     stiffness[tilting, tilting] += tilt_Nmm_per_rad
     sprung = stiffness.copy()
     if spring_N_per_mm is None:
         held |= set(borne.tolist())
     else:
         sprung[borne, borne] += spring_N_per_mm
-    free = np.array([i for i in range(6 * sections) if i not in held])
+    free = np.array([i for i in range(len(load)) if i not in held])
     motion = np.zeros_like(load)
     pushed = load[free]
     if offset_mm is not None:
@@ -176,10 +189,17 @@ def shaft_cycle(
     motion[free] = np.linalg.solve(sprung[np.ix_(free, free)], pushed)
     bearing = (stiffness @ motion - load)[radial].reshape(sections, 2, states)
     ends = [
-        throw.stiffness @ turned(angle).T @ motion[6 * index : 6 * index + 12] - own[index]
+        (throw.stiffness @ turned(angle, own.shape[1]).T @ motion[at[index]] - own[index])[:12]
         for index, (throw, angle) in enumerate(zip(throws, about_z, strict=True))
     ]
-    return ShaftCycle(forces.angle_deg, motion, bearing, np.stack(ends))
+    motion, warps = np.split(motion, [6 * sections])
+    return ShaftCycle(forces.angle_deg, motion, bearing, np.stack(ends), warps)
+
+
+def warps_of(sections: Iterable[int], count: int, unknowns: int) -> list[int]:
+    """Return which of the unknowns of a shaft, so many, are the warps of some of its sections."""
+    each = unknowns // count - 6
+    return [6 * count + each * section + warp for section in sections for warp in range(each)]
 
 
 def _radial(sections: Iterable[int]) -> NDArray[np.int_]:
@@ -197,20 +217,22 @@ def bent_into_bearings_N_per_mm(
     angles_deg: Sequence[float],
     borne_by: Sequence[int],
     tilt_Nmm_per_rad: float = 0.0,
+    rigid_at: Sequence[int] = (),
 ) -> Array:
     """Return what bearings must push where journals lie off their axes, x and y of each, (2 n, 2 n)."""
     about_z = [about_z_deg(angle) for angle in angles_deg]
     stiffness = shaft_matrix(np.stack([throw.stiffness for throw in throws]), about_z)
     borne, tilting, last = _radial(borne_by), _tilting(borne_by), 6 * len(about_z)
     stiffness[tilting, tilting] += tilt_Nmm_per_rad
-    free = np.setdiff1d(np.arange(len(stiffness)), [*borne, last + RZ, last + UZ])
+    stiff = warps_of(rigid_at, len(about_z) + 1, len(stiffness))
+    free = np.setdiff1d(np.arange(len(stiffness)), [*borne, last + RZ, last + UZ, *stiff])
     across = stiffness[np.ix_(free, borne)]
     led = np.linalg.solve(stiffness[np.ix_(free, free)], across)
     return np.asarray(stiffness[np.ix_(borne, borne)] - across.T @ led)
 
 
 def _pin_loads(throw: LoadedThrow, forces: CycleForces, index: int) -> Array:
-    """Section forces that do the work of all loads of a throw, (12, states)."""
+    """Section forces that do the work of all loads of a throw, (`SECTIONS`, states)."""
     loads = np.stack([throw.loads[name] for name in LOADS], axis=1)
     found = np.asarray(loads @ load_shares(throw, forces, index))
     if forces.swing is None:
@@ -242,10 +264,10 @@ def load_shares(throw: LoadedThrow, forces: CycleForces, index: int) -> Array:
 def throw_states(
     throws: Sequence[LoadedThrow], angles_deg: Sequence[float], forces: CycleForces, cycle: ShaftCycle
 ) -> Array:
-    """Return what acts on every throw in its own axes, (throws, 12 motions and `ACTING`, states)."""
+    """Return what acts on every throw in its own axes, (throws, `SECTIONS` and `ACTING`, states)."""
     found = []
     for index, (throw, angle) in enumerate(zip(throws, angles_deg, strict=True)):
-        own = turned(about_z_deg(angle)).T @ cycle.motion[6 * index : 6 * index + 12]
+        own = cycle.of_throw(index, angle)
         found.append(np.vstack([own, load_shares(throw, forces, index), _swing_Nmm(forces, index)]))
     return np.stack(found)
 

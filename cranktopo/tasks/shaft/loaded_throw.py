@@ -6,17 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import Span
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
+from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.section_shapes import WARPS, WarpShapes
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, mean_displacement, swing_force
-from cranktopo.numerics.tetrahedra.rigid_motions import RX, RZ, UY
+from cranktopo.numerics.tetrahedra.rigid_motions import RX, RZ, UY, plane_nodes
 from cranktopo.numerics.tetrahedra.superelement import Superelement
-from cranktopo.tasks.shaft.assembly import SPLITS, symmetries, throw_matrix
+from cranktopo.tasks.shaft.assembly import SECTIONS, SPLITS, WARP_SPLITS, symmetries
 from cranktopo.tasks.throw_fea.condense import Lateral, condense, loaded_mm
 from cranktopo.tasks.throw_fea.turning_load import turning_load
 
@@ -35,18 +38,19 @@ _RIGID = 1e-8
 
 @dataclass(frozen=True)
 class LoadedThrow:
-    """Stiffness of a full throw over the six motions of its near and then its far section, and its loads.
+    """Stiffness of a full throw over the unknowns of its sections, and its loads.
 
     Attributes:
-        stiffness: (12, 12), mm, rad, N, N mm, each section in axes parallel to those of the throw.
-        loads: section forces that do the same work as a unit load, (12,): "radial" 1 N on the pin along -y,
-            "tangential" 1 N along +x, "radial aside" and "tangential aside" half of it on the near half of
-            the pin and its opposite on the far one, "centrifugal" of 1 rad/s; of a shaft that may vibrate
-            also "swing", 1 N mm about -z by the throw's own mass that resists an angular acceleration.
+        stiffness: (`SECTIONS`, `SECTIONS`), mm, rad, N, N mm, each section in axes parallel to those of the
+            throw; over the 12 motions alone of one whose sections stay rigid.
+        loads: section forces that do the same work as a unit load, (`SECTIONS`,): "radial" 1 N on the pin
+            along -y, "tangential" 1 N along +x, "radial aside" and "tangential aside" half of it on the near
+            half of the pin and its opposite on the far one, "centrifugal" of 1 rad/s; of a shaft that may
+            vibrate also "swing", 1 N mm about -z by the mass of the throw, which resists being accelerated.
         aside_moment_mm: moment of the loads "aside" about the middle of the pin, N mm per N: half the
             distance between the middles of the halves of the pin, as the mesh has them.
-        pin_tilt: rotation of the crankpin about x and y by the motions of both sections and then by one of
-            each of `ACTING`, (2, 18): that on which the moments of the loads "aside" do their work.
+        pin_tilt: rotation of the crankpin about x and y by the unknowns of both sections and then by one of
+            each of `ACTING`: that on which the moments of the loads "aside" do their work.
     """
 
     stiffness: Array
@@ -61,12 +65,21 @@ class LoadedBlock:
 
     Attributes:
         names: of the further loads of the block, in their order.
+        warps: which of the warps of both sections the block has, of a half throw those of its own.
+        warp_fields: displacements of each with the sections else held, (unknowns, warps).
+        warp_stiffness: work on motions and warps of what moves each warp, of the model, (motions and warps,
+            warps).
+        warp_loads: work of each further load on these, (warps, loads).
     """
 
     span: Span
     lateral: Lateral
     block: Superelement
     names: tuple[str, ...]
+    warps: NDArray[np.intp]
+    warp_fields: Array
+    warp_stiffness: Array
+    warp_loads: Array
 
     @property
     def on_model(self) -> Array:
@@ -75,11 +88,27 @@ class LoadedBlock:
         return np.array([1.0 if name == "centrifugal" else 1 / models for name in self.names])
 
     def section_forces(self) -> dict[str, Array]:
-        """Return what the unit loads of the full throw do on both its sections, (12,) each."""
-        split = SPLITS[self.span][list(self.block.motions)]
-        per_model = split.T @ self.block.extra_loads / self.block.parts
+        """Return what the unit loads of the full throw do on both its sections, (`SECTIONS`,) each."""
+        on_both = np.vstack([self.block.extra_loads / self.block.parts, self.warp_loads])
+        per_model = self.sections.T @ on_both
         models = self.block.copies * self.block.parts
         return dict(zip(self.names, (per_model * (models * self.on_model)).T, strict=True))
+
+    @property
+    def sections(self) -> Array:
+        """Its motions and warps by the unknowns of both sections, (motions and warps, `SECTIONS`)."""
+        motions = SPLITS[self.span][list(self.block.motions)]
+        found = np.zeros((len(motions) + len(self.warps), SECTIONS))
+        found[: len(motions), :12] = motions
+        found[len(motions) :, 12:] = WARP_SPLITS[self.span][self.warps]
+        return found
+
+    def stiffness(self) -> Array:
+        """Return its part in the stiffness of the full throw, (`SECTIONS`, `SECTIONS`)."""
+        block, motions = self.block, len(self.block.motions)
+        across, own = np.split(block.parts * self.warp_stiffness, [motions])
+        both = np.block([[block.stiffness, across], [across.T, (own + own.T) / 2]])
+        return np.asarray(block.copies * self.sections.T @ both @ self.sections)
 
     def aside_motion(self, name: str) -> Array:
         """Return the work of a load "aside" of 1 N on what each of `ACTING` moves, sections held, (6,)."""
@@ -103,20 +132,22 @@ class LoadedBlock:
     def straining_fields(self) -> tuple[Array, Array]:
         """Return the displacement fields that strain the throw, and how much of them what acts on it makes.
 
-        The fields, (unknowns, k), are those section motions that move no whole body, and the loads with the
-        sections held; the shares are (k, 12 motions of both sections and then `ACTING`).
+        The fields, (unknowns, k), are those section motions that move no whole body, the warps, and the loads
+        with the sections held; the shares are (k, `SECTIONS` and then `ACTING`).
         """
         block, motions = self.block, len(self.block.motions)
         length = np.array([1.0 if motion % 6 < RX else 1 / _LENGTH_MM for motion in block.motions])
         sizes, axes = np.linalg.eigh(block.stiffness * np.outer(length, length))
         axes = axes[:, sizes > _RIGID * sizes.max()]
-        bent = (axes.T / length) @ SPLITS[self.span][list(block.motions)]
-        shares = np.zeros((axes.shape[1] + len(self.names), 12 + len(ACTING)))
-        shares[: axes.shape[1], :12] = bent
-        for row, (name, share) in enumerate(zip(self.names, self.on_model, strict=True), axes.shape[1]):
-            shares[row, 12 + ACTING.index(name)] = share
+        sections = self.sections
+        strained = np.vstack([(axes.T / length) @ sections[:motions], sections[motions:]])
+        shares = np.zeros((len(strained) + len(self.names), SECTIONS + len(ACTING)))
+        shares[: len(strained), :SECTIONS] = strained
+        for row, (name, share) in enumerate(zip(self.names, self.on_model, strict=True), len(strained)):
+            shares[row, SECTIONS + ACTING.index(name)] = share
         loaded = block.displacement[:, block.displacement.shape[1] - len(self.names) :]
-        return np.hstack([block.displacement[:, :motions] @ (length[:, None] * axes), loaded]), shares
+        bent = block.displacement[:, :motions] @ (length[:, None] * axes)
+        return np.hstack([bent, self.warp_fields, loaded]), shares
 
 
 @dataclass(frozen=True)
@@ -159,8 +190,32 @@ def loaded_blocks(
 
 def _condensed(model: Elasticity, scene: Scene, span: Span, lateral: Lateral) -> LoadedBlock:
     forces = _unit_loads(model, scene, span, lateral)
-    block = condense(model, scene, span, lateral, np.column_stack(list(forces.values())))
-    return LoadedBlock(span, lateral, block, tuple(forces))
+    nodal = np.column_stack(list(forces.values()))
+    block = condense(model, scene, span, lateral, nodal)
+    warps, bent = _warps(model, scene, span, lateral)
+    fields = bent - block.solve(model.stiffness @ bent)
+    every = np.hstack([block.displacement[:, : len(block.motions)], fields])
+    stiffness = every.T @ (model.stiffness @ fields)
+    return LoadedBlock(span, lateral, block, tuple(forces), warps, fields, stiffness, fields.T @ nodal)
+
+
+def _warps(model: Elasticity, scene: Scene, span: Span, lateral: Lateral) -> tuple[NDArray[np.intp], Array]:
+    """Return the warps that a block has, and displacements of the sections alone by each."""
+    ends = zip((0.0, scene.pitch_mm) if span == "whole" else (0.0,), halves(scene), strict=False)
+    numbers, bent = [], []
+    for end, (z, half) in enumerate(ends):
+        shapes, section = _warps_of(half), plane_nodes(model.nodes_mm, 2, z)
+        chosen = shapes.having(lateral)
+        moved = np.zeros((model.nodes_mm.shape[1], 3, len(chosen)))
+        moved[section] = shapes.at(*model.nodes_mm[:2, section])[:, :, chosen].transpose(1, 0, 2)
+        bent.append(moved.reshape(-1, len(chosen)))
+        numbers.append(chosen + WARPS * end)
+    return np.concatenate(numbers), np.hstack(bent)
+
+
+def _warps_of(half: Scene) -> WarpShapes:
+    journal = half.throw.main_journal
+    return WarpShapes(journal.radius_mm, journal.bore_radius_mm)
 
 
 def loaded_throw(blocks: Sequence[LoadedBlock], scene: Scene) -> LoadedThrow:
@@ -168,12 +223,12 @@ def loaded_throw(blocks: Sequence[LoadedBlock], scene: Scene) -> LoadedThrow:
     loads: dict[str, Array] = {}
     for part in blocks:
         for name, forces in part.section_forces().items():
-            loads[name] = loads.get(name, np.zeros(12)) + forces
+            loads[name] = loads.get(name, np.zeros(SECTIONS)) + forces
     for name, moment in (("radial", 0.0), ("tangential", -scene.throw.radius_mm)):
         loads[name] = _with_torque(loads[name], moment)
     aside = loads["radial aside"]
     moment = -float(aside[RX] + aside[6 + RX] - scene.pitch_mm * aside[6 + UY])
-    stiffness = throw_matrix([(part.span, part.block) for part in blocks])
+    stiffness = np.sum([part.stiffness() for part in blocks], axis=0)
     moved = [
         np.concatenate([loads[name], sum(part.aside_motion(name) for part in blocks)])
         for name in ("radial aside", "tangential aside")

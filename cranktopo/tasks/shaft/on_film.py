@@ -15,6 +15,7 @@ from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.units import angular_speed_rad_s
+from cranktopo.bodies.crank_ends import SIDES, crank_end
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
@@ -46,12 +47,19 @@ def carried_cycle(
         CranktopoError: films without `[bearings]`, or journals that do not become steady.
     """
     angles, borne_by, tilt = scene.shaft_angles_deg, carried(scene), bearing_tilt_spring_Nmm_per_rad(scene)
+    held = {"tilt_Nmm_per_rad": tilt, "rigid_at": rigid_sections(scene)}
     if support is None or isinstance(support, float):
-        return shaft_cycle(throws, angles, forces, support, borne_by, tilt_Nmm_per_rad=tilt)
-    rigid = shaft_cycle(throws, angles, forces, None, borne_by, tilt_Nmm_per_rad=tilt)
+        return shaft_cycle(throws, angles, forces, support, borne_by, **held)
+    rigid = shaft_cycle(throws, angles, forces, None, borne_by, **held)
     lying = film_offsets_mm if support == "film" else play_offsets_mm
     offset_mm = lying(throws, scene, rigid)
-    return shaft_cycle(throws, angles, forces, None, borne_by, offset_mm, tilt)
+    return shaft_cycle(throws, angles, forces, None, borne_by, offset_mm, **held)
+
+
+def rigid_sections(scene: Scene) -> list[int]:
+    """Return the sections that stay rigid: those behind which an end of the crank goes on."""
+    ends = zip(SIDES, (0, len(scene.shaft_angles_deg)), strict=True)
+    return [section for side, section in ends if crank_end(scene, side)]
 
 
 def check_film(scene: Scene) -> None:
@@ -79,8 +87,7 @@ def film_offsets_mm(throws: Sequence[LoadedThrow], scene: Scene, rigid: ShaftCyc
     numbers = carried(scene)
     bearings = [main_bearing(scene, number) for number in numbers]
     clearance = np.array([bearing.clearance_mm for bearing in bearings])
-    tilt = bearing_tilt_spring_Nmm_per_rad(scene)
-    bent = bent_into_bearings_N_per_mm(throws, scene.shaft_angles_deg, numbers, tilt)
+    bent = _bent(throws, scene)
     held = journal_loads_N(rigid)[list(numbers)]
     states, cycle_rad = held.shape[1], np.radians(engine_of(scene).cycle_deg)
 
@@ -104,10 +111,15 @@ def play_offsets_mm(throws: Sequence[LoadedThrow], scene: Scene, rigid: ShaftCyc
     Raises:
         CranktopoError: no clearance, or a state without an answer.
     """
-    numbers, tilt = carried(scene), bearing_tilt_spring_Nmm_per_rad(scene)
-    bent = bent_into_bearings_N_per_mm(throws, scene.shaft_angles_deg, numbers, tilt)
+    numbers, bent = carried(scene), _bent(throws, scene)
     held = -rigid.bearing_N[list(numbers)].reshape(2 * len(numbers), -1)
     return sections_in_rings(bent, held, np.full(len(numbers), radial_play_mm(scene)))
+
+
+def _bent(throws: Sequence[LoadedThrow], scene: Scene) -> Array:
+    """Return `bent_into_bearings_N_per_mm` of the shaft of a scene."""
+    tilt, stiff = bearing_tilt_spring_Nmm_per_rad(scene), rigid_sections(scene)
+    return bent_into_bearings_N_per_mm(throws, scene.shaft_angles_deg, carried(scene), tilt, stiff)
 
 
 def _x_and_y(place: Complex) -> Array:

@@ -23,7 +23,7 @@ from cranktopo.numerics.tetrahedra.elasticity import mean_displacement
 from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.balance.result import balance_result
 from cranktopo.tasks.film.stage import oil_films
-from cranktopo.tasks.shaft.assembly import Bearings, shaft_matrix, shaft_stiffness
+from cranktopo.tasks.shaft.assembly import SECTIONS, Bearings, shaft_matrix, shaft_stiffness
 from cranktopo.tasks.shaft.continuous import (
     _AtSpeed,
     _loaded_big_end,
@@ -239,7 +239,7 @@ def pin_rotation(body: ThrowBody, scene: Scene, block: LoadedBlock, field: Array
 
 def about_near(scene: Scene, forces: Array) -> Array:
     """Resultant force and moment about the near section of forces on both, (6,)."""
-    near, far = forces[:6], forces[6:]
+    near, far = forces[:6], forces[6:12]
     arm = np.array([0.0, 0.0, scene.pitch_mm])
     return np.concatenate([near[:3] + far[:3], near[3:] + far[3:] + np.cross(arm, far[:3])])
 
@@ -259,7 +259,7 @@ def test_section_forces_have_the_resultants_of_the_loads() -> None:
     spinning = about_near(scene, throw.loads["centrifugal"])
     unbalance_N = throw_balance(scene).throw_unbalance_kg_mm / 1000
     assert spinning[:2] == pytest.approx([0, unbalance_N], rel=2e-2, abs=1e-8)
-    rigid = np.zeros(12)
+    rigid = np.zeros(SECTIONS)
     rigid[[UY, 6 + UY]] = 1.0
     assert np.abs(throw.stiffness @ rigid).max() < 1e-6 * throw.stiffness.max()
     assert not mesh.whole
@@ -273,7 +273,7 @@ def test_the_pin_tilts_as_its_halves_lead_off(design: str) -> None:
     throw = loaded_throw(body.blocks, scene)
     for row, motion in enumerate((RX, RY)):
         far = {RX: (UY, -scene.pitch_mm), RY: (UX, scene.pitch_mm)}[motion]
-        rigid = np.zeros(18)
+        rigid = np.zeros(SECTIONS + len(ACTING))
         rigid[[motion, 6 + motion, 6 + far[0]]] = 1.0, 1.0, far[1]
         assert throw.pin_tilt @ rigid == pytest.approx(np.eye(2)[row], abs=1e-7)
     by_loads = np.zeros((2, len(ACTING)))
@@ -282,7 +282,7 @@ def test_the_pin_tilts_as_its_halves_lead_off(design: str) -> None:
             field = block.block.displacement[:, len(block.block.displacement.T) - len(block.names) + column]
             models = 1 if name == "centrifugal" else block.block.copies * block.block.parts
             by_loads[:, ACTING.index(name)] += pin_rotation(body, scene, block, field) / models
-    assert throw.pin_tilt[:, 12:] == pytest.approx(by_loads, abs=1e-7 * np.abs(by_loads).max())
+    assert throw.pin_tilt[:, SECTIONS:] == pytest.approx(by_loads, abs=1e-7 * np.abs(by_loads).max())
 
 
 def test_unlike_webs_turn_with_the_couple_of_their_product_of_inertia() -> None:

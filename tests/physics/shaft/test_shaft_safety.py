@@ -15,8 +15,9 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import at_speed, at_worst_speed, engine_of
 from cranktopo.engine.histories import LoadHistory, WebLoads
 from cranktopo.engine.judged_speeds import speeds_of_range
+from cranktopo.numerics.section_shapes import WARPS
 from cranktopo.numerics.tetrahedra.rigid_motions import RZ
-from cranktopo.tasks.shaft.assembly import SPLITS
+from cranktopo.tasks.shaft.assembly import SECTIONS, SPLITS, WARP_SPLITS
 from cranktopo.tasks.shaft.cycle import CycleForces, cycle_forces, shaft_cycle, throw_states
 from cranktopo.tasks.shaft.loaded_throw import ACTING, LOADS, loaded_throw
 from cranktopo.tasks.shaft.stage import shaft_effects
@@ -44,7 +45,7 @@ def test_fields_of_a_throw_are_all_that_strains_it() -> None:
     """Any motion of the sections, any loads: six of twelve motions move the whole body, and are left out."""
     scene = load_scene("car-diesel")
     body = meshed_body(scene, 20.0)
-    acting = np.random.default_rng(5).standard_normal(12 + len(ACTING))
+    acting = np.random.default_rng(5).standard_normal(SECTIONS + len(ACTING))
     acting[[3, 4, 5, 9, 10, 11]] /= 50.0
     count = 0
     for part in body.blocks:
@@ -54,16 +55,17 @@ def test_fields_of_a_throw_are_all_that_strains_it() -> None:
         moved = block.displacement[:, : len(block.motions)] @ (
             SPLITS[part.span][list(block.motions)] @ acting[:12]
         )
+        moved += part.warp_fields @ WARP_SPLITS[part.span][part.warps] @ acting[12:SECTIONS]
         models = block.copies * block.parts
         for column, name in enumerate(part.names, start=block.displacement.shape[1] - len(part.names)):
-            number = acting[12 + ACTING.index(name)] / (1 if name == "centrifugal" else models)
+            number = acting[SECTIONS + ACTING.index(name)] / (1 if name == "centrifugal" else models)
             moved = moved + number * block.displacement[:, column]
         force = body.model.stiffness @ moved
         assert (
             np.abs(body.model.stiffness @ (fields @ (shares @ acting)) - force).max()
             < 1e-6 * np.abs(force).max()
         )
-    assert count == 6 + len(LOADS)
+    assert count == 6 + 2 * WARPS + len(LOADS)
 
 
 @pytest.fixture(scope="module")
