@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from cranktopo.base.units import KG_PER_TONNE, density_tonne_per_mm3
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import at_speed
 from cranktopo.numerics.harmonic_balance import curves_of, harmonics_of
 from cranktopo.numerics.tetrahedra.elasticity import mass_matrix, mean_displacement
@@ -133,11 +134,11 @@ def _pins(body: OneBody, lateral: Lateral) -> list[Array]:
     return found
 
 
-def by_modes(body: OneBody, halves: Mapping[str, Vibrating], forces: CycleForces, modes: int) -> Solved:
+def by_modes(body: OneBody, halves: Mapping[Lateral, Vibrating], forces: CycleForces, modes: int) -> Solved:
     """Return the vibration of the body with all its unknowns, by some of its modes, each `STRIDE` degrees."""
     cycle_rad = float(np.radians(forces.angle_deg[1] - forces.angle_deg[0]) * forces.angle_deg.size)
     still = np.zeros((1, forces.angle_deg.size))
-    acts = {"even": np.vstack([forces.radial_N, still]), "odd": forces.tangential_N}
+    acts: dict[Lateral, Array] = {"even": np.vstack([forces.radial_N, still]), "odd": forces.tangential_N}
     fields = {
         lateral: halves[lateral].displacements(own, forces.angular_speed_rad_s, cycle_rad, modes)[:, ::STRIDE]
         for lateral, own in acts.items()
@@ -175,7 +176,7 @@ def by_reduced_throws(body: OneBody, throws: Throws, forces: CycleForces, *, war
 
 def _expanded(
     blocks: Sequence[LoadedBlock], throw: MovingThrow, cycle: MovingCycle, angle_deg: float, index: int
-) -> dict[str, Array]:
+) -> dict[Lateral, Array]:
     """Return the displacements of a throw in either symmetry, (unknowns, states)."""
     within = cycle.within[index]
     acting = np.vstack([within[: len(LOADS)], np.zeros((1, within.shape[1]))])  # no load "swing"
@@ -194,43 +195,46 @@ def _still_axes(throw: MovingThrow) -> MovingThrow:
     return replace(throw, damped=replace(throw.damped, body=slow))
 
 
-def _told(body: OneBody, fields: Mapping[str, Array], forces: CycleForces) -> Solved:
+def _told(body: OneBody, fields: Mapping[Lateral, Array], forces: CycleForces) -> Solved:
     """Motions alone: forces on sections would need the inertia."""
     loads = {lateral: [np.zeros((part.unknowns.size, 1)) for part in body.parts] for lateral in LATERALS}
     found = told(body, fields, loads)
     return replace(found, throw_N=np.zeros_like(found.throw_N), bearing_N=np.zeros_like(found.bearing_N))
 
 
-def main(design: str, size_mm: float, rpm: float) -> None:
-    """Print the table as Markdown."""
-    body = one_body(at_speed(load_scene(design, whole=True), rpm), size_mm, FRACTION)
+def columns(scene: Scene, size_mm: float) -> dict[str, dict[str, float]]:
+    """Return how far each way is off the body by most modes, %: motions, and stresses in the fillets."""
+    body = one_body(scene, size_mm, FRACTION)
     halves = {lateral: vibrating(body, lateral, max(MODES)) for lateral in LATERALS}
-    squares = np.sort(np.concatenate([one.squares for one in halves.values()]))
-    hertz = np.sqrt(np.maximum(squares, 0)) / (2 * np.pi)
-    print(f"{design} at {rpm:g} rpm: {body.model.nodes_mm.shape[1]:,} nodes; modes {np.round(hertz[:6])} Hz")
     throws, on = condensed(body), fillets(body)
-    forces = without_mean(cycle_forces(body.scene))
-    full = {count: by_modes(body, halves, forces, count) for count in MODES}
-    ways = {f"body, {count} modes a half": full[count] for count in MODES[:-1]}
+    forces = without_mean(cycle_forces(scene))
+    most = by_modes(body, halves, forces, max(MODES))
+    ways = {f"body, {count} modes": by_modes(body, halves, forces, count) for count in MODES[:-1]}
     ways |= {
         f"shaft, {kind} sections": by_reduced_throws(body, throws, forces, warps=kind == "warping")
         for kind in ("rigid", "warping")
     }
-    most = full[MODES[-1]]
-    stress, columns = on.stress_MPa(most.fields), {}
-    for name, found in ways.items():
-        columns[name] = differences(most, found)
-        by_fillet = stress_differences(on, stress, on.stress_MPa(found.fields))
+    stress, found = on.stress_MPa(most.fields), {}
+    for name, way in ways.items():
+        column = differences(most, way)
+        by_fillet = stress_differences(on, stress, on.stress_MPa(way.fields))
         for where in ("journal", "pin"):
             own = [value for (_, fillet), value in by_fillet.items() if fillet == where]
-            columns[name][f"{where} fillets, largest stress"] = max((one for one, _ in own), key=abs)
-            columns[name][f"{where} fillets, stress of the difference"] = max(one for _, one in own)
-    print(f"| % of the largest | {' | '.join(columns)} |", "|---|" + "---:|" * len(columns), sep="\n")
-    for name in next(iter(columns.values())):
-        print(f"| {name} | {' | '.join(f'{column[name]:+.2f}' for column in columns.values())} |")
+            column[f"{where} fillets, largest stress"] = max((one for one, _ in own), key=abs)
+            column[f"{where} fillets, stress of the difference"] = max(one for _, one in own)
+        found[name] = column
+    return found
+
+
+def main(design: str, size_mm: float, rpm: float) -> None:
+    """Print the table as Markdown."""
+    found = columns(at_speed(load_scene(design, whole=True), rpm), size_mm)
+    print(f"| % of the largest | {' | '.join(found)} |", "|---|" + "---:|" * len(found), sep="\n")
+    for name in next(iter(found.values())):
+        print(f"| {name} | {' | '.join(f'{column[name]:+.2f}' for column in found.values())} |")
 
 
 if __name__ == "__main__":
     told_of = sys.argv[1:]
-    size, rpm = (float((told_of[place:] or [usual])[0]) for place, usual in ((1, "16"), (2, "2100")))
+    size, rpm = (float((told_of[place:] or [usual])[0]) for place, usual in ((1, "20"), (2, "2100")))
     main((told_of or ["mikron-iiic"])[0], size, rpm)

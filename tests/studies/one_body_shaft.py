@@ -1,8 +1,8 @@
 """A crank on its bearings as one meshed body beside `shaft`, which joins throws condensed one by one.
 
-`python -m tests.studies.one_body_shaft [DESIGN [SIZE [FRACTION]]]` prints a table of docs/pages/evaluating.md,
-motions, forces and stresses in the fillets over the cycle. Both have the same elements, and stresses of both
-are found at the same nodes by the same polynomials; the difference is that of the condensation alone.
+`python -m tests.studies.one_body_shaft [DESIGN [SIZE [FRACTION]]]` prints a table of docs/pages/evaluating.md
+of motions, forces and stresses in the fillets over the cycle. Both have the same elements, and stresses of
+both are found at the same nodes by the same polynomials: the difference is that of the condensation alone.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class Solved:
     pins: Array
     throw_N: Array
     bearing_N: Array
-    fields: Mapping[str, Array]
+    fields: Mapping[Lateral, Array]
 
 
 @dataclass(frozen=True)
@@ -79,11 +79,11 @@ def condensed(body: OneBody) -> Throws:
     return Throws(blocks, loaded)
 
 
-def nodal_loads(body: OneBody, forces: CycleForces) -> dict[str, list[Array]]:
+def nodal_loads(body: OneBody, forces: CycleForces) -> dict[Lateral, list[Array]]:
     """Forces on the nodes of each throw, in its axes, in either symmetry, (unknowns, states) each."""
     assert not forces.radial_aside_N_mm.any()
     speed = forces.angular_speed_rad_s**2 * np.ones(forces.angle_deg.size)
-    found: dict[str, list[Array]] = {lateral: [] for lateral in LATERALS}
+    found: dict[Lateral, list[Array]] = {lateral: [] for lateral in LATERALS}
     for index, part in enumerate(body.parts):
         acts = {"radial": forces.radial_N, "tangential": forces.tangential_N}
         for lateral in LATERALS:
@@ -104,12 +104,15 @@ class AllUnknowns:
     """A crank under unit loads by all its unknowns: radial or tangential by throw, then the rotation."""
 
     body: OneBody
-    halves: Mapping[str, FreeHalf]
+    halves: Mapping[Lateral, FreeHalf]
 
     def on_bearings(self, forces: CycleForces, spring_N_per_mm: float | None) -> Solved:
         """Return the crank over a cycle; None: rigid bearings."""
         turning = np.full((1, forces.angle_deg.size), forces.angular_speed_rad_s**2)
-        acts = {"even": np.vstack([forces.radial_N, turning]), "odd": forces.tangential_N}
+        acts: dict[Lateral, Array] = {
+            "even": np.vstack([forces.radial_N, turning]),
+            "odd": forces.tangential_N,
+        }
         fields = {
             lateral: self.halves[lateral].displacements(own, carried(self.body.scene), spring_N_per_mm)
             for lateral, own in acts.items()
@@ -138,7 +141,7 @@ def unit_forces(body: OneBody, lateral: Lateral) -> Array:
     return np.column_stack([*pins, turning] if lateral == "even" else pins)
 
 
-def told(body: OneBody, fields: Mapping[str, Array], loads: Mapping[str, list[Array]]) -> Solved:
+def told(body: OneBody, fields: Mapping[Lateral, Array], loads: Mapping[Lateral, list[Array]]) -> Solved:
     """Return what displacements and loads of the crank mean; `loads` as of `nodal_loads`."""
     states, count = next(iter(fields.values())).shape[1], len(body.parts)
     motion = np.zeros((count + 1, 6, states))
@@ -174,7 +177,7 @@ def by_throws(
     return replace(found, motion=motion, throw_N=cycle.throw_N, bearing_N=cycle.bearing_N)
 
 
-def expanded(body: OneBody, throws: Throws, forces: CycleForces, cycle: ShaftCycle) -> dict[str, Array]:
+def expanded(body: OneBody, throws: Throws, forces: CycleForces, cycle: ShaftCycle) -> dict[Lateral, Array]:
     """Return the displacements of all nodes of the crank by those of its condensed throws."""
     states = throw_states(throws.loaded, body.scene.shaft_angles_deg, forces, cycle)
     fields = {lateral: np.zeros((body.model.nodes_mm.size, forces.angle_deg.size)) for lateral in LATERALS}
@@ -202,7 +205,7 @@ class Fillets:
     on: Mapping[tuple[int, str], NDArray[np.intp]]
     chosen: NDArray[np.bool_]
 
-    def stress_MPa(self, fields: Mapping[str, Array]) -> Array:
+    def stress_MPa(self, fields: Mapping[Lateral, Array]) -> Array:
         """Return the stresses at all chosen nodes for x >= 0 and their images, (2, states, nodes, 6)."""
         parts = [
             fitted_stress(self.body.model, self.surface, self.chosen, fields[lateral].T, self.body.elastic)[0]

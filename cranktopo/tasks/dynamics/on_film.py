@@ -65,13 +65,22 @@ def journals_in_film(
         CranktopoError: no `[bearings]`, or no steady cycle.
     """
     throws, numbers, tilt = [one.still for one in shaft.throws], list(shaft.borne_by), shaft.tilt_Nmm_per_rad
-    rigid = shaft_cycle(throws, shaft.angles_deg, forces, None, numbers, tilt_Nmm_per_rad=tilt)
+    rigid = shaft_cycle(
+        throws,
+        shaft.angles_deg,
+        forces,
+        None,
+        numbers,
+        tilt_Nmm_per_rad=tilt,
+        rigid_at=shaft.rigid_at,
+    )
     bearings = [main_bearing(scene, number) for number in numbers]
     clearance = np.array([[bearing.clearance_mm] for bearing in bearings])
     start_mm = film_offsets_mm(throws, scene, rigid)
     turned = np.arange(len(start_mm)).reshape(-1, 2)[:, ::-1].ravel()  # x and y of each to y and x
     held = harmonics_of(-rigid.bearing_N[numbers].reshape(start_mm.shape)[turned])
-    bent = bent_into_bearings_N_per_mm(throws, shaft.angles_deg, numbers, tilt)[np.ix_(turned, turned)]
+    bent = bent_into_bearings_N_per_mm(throws, shaft.angles_deg, numbers, tilt, shaft.rigid_at)
+    bent = bent[np.ix_(turned, turned)]
     still = CarriedShaft(held, np.broadcast_to(bent.astype(complex), (held.shape[1], *bent.shape)))
     start = (start_mm[1::2] + 1j * start_mm[::2]) / clearance
     cycle_rad = math.radians(engine_of(scene).cycle_deg)

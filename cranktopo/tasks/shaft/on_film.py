@@ -47,13 +47,13 @@ def carried_cycle(
         CranktopoError: films without `[bearings]`, or journals that do not become steady.
     """
     angles, borne_by, tilt = scene.shaft_angles_deg, carried(scene), bearing_tilt_spring_Nmm_per_rad(scene)
-    held = {"tilt_Nmm_per_rad": tilt, "rigid_at": rigid_sections(scene)}
+    stiff = rigid_sections(scene)
     if support is None or isinstance(support, float):
-        return shaft_cycle(throws, angles, forces, support, borne_by, **held)
-    rigid = shaft_cycle(throws, angles, forces, None, borne_by, **held)
+        return shaft_cycle(throws, angles, forces, support, borne_by, None, tilt, stiff)
+    rigid = shaft_cycle(throws, angles, forces, None, borne_by, None, tilt, stiff)
     lying = film_offsets_mm if support == "film" else play_offsets_mm
     offset_mm = lying(throws, scene, rigid)
-    return shaft_cycle(throws, angles, forces, None, borne_by, offset_mm, **held)
+    return shaft_cycle(throws, angles, forces, None, borne_by, offset_mm, tilt, stiff)
 
 
 def rigid_sections(scene: Scene) -> list[int]:
