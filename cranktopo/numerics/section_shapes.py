@@ -135,12 +135,12 @@ class SectionShapes:
 WARPS = 6
 """Number of `WarpShapes`."""
 _INWARD, _THREEFOLD = 0.57, 0.15
-"""Of the ovals of hollow journals as long as their radius, which other journals have nearly as well."""
+"""Of the ovals of hollow cylinders as long as their radius, which others have nearly as well."""
 
 
 @dataclass(frozen=True)
 class WarpShapes:
-    """Displacements (x, y, z) of a round section by which it mainly deforms in a shaft, two of each kind.
+    """Displacements (x, y, z) by which a round section mainly deforms, two of each kind.
 
     It grows oval in its plane, becomes a saddle along z, or warps along z as under a shear force. Complex,
     with the radius as unit, an amplitude c displaces the place w = x + iy by c w* (1 - a w w*) + c* b w^3 in

@@ -25,7 +25,7 @@ _SQUARE_SPEED = "rad2/s2"
 _INERTIAL = "mm t0.5"
 """Unit of a field that is orthonormal in the mass."""
 _WARPS = ("oval", "oval", "saddle", "saddle", "shear", "shear")
-"""What the deformations of a section are, in their order."""
+"""Names of the deformations of a section, in their order."""
 
 
 @dataclass(frozen=True)
