@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -64,12 +65,12 @@ def signed_von_mises_ranges(surface_stress: SurfaceStress, cycles: Sequence[Arra
     """Return what `signed_von_mises_range` does of each of several cycles, (states, fields) each."""
     count = surface_stress.stress_MPa.shape[1]
     extreme = np.empty((len(cycles), 2, count), dtype=np.intp)
-    products = [_products(loads) for loads in cycles]
+    products = [load_products(loads) for loads in cycles]
     step = max(_VALUES // max(len(loads) for loads in cycles), 1)
     for start in range(0, count, step):
         chunk = slice(start, start + step)
         stress = surface_stress.stress_MPa[:, chunk]
-        form, trace = _form(stress), stress[..., :3].sum(axis=-1).T
+        form, trace = von_mises_form(stress), trace_form(stress)
         for cycle, (loads, squares) in enumerate(zip(cycles, products, strict=True)):
             signed = form @ squares
             np.maximum(signed, 0.0, out=signed)
@@ -114,10 +115,12 @@ def tensor_ranges(surface_stress: SurfaceStress, cycles: Sequence[Array]) -> lis
     for loads in cycles:
         swinging = loads - loads.mean(axis=0)  # without what stands still
         step = max(_VALUES // len(loads), 1)
-        products, ends = _products(swinging), np.empty((2, count), dtype=np.intp)
+        products, ends = load_products(swinging), np.empty((2, count), dtype=np.intp)
         for start in range(0, count, step):
             stress = surface_stress.stress_MPa[:, start : start + step]
-            ends[:, start : start + step] = _farthest_pair(stress, swinging, _form(stress) @ products)
+            ends[:, start : start + step] = _farthest_pair(
+                stress, swinging, von_mises_form(stress) @ products
+            )
         found.append(StressRange(tensor_stress(*extreme_stresses(surface_stress, *loads[ends])), *ends))
     return found
 
@@ -156,22 +159,38 @@ def tensor_stress(stress_MPa: Array, depth_MPa_per_mm: Array) -> LocalStress:
     return LocalStress(von_mises(half), mean, _related_gradient(half, below))
 
 
-def _pairs(fields: int) -> list[tuple[int, int]]:
-    return [(a, b) for a in range(fields) for b in range(a, fields)]
+@cache
+def _pairs(fields: int) -> tuple[Index, Index]:
+    """Return the first and the second load of every product."""
+    return np.triu_indices(fields)
 
 
-def _form(stress: Array) -> Array:
-    """Return the squared von Mises stress of every node as a form of the loads' products, (n, pairs)."""
-    weighted = stress @ DEVIATOR
-    terms = [
-        (1 if a == b else 2) * np.einsum("ni,ni->n", weighted[a], stress[b]) for a, b in _pairs(len(stress))
-    ]
-    return np.stack(terms, axis=1)
+def von_mises_form(stress: Array) -> Array:
+    """Return the squared von Mises stress of nodes as a form of the loads' products, (n, pairs)."""
+    return product_form(stress, stress)
 
 
-def _products(loads: Array) -> Array:
+def product_form(one: Array, other: Array) -> Array:
+    """Return the product s D t of two tensors at nodes as a form of the loads' products, (n, pairs).
+
+    Args:
+        one, other: of each field, (fields, n, 6).
+    """
+    left, right = one.transpose(1, 0, 2) @ DEVIATOR, other.transpose(1, 2, 0)
+    every = left @ right
+    first, second = _pairs(len(one))
+    return (every[:, first, second] + every[:, second, first]) / np.where(first == second, 2, 1)
+
+
+def trace_form(stress: Array) -> Array:
+    """Return the first invariant of nodes as a form of the loads, (n, fields)."""
+    return np.asarray(stress[..., :3].sum(axis=-1).T)
+
+
+def load_products(loads: Array) -> Array:
     """Return the products of the loads in every state, (pairs, states)."""
-    return np.stack([loads[:, a] * loads[:, b] for a, b in _pairs(loads.shape[1])])
+    first, second = _pairs(loads.shape[1])
+    return loads.T[first] * loads.T[second]
 
 
 def _at(stress: Array, loads: Array) -> Array:
