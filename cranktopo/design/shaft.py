@@ -62,11 +62,11 @@ class RollerBearing(SceneTable):
     """Basic dynamic load rating (ISO 281), for the life in `cranktopo balance`; axial of a thrust bearing."""
     roller_diameter_mm: Length | None = Field(default=None, examples=[3.0])
     """Diameter of a roller: with it, the next key and the length `cranktopo shaft` tells the life of a main
-    bearing by ISO/TS 16281, with the tilt of its journal."""
+    bearing by ISO/TS 16281, with the tilt of its journal, which the rollers resist."""
     pitch_diameter_mm: Length | None = Field(default=None, examples=[63.0])
     """Diameter of the circle through the middles of the rollers."""
     clearance_mm: LengthOrZero = 0.0
-    """Internal clearance of the bearing at work, of the diameters, for that life."""
+    """Internal clearance of the bearing at work, of the diameters, for that life and that tilt."""
     source: str = ""
     """Origin of the values."""
 
@@ -99,7 +99,8 @@ class Supports(SceneTable):
     roller_bearing: RollerBearing | None = None
     bearing_tilt_spring_Nm_per_rad: TorsionalStiffness | None = Field(default=None, examples=[2.0e5])
     """Moment by which a main bearing of any kind resists that its journal tilts, over the tilt, in a shaft on
-    all its bearings; by default it tilts freely. A throw alone has `clamped` sections or free ones."""
+    all its bearings. By default that of rollers of given sizes under half the largest gas force, unless there
+    are `[bearings]`; else journals tilt freely. A throw alone has `clamped` sections or free ones."""
 
 
 class Rotor(SceneTable):

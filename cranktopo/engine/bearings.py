@@ -1,4 +1,4 @@
-"""Radial stiffness of one main bearing: given, from the clearance of a plain bearing, or from rollers."""
+"""Stiffness of a main bearing, radial and against tilt: given, of a clearance or of rollers. Their life."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cranktopo.base.units import N_PER_KN, NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import RollerBearing
 from cranktopo.engine.gas import gas_force_N, pressure_curve
-from cranktopo.numerics.roller_laminae import RollerSet, reference_life_turns
+from cranktopo.numerics.roller_laminae import RollerSet, reference_life_turns, tilt_stiffness_Nmm_per_rad
 
 _LIFE_EXPONENT = 10 / 3
 """Of line contact, ISO 281."""
@@ -45,8 +45,16 @@ def _stiff_enough(spring_N_per_mm: float, key: str) -> float:
 
 
 def bearing_tilt_spring_Nmm_per_rad(scene: Scene) -> float:
-    """Return the stiffness by which one main bearing resists the tilt of its journal; 0 where none is."""
-    return (scene.supports.bearing_tilt_spring_Nm_per_rad or 0.0) * NMM_PER_NM
+    """Return the stiffness by which one main bearing resists the tilt of its journal; 0 where none is.
+
+    Rollers whose sizes are given have that of ISO/TS 16281 under half the largest gas force, the load of the
+    spring of a clearance: one number for all angles, as the shaft, its modes and its vibration take it.
+    """
+    if (given := scene.supports.bearing_tilt_spring_Nm_per_rad) is not None:
+        return given * NMM_PER_NM
+    rollers = _rollers(scene.supports.roller_bearing) if scene.bearings is None else None
+    load_N = None if rollers is None else _largest_gas_force_N(scene)
+    return tilt_stiffness_Nmm_per_rad(rollers, load_N / 2) if rollers and load_N else 0.0
 
 
 def required_bearing_spring_N_per_mm(scene: Scene) -> float:
@@ -73,12 +81,17 @@ def radial_play_mm(scene: Scene) -> float:
 
 def max_gas_force_N(scene: Scene) -> float:
     """Return the largest gas force on the piston, N; raises CranktopoError where nothing tells it."""
+    found = _largest_gas_force_N(scene)
+    if found is None:
+        raise invalid("engine.max_gas_force_N", None, "must be given, or [engine.gas]")
+    return found
+
+
+def _largest_gas_force_N(scene: Scene) -> float | None:
     engine, curve = scene.engine, pressure_curve(scene)
     if engine is not None and engine.max_gas_force_N is not None:
         return engine.max_gas_force_N
-    if engine is None or curve is None:
-        raise invalid("engine.max_gas_force_N", None, "must be given, or [engine.gas]")
-    return float(gas_force_N(curve.pressure_MPa, engine).max())
+    return None if engine is None or curve is None else float(gas_force_N(curve.pressure_MPa, engine).max())
 
 
 def _clearance_spring_N_per_mm(max_piston_force_N: float, clearance_mm: float) -> float:

@@ -1,4 +1,4 @@
-"""Life of a radial roller bearing by laminae: rollers of finite length under a radial force and a tilt.
+"""Radial roller bearing by laminae, its life and tilt: rollers of finite length under a radial force.
 
 Source: ISO/TS 16281:2008, load distribution and basic reference rating life, for needles and cylindrical
 rollers of steel on an inner ring that turns. Profile and stress at the edges are those of the standard.
@@ -47,6 +47,11 @@ class RollerSet:
         return np.asarray((np.arange(self.laminae) + 0.5) / self.laminae - 0.5) * self.length_mm
 
     @property
+    def lamina_stiffness(self) -> float:
+        """Force of a lamina over its approach^(10/9), N and mm."""
+        return _LINE_N_PER_MM * self.length_mm ** (8 / 9) / self.laminae
+
+    @property
     def profile_mm(self) -> Array:
         """Depth of the surface of a roller below a cylinder, at the laminae, (laminae,)."""
         crowned = min(self.length_mm, 2.5 * self.diameter_mm)
@@ -78,7 +83,7 @@ def lamina_loads(rollers: RollerSet, load_N: Array, tilt: Array) -> Array:
         CranktopoError: a state without an answer.
     """
     about, along = rollers.round_about, rollers.along_mm
-    stiffness = _LINE_N_PER_MM * rollers.length_mm ** (8 / 9) / rollers.laminae
+    stiffness = rollers.lamina_stiffness
     off = (tilt @ about.T)[..., None] * along - rollers.clearance_mm / 2 - 2 * rollers.profile_mm
     size = np.linalg.norm(load_N, axis=1)
     even = (5 * size / (rollers.count * stiffness * rollers.laminae)) ** (1 / _POWER)
@@ -97,6 +102,21 @@ def lamina_loads(rollers: RollerSet, load_N: Array, tilt: Array) -> Array:
         "roller bearing: the load of its rollers was not found.",
         "Check clearance, tilt and load of the bearing.",
     )
+
+
+def tilt_stiffness_Nmm_per_rad(rollers: RollerSet, load_N: float) -> float:
+    """Return the moment by which loaded rollers resist a small tilt of the shaft, over that tilt, N mm/rad.
+
+    It is the mean of those of a tilt in the plane of the load and across it: a load that turns about the
+    shaft meets either. It grows with the ninth root of the approach, so that the load hardly matters where
+    rollers have neither profile nor play.
+
+    Raises:
+        CranktopoError: as of `lamina_loads`.
+    """
+    (force,) = lamina_loads(rollers, np.array([[load_N, 0.0]]), np.zeros((1, 2)))
+    slope = _POWER * rollers.lamina_stiffness ** (1 / _POWER) * force ** (1 - 1 / _POWER)
+    return float((slope * rollers.along_mm**2).sum() / 2)
 
 
 def reference_life_turns(rollers: RollerSet, rating_N: float, load_N: Array, tilt: Array) -> Array:

@@ -403,6 +403,7 @@ def test_a_film_near_the_permitted_one_has_its_edge_beside(spring: float | None,
     text = " ".join(shaft_text(found).split())
     assert "Mass-conserving films of those near what is permitted; then with the journal's tilt" in text
     assert ("where 0 is a journal that touches" in text) is touches
+    assert ("in their oil films, with 1000000 N m/rad against tilt, at" in text) is (spring is not None)
 
 
 @pytest.mark.slow

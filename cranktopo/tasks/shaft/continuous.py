@@ -11,12 +11,12 @@ import numpy as np
 from cranktopo.base.arrays import Complex
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.notes import Pace, warn
-from cranktopo.base.units import UM_PER_MM
+from cranktopo.base.units import NMM_PER_NM, UM_PER_MM
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.layout import unit_vectors
-from cranktopo.engine.bearings import life_over_cycle_h, reference_life_h
+from cranktopo.engine.bearings import bearing_tilt_spring_Nmm_per_rad, life_over_cycle_h, reference_life_h
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.kinematics import phase_shift
 from cranktopo.numerics.tetrahedra.rigid_motions import RX, RY, UX, UY
@@ -144,6 +144,7 @@ def _at_speed(
     shaft = ContinuousShaft(
         speed_rpm=engine_of(scene).speed_rpm,
         spring_N_per_mm=support if isinstance(support, float) else None,
+        tilt_spring_Nm_per_rad=bearing_tilt_spring_Nmm_per_rad(scene) / NMM_PER_NM or None,
         webs=webs,
         main_bearings=_main_bearings(cycle, single, angles, scene),
         big_ends=ShaftBigEnds(tilt_mrad=tuple((np.abs(tilts).max(axis=1) * _MRAD_PER_RAD).tolist())),

@@ -141,6 +141,8 @@ class ContinuousShaft(Result):
     speed_rpm: float
     spring_N_per_mm: float | None
     """Of each bearing; none of rigid ones."""
+    tilt_spring_Nm_per_rad: float | None = UNLESS_NONE
+    """By which each bearing resists the tilt of its journal, where it does."""
     webs: tuple[WebMoment, ...]
     main_bearings: tuple[ShaftBearing, ...]
     big_ends: ShaftBigEnds

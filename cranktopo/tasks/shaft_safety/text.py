@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from cranktopo.base.units import N_PER_KN
+from cranktopo.base.units import N_PER_KN, plain_number
 from cranktopo.report.result_table import ResultTable, Row, labelled, terminal
 from cranktopo.tasks.fatigue.criteria import shortfall_words
 from cranktopo.tasks.film.permitted import film_words
@@ -147,6 +147,8 @@ def _on_bearings(shaft: ShaftEvaluation) -> list[str]:
     worst = max(speeds, key=lambda at: at.worst_web.range_Nm)
     stiff = "rigid" if worst.spring_N_per_mm is None else f"of {worst.spring_N_per_mm:,.0f} N/mm"
     held = {"film": "in their oil films", "clearance": "rigid, with play"}.get(shaft.bearings, stiff)
+    if worst.tilt_spring_Nm_per_rad is not None:
+        held += f", with {plain_number(worst.tilt_spring_Nm_per_rad, 3)} N m/rad against tilt"
     paragraphs = [
         f"On all its main bearings, {held}, at {worst.speed_rpm:,.0f} rpm. Bending moment in the middle "
         "of each web, largest less smallest over the cycle, beside a throw alone"

@@ -3,13 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import gamma, pi, sqrt
 
 import numpy as np
 import pytest
 
+from cranktopo.design.loading import load_scene
+from cranktopo.design.named import with_values
 from cranktopo.design.shaft import RollerBearing
-from cranktopo.engine.bearings import reference_life_h
-from cranktopo.numerics.roller_laminae import RollerSet, lamina_loads, reference_life_turns
+from cranktopo.engine.bearings import (
+    bearing_tilt_spring_Nmm_per_rad,
+    max_gas_force_N,
+    reference_life_h,
+)
+from cranktopo.numerics.roller_laminae import (
+    RollerSet,
+    lamina_loads,
+    reference_life_turns,
+    tilt_stiffness_Nmm_per_rad,
+)
 
 NEEDLES = RollerSet(40, 3.0, 15.3, 63.0)
 RATING_N = 31900.0
@@ -88,3 +100,79 @@ def test_damage_of_a_cycle_adds_up() -> None:
     assert reference_life_h(loose, load, tilt, 2100.0) < 0.9 * expected
     assert reference_life_h(RollerBearing(name="HK6020"), load, tilt, 2100.0) is None
     assert reference_life_h(bearing, 0 * load, tilt, 2100.0) is None
+
+
+def moment_Nmm(rollers: RollerSet, load_N: float, tilt: tuple[float, float]) -> np.ndarray:
+    """What laminae under a load along x press back by about their middles, along x and across."""
+    (loads,) = lamina_loads(rollers, np.array([[load_N, 0.0]]), np.array([tilt]))
+    return np.asarray(rollers.round_about.T @ loads @ rollers.along_mm)
+
+
+@pytest.mark.parametrize(
+    "rollers",
+    [replace(NEEDLES, count=41), replace(NEEDLES, clearance_mm=0.01), RollerSet(15, 11.0, 11.0, 70.0)],
+)
+def test_rollers_resist_a_small_tilt_by_their_stiffness(rollers: RollerSet) -> None:
+    """Differences of the moment of all laminae over a tilt in the plane of the load and one across it.
+
+    No roller just touches: of 40 without play two stand across the load, which any tilt presses.
+    """
+    load, tilt = 17000.0, 1e-7
+    along, across = moment_Nmm(rollers, load, (tilt, 0.0))[0], moment_Nmm(rollers, load, (0.0, tilt))[1]
+    assert along > across > 0
+    found = tilt_stiffness_Nmm_per_rad(rollers, load)
+    assert found == pytest.approx((along + across) / 2 / tilt, rel=1e-5)
+
+
+@pytest.mark.usefixtures("flat")
+@pytest.mark.parametrize("load_N", [3000.0, 30000.0])
+def test_a_row_of_flat_laminae_resists_a_tilt_as_in_closed_form(load_N: float) -> None:
+    """Many rollers without play: approach d cos(a), forces K d^(10/9) cos^(10/9), slope (10/9) K d^(1/9).
+
+    Integrals of cos^p over the loaded half are sqrt(pi) G((p + 1) / 2) / G(p / 2 + 1). A lamina at z turns
+    with z^2, which over a roller is l^2 / 12.
+    """
+
+    def half(power: float) -> float:
+        return sqrt(pi) * gamma((power + 1) / 2) / gamma(power / 2 + 1)
+
+    count, length = 4000, NEEDLES.length_mm
+    line = 35948.0 * length ** (8 / 9) * count / (2 * pi)
+    approach = (load_N / (line * half(19 / 9))) ** 0.9
+    expected = 10 / 9 * line * approach ** (1 / 9) * half(1 / 9) / 2 * length**2 / 12
+    found = tilt_stiffness_Nmm_per_rad(replace(NEEDLES, count=count, laminae=60), load_N)
+    assert found == pytest.approx(expected, rel=1e-3)
+
+
+def test_moment_over_tilt_of_the_needles() -> None:
+    """N m/rad as documented: in the plane of the load and across it, at larger tilts, and with play."""
+
+    def over_tilt(load_N: float, tilt: float, rollers: RollerSet = NEEDLES) -> tuple[float, float]:
+        along, across = (moment_Nmm(rollers, load_N, turned) for turned in ((tilt, 0.0), (0.0, tilt)))
+        return along[0] / tilt / 1000, across[1] / tilt / 1000
+
+    assert over_tilt(17000.0, 1e-5) == pytest.approx((46160, 30720), rel=1e-2)
+    for load_N in (1000.0, 5000.0, 17000.0, 25000.0):
+        for tilt in (2e-3, 3e-3):
+            assert all(37_000 < one < 45_000 for one in over_tilt(load_N, tilt))
+    loose = replace(NEEDLES, clearance_mm=0.03)
+    assert over_tilt(17000.0, 1e-5, loose) == pytest.approx((41700, 10800), rel=2e-2)
+
+
+def test_rollers_of_the_main_bearings_resist_tilt_where_their_sizes_are_given() -> None:
+    """Under half the largest gas force; a spring that is given goes first, and plain bearings have none."""
+    sizes = {"name": "HK6020", "roller_diameter_mm": 3.0, "pitch_diameter_mm": 63.0}
+
+    scene = load_scene("mikron-iiic-plain")
+
+    def tilt_spring(**supports: object) -> float:
+        given = {f"supports.{key}": value for key, value in supports.items()}
+        return bearing_tilt_spring_Nmm_per_rad(with_values(scene, given))
+
+    expected = tilt_stiffness_Nmm_per_rad(NEEDLES, max_gas_force_N(scene) / 2)
+    assert 35e6 < expected < 45e6
+    assert tilt_spring(roller_bearing=sizes) == pytest.approx(expected, rel=1e-12)
+    assert tilt_spring(roller_bearing=sizes, bearing_tilt_spring_Nm_per_rad=500.0) == 5e5
+    assert tilt_spring(roller_bearing={"name": "HK6020"}) == 0
+    plain = {"supports.roller_bearing": sizes, "bearings": load_scene("car-diesel").bearings}
+    assert bearing_tilt_spring_Nmm_per_rad(with_values(scene, plain)) == 0

@@ -324,7 +324,9 @@ def test_rollers_live_under_the_forces_of_the_whole_shaft() -> None:
         assert bearing.life_h == pytest.approx(turns / (60 * 2100.0), rel=1e-9)
     sizes = {"name": "HK6020", "roller_diameter_mm": 3.0, "pitch_diameter_mm": 63.0}
     sized = with_values(one, {"supports.roller_bearing": sizes})
-    told = continuous_shaft([(throw, sized)] * 4, sized, None).main_bearings[1]
+    resisting = continuous_shaft([(throw, sized)] * 4, sized, None)
+    told = resisting.main_bearings[1]
+    cycle = carried_cycle([throw] * 4, sized, cycle_forces(sized), None)  # rollers resist the tilt
     motion = cycle.motion.reshape(5, 6, -1)[1]
     held = RollerSet(40, 3.0, 15.3, 63.0), 31900.0, -cycle.bearing_N[1].T
     turns = reference_life_turns(*held, np.stack([motion[RY], -motion[RX]], axis=1))
@@ -332,6 +334,11 @@ def test_rollers_live_under_the_forces_of_the_whole_shaft() -> None:
     straight = reference_life_turns(*held, np.zeros((720, 2)))
     assert told.reference_life_h < 0.25 / np.mean(1 / straight) / (60 * 2100.0), "tilt up to 1.6 mrad"
     assert four.main_bearings[1].reference_life_h is None
+    assert four.tilt_spring_Nm_per_rad is None
+    assert resisting.tilt_spring_Nm_per_rad == pytest.approx(39135, rel=1e-3)
+    for shaft, share, tilt_mrad in ((four, 0.79, 2.55), (resisting, 0.65, 2.1)):
+        assert shaft.webs[0].share == pytest.approx(share, abs=0.01)
+        assert shaft.main_bearings[0].tilt_mrad == pytest.approx(tilt_mrad, rel=0.03)
     alone = balance_result(engine_balance(one)).main_bearings[1]
     assert four.main_bearings[1].life_h == pytest.approx(0.355 * alone.life_h, rel=0.01)
     one = with_values(one, {"engine.cylinders": 1, "engine.firing_order": [1]})
