@@ -372,16 +372,17 @@ def _quality(
         raise CranktopoError(
             "mesh: no nodes on the fillets.", hint="Report this design.", code=ExitCode.INTERNAL
         )
-    normal = np.abs(normal_stress(stress.stress_MPa, surface.normals))
-    largest = np.abs(principal_stresses(stress.stress_MPa)).max(axis=-1)
     equivalent = von_mises(stress.stress_MPa)
     where = _examined(equivalent, fillets)
+    examined, node = stress.stress_MPa[where], np.nonzero(where)[1]
+    normal = np.abs(normal_stress(examined, surface.normals[node]))
+    largest = np.abs(principal_stresses(examined)).max(axis=-1)
     radii = tuple(journal.fillet.least_radius_mm for journal, _ in scene.throw.journals)
     return Quality(
         fraction * min(radii),
         _longest_edge(scene, surface.points_mm, surface.faces[:3], fillets),
         nodes,
-        float(100 * (normal / largest)[where].max()),
+        float(100 * (normal / largest).max()),
         float(100 * (stress.jump_MPa / equivalent)[where].max()),
         0.0,
         0.0,
