@@ -32,7 +32,7 @@ _FEW, _MORE = (16, 8), (8, 4, 2, 1)
 """States from one that is looked at to the next: of all nodes at a few speeds, and of near ones at each."""
 _FALL = 0.015
 """Part by which the safety may fall for every state that is left out between two, and the node still counts:
-up to three times as much as the worst nodes of four engines have."""
+twice as much as the worst nodes of mikron-iiic need."""
 _ROUNDING = 0.001
 """The same of all states, for single precision; it takes one node for another by 1e-5 at most."""
 
@@ -141,7 +141,7 @@ class _Web:
         first, *others = strides
         found = self.rough.at(places).extremes(list(loads[:, ::first]))
         near = self._close(places, found, np.ones(found.shape[1:], dtype=bool), first)
-        for stride in others:
+        for stride in (one for one in others if one < loads.shape[1]):
             for speed, own in enumerate(near):
                 added = self.rough.at(places[own]).extremes([loads[speed, stride :: 2 * stride]])
                 found[:, speed, own] = wider(found[:, speed, own], added[:, 0])
