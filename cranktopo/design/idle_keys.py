@@ -114,13 +114,15 @@ def _idle(scene: Scene) -> Iterator[_Idle]:
 
 
 def _of_rollers(scene: Scene) -> Iterator[_Idle]:
-    """Yield sizes of rollers of which no life by laminae follows."""
+    """Yield sizes of rollers of which neither a life nor a stiffness by laminae follows."""
+    tilts = scene.supports.bearing_tilt_spring_Nm_per_rad is None and scene.bearings is None
     for table, bearing in roller_bearings(scene):
-        needed = (*bearing.sizes, bearing.dynamic_rating_kN)
         if table != "supports.roller_bearing":
             why = "the life by ISO/TS 16281 is that of main bearings"
-        elif None in needed:
-            why = "a life by ISO/TS 16281 needs all sizes of the rollers and dynamic_rating_kN"
+        elif None in bearing.sizes:
+            why = "life and tilt by ISO/TS 16281 need all sizes of the rollers"
+        elif bearing.dynamic_rating_kN is None and not tilts:
+            why = "without dynamic_rating_kN only the tilt of the journal follows, which is given otherwise"
         else:
             continue
         for key in ("roller_diameter_mm", "pitch_diameter_mm", "clearance_mm"):
