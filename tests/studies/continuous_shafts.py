@@ -31,6 +31,8 @@ from tests.engine_arrangements import VEE, arranged
 OIL = {"clearance_mm": 0.05, "oil": "ISO VG 100", "temperature_C": 110.0}
 """Main bearings of the Mikron, which tells none: those of the car engine, whose journals are as thick."""
 SPRINGS_N_PER_MM = (3e6, 1e6, 3e5)
+TOLD: tuple[Support, ...] = (None, 1e6, "film")
+"""Bearings on which every web is told."""
 FILLET_FRACTION = 0.3
 """Coarser than the rule's 0.17: both safeties are of the same elements."""
 
@@ -146,22 +148,21 @@ def main(*engines: str, safety: bool = False) -> None:
                 both = [f"{min(in_shaft[support]):.3f}", f"{alone:.3f}"]
             rows.append(_row(name, support, shaft, both))
     _print_table([*head, *(["least safety", "of throws alone"] if safety else [])], rows)
-    told: tuple[Support, ...] = (None, "film")
     moments = {
         (name, held(one)): [web.share for web in shafts[one].webs]
         for name, shafts in found.items()
-        for one in told
+        for one in TOLD
     }
     _print_by_web(["engine", "bearings"], moments)
     if safety:
         lead = ["engine", "bearings", "off: throw alone", "on: worst web"]
-        _print_by_web(lead, {row: values for name in names for row, values in _safeties(name, told)})
+        _print_by_web(lead, {row: values for name in names for row, values in _safeties(name)})
 
 
-def _safeties(name: str, told: Sequence[Support]) -> Iterator[tuple[tuple[str, ...], list[float]]]:
+def _safeties(name: str) -> Iterator[tuple[tuple[str, ...], list[float]]]:
     """Yield the safety of a throw alone and of the worst web in bearings, with that of every web."""
     in_shaft, alone = safeties_in(name)
-    for one in told:
+    for one in TOLD:
         webs = in_shaft[one]
         worst = f"{min(webs):.3f} (no. {webs.index(min(webs)) + 1})"
         yield (name, held(one), f"{alone:.3f}", worst), webs

@@ -137,7 +137,7 @@ def superelement(
 
 
 def _solved_once(solve: Callable[[Array], Array], loads: Array) -> Array:
-    """Return the fields of loads (unknowns, k), of equal ones solved once: a further load may be the first."""
+    """Return the fields of loads (unknowns, k), of equal ones solved once: a further load may be it."""
     columns = range(loads.shape[1])
     same = [next(i for i in columns if np.array_equal(loads[:, i], loads[:, own])) for own in columns]
     first, place = np.unique(same, return_inverse=True)

@@ -32,7 +32,7 @@ _FEW, _MORE = (16, 8), (8, 4, 2, 1)
 """States from one that is looked at to the next: of all nodes at a few speeds, and of near ones at each."""
 _LIMITS = {16: 1.3, 8: 1.17, 4: 1.1, 2: 1.035, 1: 1.001}
 """Safety over the least of its part up to which a node still counts, by that step. The worst nodes of a four
-and a six are up to 14, 8.5, 5, 1.5 and 0 % above it: the sign of a stress that is nearly shear changes between
+and a six are up to 14, 8.5, 5, 1.5 and 0 % above it: the sign of a nearly shearing stress changes between
 two states. In all states single precision alone takes one node for another, by 1e-5 at most."""
 
 
