@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,3 +21,12 @@ Int32 = NDArray[np.int32]
 """Of labels, and of positions where a library takes no longer ones."""
 Single = NDArray[np.float32]
 """Of 32-bit floating-point numbers."""
+
+
+_Shared = TypeVar("_Shared", Array, Complex)
+
+
+def shared(values: _Shared) -> _Shared:
+    """Return values that nobody may change, as several have them."""
+    values.setflags(write=False)
+    return values

@@ -25,6 +25,8 @@ from cranktopo.base.table import (
 )
 from cranktopo.design.arrangement import Arrangement, Opposed
 
+_IN_LINE = Arrangement()
+
 TraceAngle = Annotated[float, Field(ge=-720, le=720, allow_inf_nan=False)]
 """An angle of a measured trace, deg, counted from wherever the indicating system does."""
 
@@ -195,7 +197,7 @@ class Engine(SceneTable):
     @property
     def arranged(self) -> Arrangement:
         """The arrangement of the cylinders, as given or in line."""
-        return self.arrangement or Arrangement()
+        return self.arrangement or _IN_LINE
 
     @property
     def rods_per_pin(self) -> int:

@@ -29,9 +29,9 @@ from cranktopo.engine.forces import (
     RotatingForces,
     ShaftTorque,
     ThrowForces,
+    journal_force_N,
     rods_on_pins,
     rotating_forces,
-    shaft_torque,
     uneven_journal_force_N,
 )
 from cranktopo.engine.gas import FileState, PressureCurve, pressure_curve, trace_states
@@ -192,19 +192,16 @@ def _cycle(
     radius = scene.throw.radius_mm
     rods = cylinders(scene, enabled)
     assert rods is not None
-    rod = rods.firing
-    if difference(scene):
-        rod = replace(rod, main_journal_force_N=_uneven_N(scene, rod, balance, engine.speed_rpm))
+    rod = replace(rods.firing, main_journal_force_N=_on_journal_N(scene, rods.firing, balance, engine))
     pins = tuple(
         (pin, pin.forces(rod, _own_N(scene, engine, pin), engine.cycle_deg))
         for pin in rods_on_pins(scene, engine)
     )
-    torque = shaft_torque(curve.angle_deg, rods.each(lambda one: one.torque_Nm), engine.throws)
     work = indicated_work_J(curve, engine, radius)
     mean = _mean_work_J(scene, engine, work)
     room = chamber_of(scene)
     return Cycle(
-        curve, room, pins, torque, work, mean, series_difference_percent(radius, engine.rod_length_mm)
+        curve, room, pins, rods.torque, work, mean, series_difference_percent(radius, engine.rod_length_mm)
     )
 
 
@@ -231,15 +228,19 @@ def _mean_work_J(scene: Scene, engine: Engine, work_J: float) -> float:
     return work_J - lost * len(engine.misfire) / engine.cylinders
 
 
-def _uneven_N(scene: Scene, rod: ThrowForces, balance: ThrowBalance, speed_rpm: float) -> Array:
-    """Return the force on the main journal that has more, of a throw whose webs differ."""
-    per_kg_mm = angular_speed_rad_s(speed_rpm) ** 2 / MM_PER_M
-    spinning = complex(balance.throw_unbalance_kg_mm, balance.lateral_unbalance_kg_mm) * per_kg_mm
+def _on_journal_N(scene: Scene, rod: ThrowForces, balance: ThrowBalance, engine: Engine) -> Array:
+    """Return the force on each main journal with the throw's own mass; where webs differ the larger one."""
+    if not difference(scene):
+        spinning = rotating_forces(engine, balance, scene.throw.radius_mm, engine.speed_rpm)
+        return journal_force_N(rod, spinning.throw_N)
+    per_kg_mm = angular_speed_rad_s(engine.speed_rpm) ** 2 / MM_PER_M
+    turning = complex(balance.throw_unbalance_kg_mm, balance.lateral_unbalance_kg_mm) * per_kg_mm
     near, far = (half.pitch_mm / 2 for half in halves(scene))
     couple = product_of_inertia_kg_mm2(scene) * per_kg_mm
-    return uneven_journal_force_N(rod, spinning, couple, (near, far))
+    return uneven_journal_force_N(rod, turning, couple, (near, far))
 
 
+@lru_cache(maxsize=32)
 def indicated_work_J(curve: PressureCurve, engine: Engine, radius_mm: float) -> float:
     """Return the work of the gas on one piston per cycle, J: the closed integral of p dV of its own volume.
 

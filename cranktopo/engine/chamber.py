@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -62,6 +63,7 @@ def chamber_of(scene: Scene) -> Chamber:
     return chamber(own, Piston(radius, length, other.lead_deg))
 
 
+@lru_cache(maxsize=32)
 def chamber(*pistons: Piston) -> Chamber:
     """Return the room of one piston or of two opposed ones; the first one's crank gives the angles.
 

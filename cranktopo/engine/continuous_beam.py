@@ -24,7 +24,7 @@ from cranktopo.engine.balance.layout import engine_layout
 from cranktopo.engine.balance.throw import splayed_mass
 from cranktopo.engine.bearings import bearing_spring_N_per_mm, bearing_tilt_spring_Nmm_per_rad
 from cranktopo.engine.cylinders import cylinders
-from cranktopo.engine.forces import ThrowForces, by_throw
+from cranktopo.engine.forces import by_throw
 from cranktopo.engine.histories import every_degree
 from cranktopo.engine.throw_compliance import throw_compliance
 from cranktopo.numerics.stepped_beam import Beam, bend
@@ -85,10 +85,11 @@ class PinLoads:
         """Return the loads turned by the angle of each throw."""
         return PinLoads(self.force_N * turn, self.couple_Nmm * turn, self.turning_N * turn)
 
-    def of_throw(self, number: int) -> PinLoads:
-        """Return the loads of one throw."""
-        one = slice(number, number + 1)
-        return PinLoads(self.force_N[one], self.couple_Nmm[one], self.turning_N[one])
+    @property
+    def of_one_throw(self) -> PinLoads:
+        """The loads of all throws as states of one, those of the first throw first."""
+        every = self.force_N, self.couple_Nmm, np.broadcast_to(self.turning_N, self.force_N.shape)
+        return PinLoads(*(loads.reshape(1, -1) for loads in every))
 
 
 def span_bending(scene: Scene) -> SpanBending:
@@ -121,11 +122,12 @@ class _Alone:
 
 
 def _alone(spans: Spans, loads: PinLoads, turn: Complex) -> _Alone:
-    each = [bend_spans(spans, loads.of_throw(n), dict.fromkeys((0, 1))) for n in range(len(turn))]
+    moments, ends_N = bend_spans(spans, loads.of_one_throw, dict.fromkeys((0, 1)))
+    first_N, last_N = turn * ends_N.reshape(2, len(turn), -1)
     bearing = np.zeros((len(turn) + 1, loads.force_N.shape[1]), dtype=complex)
-    for number, (_, ends_N) in enumerate(each):
-        bearing[number : number + 2] += turn[number] * ends_N
-    return _Alone(np.array([np.ptp(moments.imag, axis=2)[0] for moments, _ in each]), bearing)
+    bearing[:-1] += first_N
+    bearing[1:] += last_N
+    return _Alone(np.ptp(moments.imag.reshape(2, len(turn), -1), axis=2).T, bearing)
 
 
 def _pin_loads(scene: Scene) -> PinLoads:
@@ -133,10 +135,7 @@ def _pin_loads(scene: Scene) -> PinLoads:
     found, layout, engine = cylinders(scene), engine_layout(scene), engine_of(scene)
     assert found is not None
 
-    def on_pin_N(rod: ThrowForces) -> Complex:
-        return rod.tangential_force_N - 1j * rod.web_force_N
-
-    every = found.each(on_pin_N)[:, :: every_degree(found.angle_deg)]
+    every = found.pin_forces_N[:, :: every_degree(found.angle_deg)]
     every = every * np.exp(1j * np.radians(about_z_deg(1.0) * layout.pin_deg))[:, None]
     beyond_mm = (layout.cylinder_z_mm - layout.throw_z_mm[list(layout.throw_of)])[:, None]
     turning_N = splayed_mass(scene).throw.real * angular_speed_rad_s(engine.speed_rpm) ** 2 / MM_PER_M

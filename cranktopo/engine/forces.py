@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from functools import lru_cache
 
 import numpy as np
 
-from cranktopo.base.arrays import Array, Complex
+from cranktopo.base.arrays import Array, Complex, shared
 from cranktopo.base.units import MM_PER_M, NMM_PER_NM, angular_speed_rad_s
 from cranktopo.design.engine import Engine
 from cranktopo.design.schema import Scene
@@ -132,27 +133,33 @@ def throw_forces(
     engine: Engine,
     radius_mm: float,
     pressure: PressureCurve,
-    balance: ThrowBalance,
     speed_rpm: float,
     enabled: frozenset[str] = INERTIA_EFFECTS,
 ) -> ThrowForces:
-    """Return the forces of one throw over the cycle.
+    """Return the forces of one throw that has no mass of its own over the cycle, read-only.
 
     The piston group loads the piston pin; the rod's reciprocating mass joins at the small end, its rotating
-    mass at the crankpin (two-mass rod). The main journals share the pin's load and the throw's own
-    centrifugal force equally, as if the throw stood alone between its two bearings.
+    mass at the crankpin (two-mass rod). The main journals share the pin's load equally.
     """
+    return _throw_forces(engine, radius_mm, pressure, speed_rpm, enabled & INERTIA_EFFECTS)
+
+
+@lru_cache(maxsize=32)
+def _throw_forces(
+    engine: Engine, radius_mm: float, pressure: PressureCurve, speed_rpm: float, enabled: frozenset[str]
+) -> ThrowForces:
+    """Return forces that are computed once: webs and journals that change leave them as they are."""
     angle = np.radians(pressure.angle_deg)
-    spinning = rotating_forces(engine, balance, radius_mm, speed_rpm)
+    r_w2_m_s2 = radius_mm / MM_PER_M * angular_speed_rad_s(speed_rpm) ** 2
     acceleration = exact_motion(angle, radius_mm, engine.rod_length_mm).acceleration_ratio
-    inertia_per_kg = -acceleration * spinning.r_w2_m_s2 * ("reciprocating_inertia" in enabled)
+    inertia_per_kg = -acceleration * r_w2_m_s2 * ("reciprocating_inertia" in enabled)
     gas = gas_force_N(pressure.pressure_MPa, engine)
     piston = engine.masses.piston_group_kg * inertia_per_kg
     axial = gas + piston + engine.rod_parts_kg[0] * inertia_per_kg
     ratios = force_ratios(angle, radius_mm, engine.rod_length_mm)
     radial, tangential = axial * ratios.radial, axial * ratios.tangential
-    web = radial - spinning.rod_N * ("rotating_rod_mass" in enabled)
-    return ThrowForces(
+    web = radial - engine.rod_rotating_kg * r_w2_m_s2 * ("rotating_rod_mass" in enabled)
+    found = ThrowForces(
         angle_deg=pressure.angle_deg,
         gas_force_N=gas,
         inertia_force_N=piston,
@@ -163,9 +170,21 @@ def throw_forces(
         tangential_force_N=tangential,
         web_force_N=web,
         crankpin_force_N=np.hypot(web, tangential),
-        main_journal_force_N=np.hypot(web - spinning.throw_N, tangential) / 2,
+        main_journal_force_N=np.hypot(web, tangential) / 2,
         torque_Nm=tangential * radius_mm / NMM_PER_NM,
     )
+    for curve in found.curves().values():
+        shared(curve)
+    return found
+
+
+def journal_force_N(forces: ThrowForces, throw_N: float) -> Array:
+    """Return the force on each main journal of a throw of equal webs that stands alone between its bearings.
+
+    Args:
+        throw_N: centrifugal force of the throw alone, outward: both journals share it equally, too.
+    """
+    return np.asarray(np.hypot(forces.web_force_N - throw_N, forces.tangential_force_N) / 2)
 
 
 def uneven_journal_force_N(
@@ -249,8 +268,14 @@ def web_shares(scene: Scene) -> tuple[tuple[float, ...], tuple[float, ...]]:
 
 def rods_on_pins(scene: Scene, engine: Engine) -> tuple[RodsOnPin, ...]:
     """Return the rods on the pin of every throw, or of every web where the two of a throw differ."""
-    fires, (first, second) = engine.firing_angles_deg, web_shares(scene)
-    found = []
+    return _rods_on_pins(engine, *web_shares(scene))
+
+
+@lru_cache(maxsize=16)
+def _rods_on_pins(
+    engine: Engine, first: tuple[float, ...], second: tuple[float, ...]
+) -> tuple[RodsOnPin, ...]:
+    fires, found = engine.firing_angles_deg, list[RodsOnPin]()
     for throw in range(engine.throws):
         own = fires[throw :: engine.throws]
         after = tuple((fire - own[0]) % engine.cycle_deg for fire in own)

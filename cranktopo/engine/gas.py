@@ -24,9 +24,11 @@ FileState = tuple[str, int, int]
 """Path, time of the last change and size: what is remembered of a file holds as long as it stays."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PressureCurve:
     """Absolute cylinder pressure over one working cycle from firing top dead centre, its end not included.
+
+    One curve equals itself alone, so that what follows from it is computed once.
 
     Opposed pistons have the least volume, from which the gas counts its angles, at `least_volume_deg`.
     """

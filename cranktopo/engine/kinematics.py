@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, shared
 from cranktopo.base.errors import invalid
 
 Curve = TypeVar("Curve", Array, NDArray[np.complex128])
@@ -61,32 +61,32 @@ class ExactMotion:
 
     @cached_property
     def _sin(self) -> Array:
-        return _shared(np.sin(self.angle_rad))
+        return shared(np.sin(self.angle_rad))
 
     @cached_property
     def _cos(self) -> Array:
-        return _shared(np.cos(self.angle_rad))
+        return shared(np.cos(self.angle_rad))
 
     @cached_property
     def _q(self) -> Array:
-        return _shared(np.sqrt(1.0 - (self.lam * self._sin) ** 2))
+        return shared(np.sqrt(1.0 - (self.lam * self._sin) ** 2))
 
     @cached_property
     def displacement_mm(self) -> Array:
         """Distance from top dead centre: both brackets of r (1 - cos a) + l (1 - q) free of cancellation."""
         near = 2.0 * self.radius_mm * np.sin(self.angle_rad / 2) ** 2
-        return _shared(near + self.rod_length_mm * (self.lam * self._sin) ** 2 / (1.0 + self._q))
+        return shared(near + self.rod_length_mm * (self.lam * self._sin) ** 2 / (1.0 + self._q))
 
     @cached_property
     def velocity_ratio(self) -> Array:
         """Velocity over r w."""
-        return _shared(self._sin * (1.0 + self.lam * self._cos / self._q))
+        return shared(self._sin * (1.0 + self.lam * self._cos / self._q))
 
     @cached_property
     def acceleration_ratio(self) -> Array:
         """Acceleration over r w^2."""
         twice, lam, q = 2 * self.angle_rad, self.lam, self._q
-        return _shared(self._cos + lam * np.cos(twice) / q + lam**3 * np.sin(twice) ** 2 / (4 * q**3))
+        return shared(self._cos + lam * np.cos(twice) / q + lam**3 * np.sin(twice) ** 2 / (4 * q**3))
 
     @cached_property
     def force_ratios(self) -> ForceRatios:
@@ -94,10 +94,10 @@ class ExactMotion:
         rod_angle = np.arcsin(self.lam * self._sin)
         cos_b = np.cos(rod_angle)
         return ForceRatios(
-            side=_shared(np.tan(rod_angle)),
-            rod=_shared(1.0 / cos_b),
-            radial=_shared(np.cos(self.angle_rad + rod_angle) / cos_b),
-            tangential=_shared(np.sin(self.angle_rad + rod_angle) / cos_b),
+            side=shared(np.tan(rod_angle)),
+            rod=shared(1.0 / cos_b),
+            radial=shared(np.cos(self.angle_rad + rod_angle) / cos_b),
+            tangential=shared(np.sin(self.angle_rad + rod_angle) / cos_b),
         )
 
 
@@ -114,12 +114,6 @@ def _motion_at(
 ) -> ExactMotion:
     """Return a motion that is computed once: a plan asks for that of one mechanism dozens of times."""
     return ExactMotion(np.frombuffer(angles).reshape(shape), radius_mm, rod_length_mm, lam)
-
-
-def _shared(values: Array) -> Array:
-    """Return values that nobody may change, as several have them."""
-    values.setflags(write=False)
-    return values
 
 
 def acceleration_harmonics(radius_mm: float, rod_length_mm: float, orders: Sequence[int]) -> Array:

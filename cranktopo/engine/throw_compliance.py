@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import astuple, dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -72,6 +73,7 @@ def throw_stiffness_Nm_per_rad(scene: Scene) -> float:
     return stiffness if stiffness is not None else 1 / throw_torsion_rad_per_Nmm(scene) / NMM_PER_NM
 
 
+@lru_cache(maxsize=32)
 def fillet_length_saving_mm(journal: Journal) -> float:
     """Length by which the fillets at both ends shorten a journal in torsion: integral of 1 - J / J(z)."""
     nodes, weights = gauss_legendre(16)

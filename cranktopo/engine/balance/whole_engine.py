@@ -28,7 +28,6 @@ from cranktopo.engine.balance.free_forces import (
     turning_masses,
 )
 from cranktopo.engine.balance.layout import unit_vectors
-from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.forces import throw_forces
 from cranktopo.engine.gas import STEP_DEG, PressureCurve, pressure_curve
 from cranktopo.engine.kinematics import phase_shift
@@ -112,7 +111,7 @@ def rod_force(scene: Scene, engine: Engine, *, fires: bool = True) -> tuple[Arra
         known = PressureCurve(angle, pressure, engine.cycle_deg, "no gas")
     else:
         known = curve
-    forces = throw_forces(engine, scene.throw.radius_mm, known, throw_balance(scene), engine.speed_rpm)
+    forces = throw_forces(engine, scene.throw.radius_mm, known, engine.speed_rpm)
     return known.angle_deg, -forces.radial_force_N + 1j * forces.tangential_force_N, curve is not None
 
 

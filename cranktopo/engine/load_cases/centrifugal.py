@@ -7,6 +7,7 @@ gas adds to the pull at bottom dead centre, and in a V, W or radial to that of t
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -14,10 +15,9 @@ from cranktopo.base.near_ties import clearly_more
 from cranktopo.design.engine import Engine
 from cranktopo.design.halves import halves
 from cranktopo.design.load_kinds import MAIN_KINDS
-from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Extreme
 from cranktopo.engine.extreme_state import ExtremeState, ThrowLoads, place_of
-from cranktopo.engine.forces import rods_on_pins
+from cranktopo.engine.forces import INERTIA_EFFECTS, RodsOnPin, rods_on_pins
 from cranktopo.engine.gas import STEP_DEG
 from cranktopo.engine.kinematics import exact_motion, force_ratios
 from cranktopo.engine.load_case import LoadCase
@@ -63,7 +63,8 @@ def _largest_pull(throw: ThrowLoads) -> tuple[Extreme, str]:
 def _pull_without_gas(throw: ThrowLoads) -> tuple[Extreme, str]:
     """Inertia alone: the rods pull the pin outward, one alone at top dead centre."""
     engine = throw.top.engine
-    kg, deg = _pulling_kg(throw.scene, engine, throw.enabled)
+    pins, radius = rods_on_pins(throw.scene, engine), throw.scene.throw.radius_mm
+    kg, deg = _pulling_kg(engine, radius, pins, throw.enabled & INERTIA_EFFECTS)
     every = {1: "piston and rod at top dead centre", 2: "both pistons and rods of a pin"}
     pulling = every.get(engine.rods_per_pin, "all pistons and rods of a pin")
     source = f"inertia of {pulling} without gas force, {engine.speed_rpm:g} rpm"
@@ -71,16 +72,19 @@ def _pull_without_gas(throw: ThrowLoads) -> tuple[Extreme, str]:
     return Extreme(-kg * throw.top.rotating.r_w2_m_s2 + 0.0, deg), source
 
 
-def _pulling_kg(scene: Scene, engine: Engine, enabled: frozenset[str]) -> tuple[float, float]:
+@lru_cache(maxsize=32)
+def _pulling_kg(
+    engine: Engine, radius: float, pins: tuple[RodsOnPin, ...], enabled: frozenset[str]
+) -> tuple[float, float]:
     """Mass on the pin that would pull as much as rods and pistons at their worst, and the crank angle."""
     angle = np.arange(0.0, engine.cycle_deg, STEP_DEG)
-    radius, length = scene.throw.radius_mm, engine.rod_length_mm
+    length = engine.rod_length_mm
     one = np.full_like(angle, engine.rod_rotating_kg * ("rotating_rod_mass" in enabled)) + 0j
     if "reciprocating_inertia" in enabled:
         moving = exact_motion(np.radians(angle), radius, length).acceleration_ratio
         ratios = force_ratios(np.radians(angle), radius, length)
         one += engine.reciprocating_kg * moving * (ratios.radial - 1j * ratios.tangential)
-    curves = [rods.superpose(one, angle, engine.cycle_deg).real for rods in rods_on_pins(scene, engine)]
+    curves = [rods.superpose(one, angle, engine.cycle_deg).real for rods in pins]
     curve = max(curves, key=lambda kg: float(kg.max()))
     return float(curve.max()), float(angle[int(curve.argmax())])
 

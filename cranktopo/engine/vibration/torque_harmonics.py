@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.units import MM2_PER_M2, angular_speed_rad_s
 from cranktopo.design.schema import Scene
-from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.forces import INERTIA_EFFECTS, throw_forces
 from cranktopo.engine.gas import PressureCurve, mapped_curves, pressure_curve
 from cranktopo.engine.motored import motored_curve, motored_map
@@ -128,11 +127,10 @@ def torque_harmonics(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) ->
     engine, curve = scene.engine, pressure_curve(scene)
     if engine is None or curve is None:
         return None
-    balance = throw_balance(scene)
 
     def torque(of: PressureCurve, effects: frozenset[str]) -> Array:
         radius = scene.throw.radius_mm
-        return throw_forces(engine, radius, of, balance, _ANY_SPEED_RPM, effects).torque_Nm
+        return throw_forces(engine, radius, of, _ANY_SPEED_RPM, effects).torque_Nm
 
     gas, both = torque(curve, frozenset()), torque(curve, enabled)
     inertia = (both - gas) / angular_speed_rad_s(_ANY_SPEED_RPM) ** 2

@@ -22,7 +22,6 @@ from cranktopo.engine.balance.free_forces import (
     rotating_force,
     turning_masses,
 )
-from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.balance.whole_engine import main_bearings
 from cranktopo.engine.bearings import equivalent_load_N, rating_life_h
 from cranktopo.engine.forces import throw_forces
@@ -367,7 +366,7 @@ def test_bearings_are_in_equilibrium_with_pistons_and_throws(scene, weighted):
     masses = turning_masses(scene)
     layout, engine = masses.layout, scene.engine
     bearings = main_bearings(scene, masses, weighted)
-    rod = throw_forces(engine, RADIUS, pressure_curve(scene), throw_balance(scene), engine.speed_rpm)
+    rod = throw_forces(engine, RADIUS, pressure_curve(scene), engine.speed_rpm)
     steps = round(1 / (bearings.angle_deg[1] - bearings.angle_deg[0]))
     axial = np.sqrt(rod.rod_force_N**2 - rod.side_force_N**2) * np.sign(rod.rod_force_N)
     spin = rotating_force(masses, weighted)
