@@ -62,8 +62,9 @@ def with_faces_at(body: Manifold, *heights_mm: float) -> Manifold:
     return body.warp_batch(moved)
 
 
+@lru_cache(maxsize=4)
 def bounds_mm(path: Path, symmetric: bool = False, key: str = _KEY) -> tuple[float, float, float, float]:
-    """Return the range of the body: (x_min, x_max, y_min, y_max), mm."""
+    """Return the range of the body: (x_min, x_max, y_min, y_max), mm; a plan asks for it seven times."""
     box = envelope_from_file(path, symmetric, key).bounding_box()
     return box[0], box[3], box[1], box[4]
 

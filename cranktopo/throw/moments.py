@@ -22,6 +22,8 @@ from cranktopo.throw.web import web_spans
 
 _HEIGHTS, _PLACES = 8, 12
 """Gauss points of an interval along the crank axis and along the throw."""
+_MIDDLE = np.array([0.5]), np.array([1.0])
+"""The one point that is enough along the crank axis where all bodies are prisms."""
 _TOLERANCE = 1e-11
 """Largest change of an integral by halving an interval, over the whole."""
 _HALVINGS = 40
@@ -107,7 +109,7 @@ def _heights(bodies: Sequence[Body], y: Array) -> tuple[Array, Array]:
     breaks = np.sort(np.clip(breaks, low, high), axis=1)
     if any(body.oblique for body in bodies):
         breaks = np.sort(np.concatenate([breaks, crossings(bodies, y, breaks)], axis=1), axis=1)
-    share, weights = gauss_rule(_HEIGHTS)
+    share, weights = gauss_rule(_HEIGHTS) if any(body.changing_z_mm for body in bodies) else _MIDDLE
     size = np.diff(breaks, axis=1)[..., None]
     heights = breaks[:, :-1, None] + size * share
     return heights.reshape(len(y), -1), (size * weights).reshape(len(y), -1)
@@ -131,16 +133,13 @@ def integrate(
     Intervals are halved until that changes no integral by more than the tolerance, over the whole; two
     threads do one side of the halves each, which pays where a value takes more than a thread's start.
     """
-    both = side_by_side if threads > 1 else _one_after_the_other
     low, high = breaks[:-1], breaks[1:]
     values = _quadrature(function, low, high)
     total, scale = np.zeros(values.shape[1]), np.abs(values).sum(axis=0)
     scale[1::4] = scale[2::4]
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        below, above = both(
-            partial(_quadrature, function, low, middle), partial(_quadrature, function, middle, high)
-        )
+        below, above = _of_halves(function, low, middle, high, threads)
         open_ = (np.abs(below + above - values) > tolerance * scale).any(axis=1)
         total += (below + above)[~open_].sum(axis=0)
         low, high = (np.concatenate([a[open_], b[open_]]) for a, b in ((low, middle), (middle, high)))
@@ -150,8 +149,16 @@ def integrate(
     return np.asarray(total + values.sum(axis=0))
 
 
-def _one_after_the_other(first: Callable[[], Array], second: Callable[[], Array]) -> tuple[Array, Array]:
-    return first(), second()
+def _of_halves(
+    function: Callable[[Array], Array], low: Array, middle: Array, high: Array, threads: int
+) -> tuple[Array, Array]:
+    """Return the quadratures of both halves of intervals, by one thread in one call: most of it is calls."""
+    if threads > 1:
+        return side_by_side(
+            partial(_quadrature, function, low, middle), partial(_quadrature, function, middle, high)
+        )
+    both = _quadrature(function, np.concatenate([low, middle]), np.concatenate([middle, high]))
+    return both[: len(low)], both[len(low) :]
 
 
 def _quadrature(function: Callable[[Array], Array], low: Array, high: Array) -> Array:

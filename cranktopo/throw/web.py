@@ -8,7 +8,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import Field
@@ -86,6 +86,14 @@ class WebTable(SceneTable, ABC):
     def check_outline(self, throw_radius_mm: float) -> None:
         """Refuse dimensions that give no outline."""
 
+    @property
+    def outline_alone(self) -> Self:
+        """The web without its features: what integrals over the outline depend on."""
+        if not any(True for _ in self.features()):
+            return self
+        alone: dict[str, Any] = {**dict.fromkeys(self.feature_keys, ()), **dict.fromkeys(self.single_keys)}
+        return self.model_copy(update=alone)
+
     def features(self) -> Iterator[tuple[str, Feature]]:
         """Yield each feature with its key path in the scene."""
         for key in self.feature_keys:
@@ -133,7 +141,7 @@ class _OutlineBody(Body):
 
 def web_bodies(scene: ThrowView) -> list[Body]:
     """Return what the web is made of: its outline, the bores through it, recesses of fillets, features."""
-    outline = _OutlineBody("web.outline", scene.web_z_mm, scene.web, scene.throw.radius_mm)
+    outline = _OutlineBody("web.outline", scene.web_z_mm, scene.web.outline_alone, scene.throw.radius_mm)
     return [outline, *bore_holes(scene), *recesses(scene), *_feature_bodies(scene)]
 
 

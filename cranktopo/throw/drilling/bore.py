@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import cast
 
 import numpy as np
 from typing_extensions import override
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, shared
 from cranktopo.base.spans import Section, Span
 from cranktopo.throw.drilling.outlet import DrillOutlet, across
 from cranktopo.throw.element_size import GROWTH
@@ -21,7 +22,7 @@ _WALL = 1.0
 """Thickness of the wall that stays around a drilling over its radius."""
 _PARALLEL = 1e-9
 """Sine of an angle that counts as none."""
-_CIRCLE = 180
+_CIRCLE, _STEPS = 180, 200
 _ALL = -math.inf, math.inf
 _BEYOND = 0.25
 """Reach of the tool beyond the surface over the drilling's radius."""
@@ -54,10 +55,10 @@ class DrillBore(Body):
         """Radius of the wall around it that no optimiser takes away."""
         return (1 + _WALL) * self.radius_mm
 
-    @property
+    @cached_property
     def direction(self) -> Array:
         """Unit vector (x, y, z) from its first end to its second."""
-        return np.array(self.outlets[1].outward)
+        return shared(np.array(self.outlets[1].outward))
 
     @property
     def length_mm(self) -> float:
@@ -69,14 +70,14 @@ class DrillBore(Body):
         """Radius with the larger rounding: what it needs of a surface."""
         return self.radius_mm + max(outlet.rounding_mm for outlet in self.outlets)
 
-    @property
+    @cached_property
     def around(self) -> Array:
         """Unit vectors (n, 3) all around its axis."""
         angle = np.linspace(0, 2 * np.pi, _CIRCLE, endpoint=False)[:, None]
         one, other = across(self.direction)
-        return np.asarray(np.cos(angle) * one + np.sin(angle) * other)
+        return shared(np.cos(angle) * one + np.sin(angle) * other)
 
-    @property
+    @cached_property
     def extent_mm(self) -> tuple[float, float]:
         """Places along the axis where the tool begins and ends, from the first end on."""
         before, after = (self._beyond_mm(outlet) for outlet in self.outlets)
@@ -88,7 +89,7 @@ class DrillBore(Body):
         heights = outlet.height_mm(self.radius_mm * self.around, outlet.surface_mm)
         return float(heights.max()) + _BEYOND * self.radius_mm
 
-    @property
+    @cached_property
     def crosses_middle(self) -> bool:
         """Tell whether it reaches beyond the middle of the main journal, where its half throw ends."""
         (_, _, low), _ = self.box_mm(self.radius_mm)
@@ -105,11 +106,15 @@ class DrillBore(Body):
         one, other = (outlet.moved(by_mm) for outlet in self.outlets)
         return DrillBore.between(self.key, self.radius_mm, (one, other), self.alone)
 
-    def surface_mm(self, radius_mm: float, steps: int = 200) -> Array:
-        """Points (n, 3) on a cylinder about its axis, over the whole tool."""
-        places = np.linspace(*self.extent_mm, steps)[:, None, None]
+    @cached_property
+    def places_mm(self) -> Array:
+        """Places (n,) along its axis from its first end on, over the whole tool."""
+        return shared(np.linspace(*self.extent_mm, _STEPS))
+
+    def surface_mm(self, radius_mm: float) -> Array:
+        """Points (n, 3) on a cylinder about its axis, all around it at each of `places_mm` in turn."""
         start = np.array(self.outlets[0].point_mm)
-        points = start + places * self.direction + radius_mm * self.around[None]
+        points = start + self.places_mm[:, None, None] * self.direction + radius_mm * self.around[None]
         return points.reshape(-1, 3)
 
     def section(self, radius_mm: float) -> Section:

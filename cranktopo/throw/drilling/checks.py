@@ -61,9 +61,10 @@ def check_bore(scene: ThrowView, ends: Ends, bore: DrillBore, outlet_mm: float, 
     """
     _check_sizes(scene, ends, bore, outlet_mm, accepts)
     _check_lean(bore, dict(ends), accepts)
-    _check_outlets(scene, ends, bore, accepts)
-    _check_middles(scene, ends, bore, accepts)
-    _check_in_journals(scene, bore)
+    tool, rims = bore.surface_mm(bore.radius_mm), [rim_z_mm(bore, outlet) for outlet in bore.outlets]
+    _check_outlets(scene, ends, bore, accepts, tool, rims)
+    _check_middles(scene, ends, bore, accepts, rims)
+    _check_in_journals(scene, bore, tool)
     _check_in_web(scene, bore)
     _check_bores(scene, bore)
 
@@ -153,21 +154,24 @@ def _words(outlet: DrillOutlet) -> str:
     return outlet.journal.replace("_", " ") + ("'s bore" if outlet.in_bore else "")
 
 
-def _check_outlets(scene: ThrowView, ends: Ends, bore: DrillBore, accepts: Accepts) -> None:
+def _check_outlets(
+    scene: ThrowView, ends: Ends, bore: DrillBore, accepts: Accepts, tool: Array, rims: Sequence[Array]
+) -> None:
     """Outlets with their rounding stay on the cylinder of the journal, clear of the fillet."""
-    for (name, end), outlet in zip(ends, bore.outlets, strict=True):
-        if not outlet.in_bore and _over_fillet_mm(scene, bore, outlet) > 0:
+    for (name, end), outlet, rim in zip(ends, bore.outlets, rims, strict=True):
+        if not outlet.in_bore and _over_fillet_mm(scene, bore, outlet, tool, rim) > 0:
             why = "the outlet runs into the fillet beside it"
             raise _too_large(bore.key, f"{name}.place_mm", end.place_mm, why, accepts)
 
 
-def _over_fillet_mm(scene: ThrowView, bore: DrillBore, outlet: DrillOutlet) -> float:
+def _over_fillet_mm(scene: ThrowView, bore: DrillBore, outlet: DrillOutlet, tool: Array, rim: Array) -> float:
     """Return how far an outlet and its tool reach beyond the journal's straight part, mm."""
     journal, toward, face = _end_of(scene, outlet)
-    tool = bore.surface_mm(bore.radius_mm)
-    outside = np.hypot(tool[:, 0], tool[:, 1] - outlet.y_mm) > outlet.surface_mm
-    near = np.linalg.norm(tool - np.array(outlet.point_mm), axis=1) < 4 * bore.radius_mm
-    z = np.concatenate([rim_z_mm(bore, outlet), tool[outside & near, 2]])
+    at = 0.0 if outlet is bore.outlets[0] else bore.length_mm
+    near = np.hypot(bore.places_mm - at, bore.radius_mm) < 4 * bore.radius_mm
+    x, y, z = tool.reshape(len(near), -1, 3)[near].reshape(-1, 3).T
+    outside = np.hypot(x, y - outlet.y_mm) > outlet.surface_mm
+    z = np.concatenate([rim, z[outside]])
     limit = toward * face - journal.fillet.axial_mm - least_shoulder_mm(scene.throw)
     return float((toward * z).max() - limit)
 
@@ -182,14 +186,16 @@ def rim_z_mm(bore: DrillBore, outlet: DrillOutlet) -> Array:
     return np.asarray(outlet.point_mm[2] + offsets[:, 2] + heights * outlet.outward[2])
 
 
-def _check_middles(scene: ThrowView, ends: Ends, bore: DrillBore, accepts: Accepts) -> None:
+def _check_middles(
+    scene: ThrowView, ends: Ends, bore: DrillBore, accepts: Accepts, rims: Sequence[Array]
+) -> None:
     """Rims of outlets are clear of the middle of their journal, or reach well beyond it."""
-    for (name, end), outlet in zip(ends, bore.outlets, strict=True):
+    for (name, end), outlet, rim in zip(ends, bore.outlets, rims, strict=True):
         if not outlet.surface_mm or (bore.alone and outlet.journal == "crankpin"):
             continue
         _, toward, _ = _end_of(scene, outlet)
         middle = 0.0 if toward > 0 else scene.pitch_mm / 2
-        before = float((toward * (rim_z_mm(bore, outlet) - middle)).min())
+        before = float((toward * (rim - middle)).min())
         if -_LEAST_OVERLAP < before / (2 * bore.radius_mm) < _LEAST_LAND:
             raise _at_middle(f"{name}.place_mm", end, bore, before, accepts)
 
@@ -219,10 +225,9 @@ def _end_of(scene: ThrowView, outlet: DrillOutlet) -> tuple[Journal, int, float]
     return scene.throw.crankpin, -1, end
 
 
-def _check_in_journals(scene: ThrowView, bore: DrillBore) -> None:
+def _check_in_journals(scene: ThrowView, bore: DrillBore, points: Array) -> None:
     """Beside the web a drilling is inside the journal, so that no fillet is cut."""
     start, end = scene.web_z_mm
-    points = bore.surface_mm(bore.radius_mm)
     least = least_shoulder_mm(scene.throw)
     sides = ((start, 1), (end, -1))
     for (journal, y), (face, toward), name in zip(
@@ -230,11 +235,12 @@ def _check_in_journals(scene: ThrowView, bore: DrillBore) -> None:
     ):
         depth = toward * (face - points[:, 2])
         passing = (depth >= 0) & (depth <= max(journal.fillet.axial_mm, bore.radius_mm))
-        off = np.hypot(points[:, 0], points[:, 1] - y)
-        if passing.any() and off[passing].max() > journal.radius_mm - least:
+        x, along, _ = points[passing].T
+        off_mm = np.hypot(x, along - y).max(initial=0.0)
+        if off_mm > journal.radius_mm - least:
             raise CranktopoError(
                 f"{bore.key}: breaks through the fillet of the {name}: it passes the web's face "
-                f"{off[passing].max():.4g} mm from the axis, the journal has {journal.radius_mm:.4g} mm.",
+                f"{off_mm:.4g} mm from the axis, the journal has {journal.radius_mm:.4g} mm.",
                 hint="Move its end on that journal to the journal's middle, or its other end to the web.",
             )
 

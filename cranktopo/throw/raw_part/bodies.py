@@ -67,6 +67,11 @@ class RawBody(Body):
         half = self.half_mm(y_mm, z_mm)
         return [(-half, half)]
 
+    @property
+    @override
+    def changing_z_mm(self) -> tuple[tuple[float, float], ...]:
+        return (self.z_mm,)
+
 
 @dataclass(frozen=True)
 class DraftedPrism(RawBody):

@@ -1,0 +1,85 @@
+"""Integrals over webs ask for no more sections than they need."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from manifold3d import Manifold
+
+from cranktopo import load_scene
+from cranktopo.bodies import envelope_file
+from cranktopo.design.loading import design_text, scene_from_dict
+from cranktopo.design.toml_text import parse_toml
+from cranktopo.numerics.surfaces.files import write_stl
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.throw.drilling.table import drill_bores
+from cranktopo.throw.moments import body_moments, integrate
+from cranktopo.throw.web import web_bodies
+
+
+def _plate(**web: Any) -> list[Any]:
+    data = parse_toml(design_text("mikron-iiic-plain"), "own")
+    data["throw"]["main_journal"]["bore_diameter_mm"] = data["throw"]["crankpin"]["bore_diameter_mm"] = 0.0
+    data["web"] = {"outline": "rectangle", "thickness_mm": 20.0, "width_mm": 90.0, **web}
+    return web_bodies(scene_from_dict(data))
+
+
+def test_moments_of_a_plate_are_those_of_a_block() -> None:
+    """Of prisms one height is enough, also for moments times the height."""
+    bodies = _plate(overhang_mm=40.0)
+    low, high = bodies[0].y_range_mm
+    area, thick, (bottom, top) = 90.0 * (high - low), 20.0, bodies[0].z_mm
+    found, weighted = body_moments(bodies), body_moments(bodies, before_z_mm=100.0)
+    assert found.volume == pytest.approx(area * thick, rel=1e-13)
+    assert found.first_y == pytest.approx(area * thick * (low + high) / 2, rel=1e-12)
+    assert weighted.volume == pytest.approx(area * thick * (100.0 - (bottom + top) / 2), rel=1e-12)
+
+
+def test_features_leave_the_outline_as_it_is() -> None:
+    """What a counterweight adds was integrated over the same web twice: its outline named its features."""
+    scene = load_scene("industrial-gas")
+    bare = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
+    assert web_bodies(scene)[0] == web_bodies(bare)[0]
+    assert len(web_bodies(scene)) > len(web_bodies(bare))
+
+
+def test_both_halves_of_intervals_are_asked_for_at_once() -> None:
+    asked: list[int] = []
+
+    def kinked(y: Any) -> Any:
+        asked.append(len(y))
+        return np.stack([np.abs(y - 0.3)] * 4, axis=-1)
+
+    found = integrate(kinked, np.array([-1.0, 0.0, 1.0]))
+    assert found[0] == pytest.approx((1.3**2 + 0.7**2) / 2, rel=1e-10)
+    assert asked[:2] == [24, 48], "12 places each: both intervals, then their four halves in one call"
+    assert len(asked) < 45
+
+
+def test_points_of_a_drilling_are_rings_about_its_axis() -> None:
+    bore = drill_bores(load_scene("industrial-gas"))[0]
+    rings = bore.surface_mm(3.0).reshape(len(bore.places_mm), -1, 3)
+    start = np.array(bore.outlets[0].point_mm)
+    along = (rings - start) @ bore.direction
+    np.testing.assert_allclose(along, np.broadcast_to(bore.places_mm[:, None], along.shape), atol=1e-9)
+    away = np.linalg.norm(rings - start - along[..., None] * bore.direction, axis=-1)
+    np.testing.assert_allclose(away, 3.0, rtol=1e-9)
+
+
+def test_the_range_of_a_body_is_found_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A plan of a crank from CAD made the solid of its original seven times, a third of a move."""
+    made: list[str] = []
+
+    def counted(mesh: SurfaceMesh, name: str = "surface") -> Any:
+        made.append(name)
+        return solid_of(mesh, name)
+
+    write_stl(tmp_path / "body.stl", mesh_of(Manifold.cube((30.0, 20.0, 10.0), True)))
+    monkeypatch.setattr(envelope_file, "solid_of", counted)
+    for _ in range(3):
+        found = envelope_file.bounds_mm(tmp_path / "body.stl")
+    assert found == pytest.approx((-15.0, 15.0, -10.0, 10.0))
+    assert len(made) == 1
