@@ -21,7 +21,7 @@ from cranktopo.design.misfire import all_firing
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.layout import engine_layout
-from cranktopo.engine.balance.throw import splayed_mass
+from cranktopo.engine.balance.throw import splayed_throw_kg_mm
 from cranktopo.engine.bearings import bearing_spring_N_per_mm, bearing_tilt_spring_Nmm_per_rad
 from cranktopo.engine.cylinders import cylinders
 from cranktopo.engine.forces import by_throw
@@ -138,7 +138,7 @@ def _pin_loads(scene: Scene) -> PinLoads:
     every = found.pin_forces_N[:, :: every_degree(found.angle_deg)]
     every = every * np.exp(1j * np.radians(about_z_deg(1.0) * layout.pin_deg))[:, None]
     beyond_mm = (layout.cylinder_z_mm - layout.throw_z_mm[list(layout.throw_of)])[:, None]
-    turning_N = splayed_mass(scene).throw.real * angular_speed_rad_s(engine.speed_rpm) ** 2 / MM_PER_M
+    turning_N = splayed_throw_kg_mm(scene).real * angular_speed_rad_s(engine.speed_rpm) ** 2 / MM_PER_M
     return PinLoads(
         by_throw(every, engine.throws),
         by_throw(beyond_mm * every, engine.throws),
