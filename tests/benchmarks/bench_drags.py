@@ -2,6 +2,9 @@
 
     python -m tests.benchmarks.bench_drags [--drags 500] [DESIGN ...]
 
+`imported-step` and `imported-stl` are cranks as CAD writes them, read as `import` does, their engines filled
+in: one of random features with exact faces, a plain one of triangles.
+
 A drag moves a slider, waits for the answer of that very move, for the next frame, and reads the pixels: a
 canvas without a body is an error. Told are milliseconds by `performance.now()`, processor time a move of
 server and browser, and the page's heap before and after.
@@ -18,14 +21,22 @@ from typing import Any
 import numpy as np
 import psutil
 
+from cranktopo import export_solid, load_scene
+from cranktopo.design.writing import toml_text
+from cranktopo.tasks.crank_import.stage import import_crank
 from tests.browser.bench_page import running_bench, settled, shown
 from tests.browser.conftest import ARGUMENTS, NAMES
+from tests.featured_throws import featured_crank
 
 DESIGNS = {
     "mikron-iiic": "throw.crankpin.bore_diameter_mm",
     "car-diesel": "web.width_mm",
     "industrial-gas": "web.width_mm",
+    "imported-step": "web.thickness_mm",
+    "imported-stl": "web.width_mm",
 }
+_SEED = 26
+"""Of a crank of four throws whose webs have a profile, a bevel, two pockets and a drilling."""
 _LEAST_SHARE = 0.01
 _DRAG = """async ([key, share]) => {
     const slider = document.querySelector(`input[type=range][data-key="${key}"]`);
@@ -63,9 +74,23 @@ def main() -> None:
         browser.close()
 
 
+def _imported(folder: Path, name: str) -> str:
+    """Return the file of a design that is read from a body, which is written first, with its engine."""
+    exact = name == "imported-step"
+    own = featured_crank(_SEED) if exact else load_scene("opposed-piston")
+    body = folder / f"{name}.{'step' if exact else 'stl'}"
+    export_solid(own, "crankshaft", body)
+    import_crank(body, out=folder / "read")
+    read = load_scene(folder / "read" / f"{name}.toml", whole=True)
+    design = folder / f"{name}.toml"
+    design.write_text(toml_text(read.model_copy(update={"engine": own.engine}), name), "utf-8")
+    return design.name
+
+
 def _measured(browser: Any, design: str, drags: int) -> str:
     folder = Path(tempfile.mkdtemp())
-    with running_bench(folder, design) as (process, address):
+    target = _imported(folder, design) if design.startswith("imported") else design
+    with running_bench(folder, target) as (process, address):
         page = browser.new_page(viewport={"width": 1500, "height": 950})
         page.goto(address)
         shown(page)
