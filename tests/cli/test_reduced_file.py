@@ -76,7 +76,7 @@ def test_the_command_writes_the_file(
     words = ["export", "mikron-iiic-plain", str(file), "--part", "reduced"]
     assert main(words) == ExitCode.DONE
     told = capsys.readouterr()
-    assert told.out.startswith(f"{file}: reduced model of the shaft, 98 coordinates, stress at ")
+    assert told.out.startswith(f"{file}: reduced model of the shaft, 128 coordinates, stress at ")
     assert "stresses on the fillets by the coordinates of the shaft" in told.err
     first = file.read_bytes()
     assert main(words) == ExitCode.USAGE
