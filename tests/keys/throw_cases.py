@@ -39,7 +39,7 @@ THROW_CASES: dict[tuple[str, str], Table] = {
     ("web.pocket", "cylinder"): Table(
         lambda: pocketed(shape="cylinder", face="pin", x_mm=30.0, y_mm=24.0, diameter_mm=10.0, depth_mm=5.0),
         "web.pocket[0]",
-        "body",
+        "body cells",
         {"face": "journal"},
     ),
     ("web.pocket", "side"): Table(
@@ -53,13 +53,13 @@ THROW_CASES: dict[tuple[str, str], Table] = {
             shape="box", face="pin", x_mm=30.0, y_mm=24.0, size_x_mm=10.0, size_y_mm=12.0, depth_mm=4.0
         ),
         "web.pocket[0]",
-        "body",
+        "body cells",
         {"floor_radius_mm": Other(1.0, {"web.pocket[0].corner_radius_mm": 2.0})},
     ),
     ("web.counterweight", ""): Table(
         weighted,
         "web.counterweight",
-        "body",
+        "body cells",
         {"face": Other("pin", {"web.counterweight.thickness_mm": 12.0})},
     ),
     ("web.counterweight.edge", ""): Table(
