@@ -73,10 +73,17 @@ def stress() -> ShaftStress:
     return solve_shaft_stress(Target("mikron", mikron_with()), COARSE)
 
 
-def loads(stress: ShaftStress, angles: Sequence[float], forces: CycleForces, spring: float | None) -> Array:
+def loads(
+    stress: ShaftStress,
+    angles: Sequence[float],
+    forces: CycleForces,
+    spring: float | None,
+    rigid_at: Sequence[int] = (),
+) -> Array:
     """Factors of the fields of every throw, (throws, states, fields)."""
     throws = [loaded_throw(stress.body.blocks, stress.model.scene)] * len(angles)
-    states = throw_states(throws, angles, forces, shaft_cycle(throws, angles, forces, spring))
+    cycle = shaft_cycle(throws, angles, forces, spring, rigid_at=rigid_at)
+    states = throw_states(throws, angles, forces, cycle)
     return np.stack([stress.loads(own) for own in states])
 
 
@@ -98,7 +105,7 @@ def by_web(stress: ShaftStress, of_throws: Sequence[Array], method: str = "lsa")
 
 @pytest.mark.slow
 def test_one_throw_between_two_bearings_is_the_throw_alone(stress: ShaftStress) -> None:
-    """The isolated model: equal forces at both sections, and a torque that enters at the pin."""
+    """The isolated model: equal forces at both sections, which stay plane, and a torque from the pin."""
     scene = stress.model.scene
     forces = cycle_forces(scene)
     alone = CycleForces(
@@ -108,7 +115,7 @@ def test_one_throw_between_two_bearings_is_the_throw_alone(stress: ShaftStress) 
         forces.angular_speed_rad_s,
     )
     labels = tuple(f"{angle:g}" for angle in alone.angle_deg)
-    (factors,) = loads(stress, (0.0,), alone, None)
+    (factors,) = loads(stress, (0.0,), alone, None, rigid_at=(0, 1))
     found = field_of_states(stress.model, "lsa", factors, labels)
     model = solve_stresses(
         Target("mikron", scene), ("bending", "tangential", "torsion", "centrifugal"), COARSE
@@ -260,21 +267,28 @@ def test_a_throw_alone_with_the_loads_of_a_web_has_its_safety(stress: ShaftStres
     """Two ways to the stress of each of eight webs: fields of the shaft, and unit loads of a throw alone.
 
     From the section beside it to the pin both have the same forces. On the pin itself they are spread
-    differently, which its fillet feels a little.
+    differently, which its fillet feels a little. Sections of a throw alone stay plane: those of the shaft
+    deform, so that its journal fillets have other safeties, and are held here first.
     """
     scene = stress.model.scene
+    sections = range(5)
     throws, forces = [loaded_throw(stress.body.blocks, scene)] * 4, cycle_forces(scene)
-    cycle = shaft_cycle(throws, scene.shaft_angles_deg, forces, None)
+    cycle = shaft_cycle(throws, scene.shaft_angles_deg, forces, None, rigid_at=sections)
     histories = web_histories(throws, [scene] * 4, forces, cycle)
-    of_throws = loads(stress, scene.shaft_angles_deg, forces, None)
-    in_shaft = least_safeties(stress.model, [own[None] for own in of_throws], "lsa")
+    plane, deformed = (
+        least_safeties(stress.model, [own[None] for own in of_throws], "lsa")
+        for rigid_at in (sections, ())
+        for of_throws in [loads(stress, scene.shaft_angles_deg, forces, None, rigid_at)]
+    )
     alone = solve_stresses(Target("mikron", scene), load_kinds(scene, WebLoads(histories))[1], COARSE)
     within: dict[Part, float] = {"pin_fillet": 0.03, "journal_fillet": 5e-3, "elsewhere": 0.03}
     for number, history in enumerate(histories):
         found = least_safeties(alone, [unit_loads(history, alone.kinds)[None]], "lsa")[0]
         for part, error in within.items():
-            expected = float(in_shaft[number // 2][number % 2, part][0])
-            assert float(found[0, part][0]) == pytest.approx(expected, rel=error), (number + 1, part)
+            own = float(found[0, part][0])
+            held, free = (float(one[number // 2][number % 2, part][0]) for one in (plane, deformed))
+            assert own == pytest.approx(held, rel=error), (number + 1, part)
+            assert own == pytest.approx(free, rel=0.08), (number + 1, part)
 
 
 @pytest.mark.slow
@@ -304,7 +318,7 @@ def test_each_speed_of_a_vibrating_shaft_is_judged_by_itself(monkeypatch: pytest
     assert found.critical.safety == pytest.approx(min(least), rel=1e-9)
     joined = [own.reshape(1, -1, own.shape[-1]) for own in each]
     lower = [safety.min() for one in least_safeties(stress.model, joined, "lsa") for safety in one.values()]
-    assert min(lower) < 0.96 * min(least)  # 1.169 and 1.227
+    assert min(lower) < 0.97 * min(least)  # 1.164 and 1.207
 
 
 FACTORS = {"_mm": 2.0, "_kg": 8.0, "_rpm": 0.5}
