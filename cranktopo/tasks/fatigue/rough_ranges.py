@@ -54,7 +54,7 @@ class RoughStress:
             cycles: factor of each field in each state, (states, fields) each, as many states in all.
         """
         count = len(self.trace)
-        factors = [(_single(load_products(loads).T), loads) for loads in map(_single, cycles)]
+        factors = [(_single(load_products(loads).T), _single(loads)) for loads in cycles]
         found = np.empty((3, len(cycles), count), dtype=np.float32)
         step = max(_VALUES // len(cycles[0]), 1)
         for start in range(0, count, step):
