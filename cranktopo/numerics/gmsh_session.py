@@ -8,7 +8,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Hashable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from typing import Any, TypeVar
 
 import numpy as np
@@ -50,6 +50,24 @@ def cad_session(what: str) -> Iterator[Any]:
                 yield gmsh
         finally:
             gmsh.finalize()
+
+
+@contextmanager
+def with_option(name: str, value: float) -> Iterator[None]:
+    """Set an option of gmsh for a block in an open session."""
+    import gmsh
+
+    before = gmsh.option.getNumber(name)
+    gmsh.option.setNumber(name, value)
+    try:
+        yield
+    finally:
+        gmsh.option.setNumber(name, before)
+
+
+def points_joined(within_mm: float) -> AbstractContextManager[None]:
+    """Let the CAD kernel take points within a distance for one in the unions and cuts of a block."""
+    return with_option("Geometry.ToleranceBoolean", within_mm)
 
 
 @contextmanager

@@ -9,18 +9,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from typing import Any
 
 from cranktopo.bodies.solid.checked import ClosedForm, misfit
-from cranktopo.numerics.gmsh_session import DimTags
+from cranktopo.numerics.gmsh_session import DimTags, points_joined
 
 _SHORT_MM = 5e-4
 """Length of an edge, on a throw of usual size, that no dimension has."""
 _JOINED_MM = 1e-4
 """Distance, on a throw of usual size, within which points are one; STEP files tell it as their tolerance."""
 _POINT_MM = 1e-7
-_OPTION = "Geometry.ToleranceBoolean"
 
 
 def with_joined_edges(occ: Any, build: Callable[[], DimTags], form: ClosedForm, scale: float) -> DimTags:
@@ -32,7 +30,7 @@ def with_joined_edges(occ: Any, build: Callable[[], DimTags], form: ClosedForm, 
     body = build()
     if misfit(occ, body, form) <= 1 and shortest_edge_mm(occ, body) >= _SHORT_MM / scale:
         return body
-    with _points_joined(_JOINED_MM / scale):
+    with points_joined(_JOINED_MM / scale):
         other = build()
     kept, lost = (other, body) if misfit(occ, other, form) <= 1 else (body, other)
     occ.remove(lost, recursive=True)
@@ -48,15 +46,3 @@ def shortest_edge_mm(occ: Any, body: DimTags) -> float:
 def _edges(occ: Any, body: DimTags) -> Iterator[int]:
     faces = (face for dim, tag in body if dim == 3 for shell in occ.getSurfaceLoops(tag)[1] for face in shell)
     return (int(edge) for face in faces for loop in occ.getCurveLoops(face)[1] for edge in loop)
-
-
-@contextmanager
-def _points_joined(within_mm: float) -> Iterator[None]:
-    import gmsh
-
-    before = gmsh.option.getNumber(_OPTION)
-    gmsh.option.setNumber(_OPTION, within_mm)
-    try:
-        yield
-    finally:
-        gmsh.option.setNumber(_OPTION, before)

@@ -16,7 +16,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import solver_error
 from cranktopo.base.frames import about_z_deg
-from cranktopo.numerics.gmsh_session import DimTags
+from cranktopo.numerics.gmsh_session import DimTags, with_option
 from cranktopo.throw.feature import Body
 from cranktopo.throw.primitives import (
     Arc,
@@ -263,16 +263,11 @@ def fused(occ: Any, bodies: Sequence[DimTags], *, one_face: bool = True) -> DimT
             angles, as of throws that are turned, make one with a seam in steps, which the kernel may not cut
             a hole across nor gmsh mesh.
     """
-    import gmsh
-
     first, *more = bodies
     if not more:
         return first
-    gmsh.option.setNumber(_UNIFY, one_face)
-    try:
+    with with_option(_UNIFY, one_face):
         return list(occ.fuse(first, [pair for body in more for pair in body])[0])
-    finally:
-        gmsh.option.setNumber(_UNIFY, True)
 
 
 def add_all(occ: Any, bodies: Sequence[Body]) -> DimTags:

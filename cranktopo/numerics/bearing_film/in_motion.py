@@ -112,7 +112,7 @@ def moving_journals(
     films, states = Films.of(bearings, np.full(len(bearings), speed_rad_s)), start.shape[1]
     clearance = np.repeat([bearing.clearance_mm for bearing in bearings], 2)
     count, per_rad = states // _STATES_PER_HARMONIC, 2 * np.pi / cycle_rad
-    place, share, step = harmonics_of(_pairs(start))[:, : count + 1], 0.0, 1.0
+    place, share, step = harmonics_of(axis_rows(start))[:, : count + 1], 0.0, 1.0
     while share < 1.0:
         tried = min(1.0, share + step)
         balance = _FilmHarmonics(films, still.toward(moving, tried), clearance, states, count, per_rad)
@@ -155,7 +155,7 @@ class _FilmHarmonics:
         forces[:, kept] -= np.einsum("kab,bk->ak", self._bent, place)
         at, load = _complex(curves_of(place, self.states)), _complex(curves_of(forces, self.states))
         order = 1j * self.per_rad * np.arange(self.count + 1)
-        found = harmonics_of(_pairs(self.velocity(at, load)))
+        found = harmonics_of(axis_rows(self.velocity(at, load)))
         return at, load, np.asarray(order * place - found[:, kept])
 
     @property
@@ -260,7 +260,7 @@ class _Linear:
         return np.asarray((real + 1j * imaginary).T)
 
 
-def _pairs(values: Complex) -> Array:
+def axis_rows(values: Complex) -> Array:
     """Return real and imaginary part of each row, one below the other."""
     return np.stack([values.real, values.imag], axis=1).reshape(2 * len(values), -1)
 

@@ -11,12 +11,11 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.harmonic_balance import DampedBody
-from cranktopo.numerics.section_shapes import WarpShapes
 from cranktopo.numerics.turning_body import TurningBody
 from cranktopo.tasks.modes.reduced_throw import HeldFields, ReducedThrow, reduced_throw
 from cranktopo.tasks.modes.stage import moving_kg
 from cranktopo.tasks.shaft.assembly import SECTIONS
-from cranktopo.tasks.shaft.loaded_throw import LOADS, LoadedThrow, ThrowBody, loaded_throw
+from cranktopo.tasks.shaft.loaded_throw import LOADS, LoadedThrow, ThrowBody, loaded_throw, section_warps
 from cranktopo.tasks.throw_fea.unit_fields import UnitField
 
 _STEPS = 1
@@ -79,9 +78,7 @@ def moving_throw(
     Raises:
         CranktopoError: a failed solve.
     """
-    journal = scene.throw.main_journal
-    shapes = WarpShapes(journal.radius_mm, journal.bore_radius_mm)
-    reduced = reduced_throw(body, scene, shapes, _STEPS, moving_kg(scene), with_loads=True)
+    reduced = reduced_throw(body, scene, section_warps(scene), _STEPS, moving_kg(scene), with_loads=True)
     own = reduced.body.over(np.eye(len(reduced.step_of))[:, _order(reduced.held)])
     still = loaded_throw(body.blocks, scene)
     return _of_reduced(own, still, reduced, loss_factor, friction_Ns_per_mm)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array, Complex
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import solver_error
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.units import angular_speed_rad_s
@@ -19,6 +19,7 @@ from cranktopo.numerics.bearing_film.in_motion import (
     CarriedShaft,
     FilmSlopes,
     MovingJournals,
+    axis_rows,
     moving_journals,
 )
 from cranktopo.numerics.bearing_film.whirl import multipliers
@@ -29,8 +30,8 @@ from cranktopo.tasks.dynamics.assembled import assembled
 from cranktopo.tasks.dynamics.moving_shaft import MovingCycle, MovingShaft, ShaftHarmonics
 from cranktopo.tasks.film.stage import main_bearing
 from cranktopo.tasks.modes.shaft_model import MOTIONS
-from cranktopo.tasks.shaft.cycle import CycleForces, bent_into_bearings_N_per_mm, shaft_cycle
-from cranktopo.tasks.shaft.on_film import film_offsets_mm
+from cranktopo.tasks.shaft.cycle import CycleForces, shaft_cycle
+from cranktopo.tasks.shaft.on_film import bent_into_bearings, film_offsets_mm
 
 _STEADY = 1.001
 """Growth of a disturbance over a cycle up to which it is none: a swing that nothing damps keeps its size."""
@@ -49,7 +50,7 @@ def cycle_on_film(shaft: MovingShaft, scene: Scene, forces: CycleForces) -> Movi
     journals = journals_in_film(shaft, scene, forces, harmonics.on_bearings())
     check_steady(shaft, scene, journals.slopes)
     clearance = np.array([[main_bearing(scene, number).clearance_mm] for number in shaft.borne_by])
-    cycle = harmonics.cycle(_rows(clearance * journals.eccentricity))
+    cycle = harmonics.cycle(axis_rows(clearance * journals.eccentricity))
     return replace(cycle, film_work_J=journals.film_work_J)
 
 
@@ -79,8 +80,7 @@ def journals_in_film(
     start_mm = film_offsets_mm(throws, scene, rigid)
     turned = np.arange(len(start_mm)).reshape(-1, 2)[:, ::-1].ravel()  # x and y of each to y and x
     held = harmonics_of(-rigid.bearing_N[numbers].reshape(start_mm.shape)[turned])
-    bent = bent_into_bearings_N_per_mm(throws, shaft.angles_deg, numbers, tilt, shaft.rigid_at)
-    bent = bent[np.ix_(turned, turned)]
+    bent = bent_into_bearings(throws, scene)[np.ix_(turned, turned)]
     still = CarriedShaft(held, np.broadcast_to(bent.astype(complex), (held.shape[1], *bent.shape)))
     start = (start_mm[1::2] + 1j * start_mm[::2]) / clearance
     cycle_rad = math.radians(engine_of(scene).cycle_deg)
@@ -126,8 +126,3 @@ def _of_unknowns(body: DampedBody, kept: NDArray[np.intp], stiffness: Array) -> 
     own = body.body + replace(TurningBody.of_nothing(len(stiffness)), stiffness=stiffness)
     block = np.ix_(kept, kept)
     return DampedBody(own.over(chosen), body.loss[block], body.viscous[block])
-
-
-def _rows(place: Complex) -> Array:
-    """Return real and imaginary part of each row, one below the other."""
-    return np.stack([place.real, place.imag], axis=1).reshape(2 * len(place), -1)

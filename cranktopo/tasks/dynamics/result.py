@@ -93,6 +93,12 @@ class DynamicSpeed(Result):
     """Forces and moments in the webs at every angle."""
 
     @property
+    def least_films(self) -> list[LeastFilm]:
+        """Film and pressure of every main bearing; none without films."""
+        films = [one.least(self.speed_rpm) for one in self.main_bearings]
+        return [film for film in films if film is not None]
+
+    @property
     def worst_web(self) -> DynamicWeb:
         """The web with the largest equivalent moment."""
         return max(self.webs, key=lambda web: web.range_Nm.equivalent)
@@ -160,10 +166,5 @@ class ShaftDynamics(Result):
     @property
     def beyond_permitted(self) -> list[str]:
         """Lines on the films that are not as the design permits, each bearing at its worst speed."""
-        return worst_beyond(self.permitted_film_um, self.permitted_pressure_MPa, self.least_films)
-
-    @property
-    def least_films(self) -> list[LeastFilm]:
-        """Film and pressure of every main bearing at every speed; none without films."""
-        films = [one.least(at.speed_rpm) for at in self.speeds for one in at.main_bearings]
-        return [film for film in films if film is not None]
+        films = [film for at in self.speeds for film in at.least_films]
+        return worst_beyond(self.permitted_film_um, self.permitted_pressure_MPa, films)

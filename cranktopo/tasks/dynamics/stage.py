@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import zip_longest
-from typing import Any
 
 import numpy as np
 
@@ -31,7 +30,7 @@ from cranktopo.tasks.dynamics.result import (
     SectionSwing,
     ShaftDynamics,
 )
-from cranktopo.tasks.film.permitted import films_hold
+from cranktopo.tasks.film.permitted import permitted_films
 from cranktopo.tasks.film.result import BearingFilm
 from cranktopo.tasks.film.stage import films_of
 from cranktopo.tasks.modes.carried import without_mass
@@ -143,7 +142,7 @@ class DynamicShaft:
             speeds=speeds,
             resonances=resonances,
             added_speed_rpm=added,
-            **self._permitted(speeds),
+            **permitted_films(self.scene.bearings, [film for at in speeds for film in at.least_films]),
         )
 
     def _films(self, speeds_rpm: Sequence[float]) -> list[tuple[BearingFilm, ...]]:
@@ -155,18 +154,6 @@ class DynamicShaft:
             at, cycle = at_speed(self.scene, rpm), self.cycle(rpm).shaft
             cases.append((at, loaded_journals(at, cycle), cycle.angle_deg))
         return films_of(cases, conserving=True)
-
-    def _permitted(self, speeds: Sequence[DynamicSpeed]) -> dict[str, Any]:
-        """Return what the design permits of films, and whether those of the shaft keep to it."""
-        table = self.scene.bearings
-        if self.bearings != "film" or table is None:
-            return {}
-        least = [one.least(at.speed_rpm) for at in speeds for one in at.main_bearings]
-        return {
-            "films_hold": films_hold(table, [film for film in least if film is not None]),
-            "permitted_film_um": table.permitted_film_um,
-            "permitted_pressure_MPa": table.permitted_pressure_MPa,
-        }
 
     def _at(self, still: ContinuousShaft, films: Sequence[BearingFilm]) -> DynamicSpeed:
         cycle = self.cycle(still.speed_rpm)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from cranktopo.design.plain_bearings import PlainBearings
 
@@ -30,6 +31,17 @@ def films_hold(table: PlainBearings, films: Iterable[LeastFilm]) -> bool | None:
         one.film_um >= (least or 0.0) and one.pressure_MPa <= (math.inf if most is None else most)
         for one in films
     )
+
+
+def permitted_films(table: PlainBearings | None, films: Sequence[LeastFilm]) -> dict[str, Any]:
+    """Return what is permitted of films, and whether they keep to it, as results name it; none of no film."""
+    if table is None or not films:
+        return {}
+    return {
+        "permitted_film_um": table.permitted_film_um,
+        "permitted_pressure_MPa": table.permitted_pressure_MPa,
+        "films_hold": films_hold(table, films),
+    }
 
 
 def beyond_permitted(least_um: float | None, most_MPa: float | None, films: Sequence[LeastFilm]) -> list[str]:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from itertools import pairwise
 from typing import Any
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.bodies.solid.checked import NotCutError, check_parts, volume_mm3
-from cranktopo.numerics.gmsh_session import DimTags
+from cranktopo.numerics.gmsh_session import DimTags, points_joined
 
 ALIKE = 1e-6
 """Share of the volume in which both sides may differ: reading a file joins vertices that almost coincide."""
@@ -26,7 +25,6 @@ _CONSERVED = 1e-6
 """Share of a body by which the volumes of its parts may differ from it."""
 _EDGE_MM = 1e-5
 """Way that CAD systems may leave an edge beside its faces."""
-_BOOLEAN = "Geometry.ToleranceBoolean"
 
 
 def moved_rigidly(occ: Any, body: DimTags, matrix: Array, shift_mm: Array) -> None:
@@ -59,20 +57,12 @@ def between_planes(occ: Any, body: DimTags, start_mm: float, end_mm: float, reac
     return kept
 
 
-@contextmanager
-def edges_in_planes() -> Iterator[None]:
+def edges_in_planes() -> AbstractContextManager[None]:
     """Let the kernel cut along planes in which edges of a body lie but for the rounding of its file.
 
     It takes what is nearer than its tolerance for one, by default 1e-7 mm, and may lose a part otherwise.
     """
-    import gmsh
-
-    before = gmsh.option.getNumber(_BOOLEAN)
-    gmsh.option.setNumber(_BOOLEAN, _EDGE_MM)
-    try:
-        yield
-    finally:
-        gmsh.option.setNumber(_BOOLEAN, before)
+    return points_joined(_EDGE_MM)
 
 
 def slab(occ: Any, body: DimTags, start: float, end: float, reach: float) -> DimTags:

@@ -1,7 +1,7 @@
 """The shaft on all its main bearings over the cycle, quasi-static: motions and forces of its sections.
 
 In the frame that turns with the shaft the bearings, alike in every direction, are constant; loads of a cycle
-are right-hand sides of one matrix of six motions and four warps a section. The last section holds the shaft
+are right-hand sides of one matrix of six motions and six warps a section. The last section holds the shaft
 in rotation and along its axis.
 """
 

@@ -204,7 +204,7 @@ def _warps(model: Elasticity, scene: Scene, span: Span, lateral: Lateral) -> tup
     ends = zip((0.0, scene.pitch_mm) if span == "whole" else (0.0,), halves(scene), strict=False)
     numbers, bent = [], []
     for end, (z, half) in enumerate(ends):
-        shapes, section = _warps_of(half), plane_nodes(model.nodes_mm, 2, z)
+        shapes, section = section_warps(half), plane_nodes(model.nodes_mm, 2, z)
         chosen = shapes.having(lateral)
         moved = np.zeros((model.nodes_mm.shape[1], 3, len(chosen)))
         moved[section] = shapes.at(*model.nodes_mm[:2, section])[:, :, chosen].transpose(1, 0, 2)
@@ -213,7 +213,8 @@ def _warps(model: Elasticity, scene: Scene, span: Span, lateral: Lateral) -> tup
     return np.concatenate(numbers), np.hstack(bent)
 
 
-def _warps_of(half: Scene) -> WarpShapes:
+def section_warps(half: Scene) -> WarpShapes:
+    """Return the ways in which the mid-journal section of a half throw deforms."""
     journal = half.throw.main_journal
     return WarpShapes(journal.radius_mm, journal.bore_radius_mm)
 

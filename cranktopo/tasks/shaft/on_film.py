@@ -87,7 +87,7 @@ def film_offsets_mm(throws: Sequence[LoadedThrow], scene: Scene, rigid: ShaftCyc
     numbers = carried(scene)
     bearings = [main_bearing(scene, number) for number in numbers]
     clearance = np.array([bearing.clearance_mm for bearing in bearings])
-    bent = _bent(throws, scene)
+    bent = bent_into_bearings(throws, scene)
     held = journal_loads_N(rigid)[list(numbers)]
     states, cycle_rad = held.shape[1], np.radians(engine_of(scene).cycle_deg)
 
@@ -111,12 +111,12 @@ def play_offsets_mm(throws: Sequence[LoadedThrow], scene: Scene, rigid: ShaftCyc
     Raises:
         CranktopoError: no clearance, or a state without an answer.
     """
-    numbers, bent = carried(scene), _bent(throws, scene)
+    numbers, bent = carried(scene), bent_into_bearings(throws, scene)
     held = -rigid.bearing_N[list(numbers)].reshape(2 * len(numbers), -1)
     return sections_in_rings(bent, held, np.full(len(numbers), radial_play_mm(scene)))
 
 
-def _bent(throws: Sequence[LoadedThrow], scene: Scene) -> Array:
+def bent_into_bearings(throws: Sequence[LoadedThrow], scene: Scene) -> Array:
     """Return `bent_into_bearings_N_per_mm` of the shaft of a scene."""
     tilt, stiff = bearing_tilt_spring_Nmm_per_rad(scene), rigid_sections(scene)
     return bent_into_bearings_N_per_mm(throws, scene.shaft_angles_deg, carried(scene), tilt, stiff)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note
@@ -26,7 +25,7 @@ from cranktopo.engine.plan.planning import left_off, plan
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.engine.vibration.shaft_chain import bare_chain
 from cranktopo.numerics.tetrahedra.mesh import RATIO
-from cranktopo.tasks.film.permitted import films_hold
+from cranktopo.tasks.film.permitted import permitted_films
 from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings, ShaftStiffness, linear_bearings
 from cranktopo.tasks.shaft.condensed_throw import (
     CondensedThrow,
@@ -100,7 +99,7 @@ def evaluate_shaft(
         opentorsion=OpenTorsion.model_validate(disks.as_opentorsion()),
         on_bearings=on_bearings,
         added_speed_rpm=added,
-        **_permitted(scene, on_bearings),
+        **permitted_films(scene.bearings, [film for at in on_bearings for film in at.least_films]),
         misfire=(misfire(scene) or None) if loaded else None,
         silent=misfire_words(scene) if loaded else "",
         pressure=pressure_words(scene, _speeds(scene, speeds)) if loaded else "",
@@ -230,18 +229,6 @@ def shaft_tables(scene: Scene, bearings: ShaftBearings, *, loaded: bool = False)
     if loaded or (bearings == "spring" and scene.supports.bearing_clearance_mm is not None):
         return (*SHAFT, LOADS)
     return SHAFT
-
-
-def _permitted(scene: Scene, at_speeds: Sequence[ContinuousShaft]) -> dict[str, Any]:
-    """Return what the design permits of the films of its main bearings, and whether they keep to it."""
-    films = [film for at in at_speeds for film in at.least_films]
-    if scene.bearings is None or not films:
-        return {}
-    return {
-        "permitted_film_um": scene.bearings.permitted_film_um,
-        "permitted_pressure_MPa": scene.bearings.permitted_pressure_MPa,
-        "films_hold": films_hold(scene.bearings, films),
-    }
 
 
 def stands_on_bearings(scene: Scene, bearings: ShaftBearings) -> bool:
