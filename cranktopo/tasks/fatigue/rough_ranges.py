@@ -17,14 +17,16 @@ from cranktopo.tasks.fatigue.superposition import load_products, product_form, t
 
 _VALUES = 2**16
 """Values of nodes in states at a time: two arrays of them stay in the cache of a core."""
-_NODES = 2**12
+_NODES = 2**10
 """Nodes whose forms are made at a time."""
+_UNMOVED = 1e-7
+"""Share of the largest sum of fields below which a sum is left out."""
 _TINY = 1e-30
 
 
 @dataclass(frozen=True)
 class RoughStress:
-    """Forms of the loads, or of their products, at the nodes of a surface.
+    """Forms of the factors of fields, or of their products, at the nodes of a surface.
 
     Attributes:
         squared: of the squared von Mises stress, (n, pairs).
@@ -39,11 +41,6 @@ class RoughStress:
     def at(self, nodes: Index) -> RoughStress:
         """Return that of some nodes."""
         return RoughStress(self.squared[nodes], self.fall[nodes], self.trace[nodes])
-
-    def mirrored(self, signs: Array) -> RoughStress:
-        """Return that of mirrored nodes, by the signs of the fields there, (n, fields)."""
-        pairs = load_products(signs).T
-        return RoughStress(*map(_single, (self.squared * pairs, self.fall * pairs, self.trace * signs)))
 
     def extremes(self, cycles: Sequence[Array]) -> Single:
         """Return the ends of the signed von Mises stress over some states, (3, cycles, n).
@@ -80,15 +77,42 @@ def rough_local(extremes: Single) -> LocalStress:
     return LocalStress((high - low) / 2, (high + low) / 2, np.maximum(gradient, 0.0))
 
 
-def rough_stress(surface_stress: SurfaceStress) -> RoughStress:
-    """Return the forms of a surface."""
+def fewer_fields(loads: Array, size: Array) -> tuple[Array, Array]:
+    """Return sums of fields of which every state is made, (sums, fields), and their factors, (..., sums).
+
+    A throw takes part in the forces of all cylinders alone, nine or thirteen of a four or a six, so that its
+    fields do not move each by itself; products of them are a third or less.
+
+    Args:
+        loads: factor of each field in each state, (..., fields).
+        size: largest stress of each field, (fields,).
+    """
+    sized = loads * size
+    flat = sized.reshape(-1, len(size))
+    squares, axes = np.linalg.eigh(flat.T @ flat)
+    axes = axes[:, squares > _UNMOVED**2 * squares[-1]]
+    return axes.T / size, sized @ axes
+
+
+def rough_stress(surface_stress: SurfaceStress, sums: Array) -> RoughStress:
+    """Return the forms of a surface in one image after the other, (images nodes, ...).
+
+    Args:
+        sums: of the fields of the surface, in each image, (images, sums, fields).
+    """
     parts = []
     for start in range(0, surface_stress.stress_MPa.shape[1], _NODES):
         some = slice(start, start + _NODES)
-        stress, depth = surface_stress.stress_MPa[:, some], surface_stress.depth_MPa_per_mm[:, some]
-        forms = von_mises_form(stress), -product_form(stress, depth), trace_form(stress)
-        parts.append([_single(form) for form in forms])
-    return RoughStress(*map(np.concatenate, zip(*parts, strict=True)))
+        both = surface_stress.stress_MPa[:, some], surface_stress.depth_MPa_per_mm[:, some]
+        parts.append([_forms(*(np.tensordot(image, one, axes=1) for one in both)) for image in sums])
+    of_images = [part for image in zip(*parts, strict=True) for part in image]
+    return RoughStress(*map(np.concatenate, zip(*of_images, strict=True)))
+
+
+def _forms(stress: Array, depth: Array) -> tuple[Single, Single, Single]:
+    """Return the forms of nodes as of `RoughStress`."""
+    fall = -product_form(stress, depth)
+    return _single(von_mises_form(stress)), _single(fall), _single(trace_form(stress))
 
 
 def _single(values: Array) -> Single:

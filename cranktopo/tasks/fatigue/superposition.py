@@ -176,10 +176,13 @@ def product_form(one: Array, other: Array) -> Array:
     Args:
         one, other: of each field, (fields, n, 6).
     """
+    count, (first, second) = len(one), _pairs(len(one))
     left, right = one.transpose(1, 0, 2) @ DEVIATOR, other.transpose(1, 2, 0)
-    every = left @ right
-    first, second = _pairs(len(one))
-    return (every[:, first, second] + every[:, second, first]) / np.where(first == second, 2, 1)
+    every = (left @ right).reshape(-1, count**2)
+    found = every.take(first * count + second, axis=1)
+    found += every.take(second * count + first, axis=1)
+    found *= np.where(first == second, 0.5, 1.0)
+    return found
 
 
 def trace_form(stress: Array) -> Array:

@@ -19,7 +19,7 @@ from cranktopo.base.arrays import Array, Index, Mask, Single
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.numerics.tetrahedra.stress import SurfaceStress
 from cranktopo.tasks.fatigue.criterion import LocalStress
-from cranktopo.tasks.fatigue.rough_ranges import RoughStress, rough_local, rough_stress, wider
+from cranktopo.tasks.fatigue.rough_ranges import RoughStress, fewer_fields, rough_local, rough_stress, wider
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
 from cranktopo.tasks.throw_fatigue.safety_field import point_safety
 from cranktopo.tasks.throw_fatigue.stress_model import StressModel
@@ -78,10 +78,10 @@ def least_safeties(
     Args:
         loads: of each throw, factor of each field in each state of each speed, (speeds, states, fields).
     """
-    parts, rough, speeds = web_parts(model), rough_stress(model.stress), looked_at(loads)
+    parts, speeds = web_parts(model), looked_at(loads)
 
     def judged(side: int) -> list[dict[tuple[int, Part], Array]]:
-        web = _web(model, method, rough, [part for part in parts if part.side == side])
+        web = _web(model, method, [part for part in parts if part.side == side])
         return [web.least(own, speeds) for own in loads]
 
     near, far = side_by_side(lambda: judged(0), lambda: judged(1))
@@ -97,20 +97,21 @@ def looked_at(loads: Sequence[Array]) -> NDArray[np.intp]:
 
 @dataclass(frozen=True)
 class _Web:
-    """One web of a throw in places: nodes in images of the model.
+    """One web of a throw in places: its nodes in one image of the model after the other.
 
     Attributes:
         parts: of this web alone.
-        node, signs: of every place its node, and the signs of the fields in its image, (places, fields).
-        rough: of the places.
+        nodes: of the surface.
+        stress: at these.
+        signs: of the fields in each image, (images, fields).
     """
 
     model: StressModel
     method: str
     parts: Sequence[WebPart]
-    node: Index
+    nodes: Index
+    stress: SurfaceStress
     signs: Array
-    rough: RoughStress
 
     def least(self, loads: Array, looked_at: Index) -> dict[tuple[int, Part], Array]:
         """Return the least safety of the parts at every speed.
@@ -119,30 +120,34 @@ class _Web:
             loads: factor of each field in each state of each speed, (speeds, states, fields).
             looked_at: speeds at which all places are looked at.
         """
-        every = np.arange(len(self.node))
-        places = every[self._near(every, loads[looked_at], _FEW).any(axis=0)]
-        near = self._near(places, loads, _MORE)
+        size = np.abs(self.stress.stress_MPa).max(axis=(1, 2))
+        sums, factors = fewer_fields(loads, size)
+        rough = rough_stress(self.stress, sums * self.signs[:, None])
+        every = np.arange(len(rough.trace))
+        places = every[self._near(every, rough, factors[looked_at], _FEW).any(axis=0)]
+        near = self._near(places, rough.at(places), factors, _MORE)
         local = np.empty((3, *near.shape))
         for speed, own in enumerate(near):
             found = signed_von_mises_range(self._stress(places[own]), loads[speed]).local
             local[:, speed, own] = found.amplitude_MPa, found.mean_MPa, found.gradient_per_mm
         safety = self._safety(places, LocalStress(*local[:, near]), near)
-        nodes = self.node[places]
+        nodes = self._node(places)
         return {(part.side, part.part): safety[:, part.nodes[nodes]].min(axis=1) for part in self.parts}
 
-    def _near(self, places: Index, loads: Array, strides: Sequence[int]) -> Mask:
+    def _near(self, places: Index, rough: RoughStress, factors: Array, strides: Sequence[int]) -> Mask:
         """Return where places come near the least of a part, (speeds, places), in ever more of the states.
 
         Args:
-            loads: (speeds, states, fields).
+            rough: stress of the places.
+            factors: of its fields, (speeds, states, fields).
             strides: from one state that is looked at to the next, each half of the one before.
         """
         first, *others = strides
-        found = self.rough.at(places).extremes(list(loads[:, ::first]))
+        found = rough.extremes(list(factors[:, ::first]))
         near = self._close(places, found, np.ones(found.shape[1:], dtype=bool), first)
-        for stride in (one for one in others if one < loads.shape[1]):
+        for stride in (one for one in others if one < factors.shape[1]):
             for speed, own in enumerate(near):
-                added = self.rough.at(places[own]).extremes([loads[speed, stride :: 2 * stride]])
+                added = rough.at(own).extremes([factors[speed, stride :: 2 * stride]])
                 found[:, speed, own] = wider(found[:, speed, own], added[:, 0])
             near = self._close(places, found, near, stride)
         return near
@@ -152,27 +157,31 @@ class _Web:
         safety = self._safety(places, rough_local(extremes[:, asked]), asked)
         near = asked.copy()
         for part in self.parts:
-            own = part.nodes[self.node[places]]
+            own = part.nodes[self._node(places)]
             near[:, own] &= safety[:, own] <= _LIMITS[stride] * safety[:, own].min(axis=1, keepdims=True)
         return near
 
+    def _node(self, places: Index) -> Index:
+        """Return the surface node of places."""
+        return np.asarray(self.nodes[places % len(self.nodes)])
+
     def _stress(self, places: Index) -> SurfaceStress:
         """Return the stress of places, in the axes of their images' model."""
-        found, signs = self.model.stress.at(self.node[places]), self.signs[places].T
+        image, node = np.divmod(places, len(self.nodes))
+        found, signs = self.stress.at(node), self.signs[image].T
         stress, depth = (one * signs[..., None] for one in (found.stress_MPa, found.depth_MPa_per_mm))
         return SurfaceStress(stress, depth, found.jump_MPa)
 
     def _safety(self, places: Index, local: LocalStress, asked: Mask) -> Array:
         """Return the safety where it is asked for, else infinity, (speeds, places)."""
-        nodes = np.broadcast_to(self.node[places], asked.shape)[asked]
+        nodes = np.broadcast_to(self._node(places), asked.shape)[asked]
         safety = np.full(asked.shape, np.inf)
         safety[asked] = point_safety(self.model, self.method, local, nodes)
         return safety
 
 
-def _web(model: StressModel, method: str, rough: RoughStress, parts: Sequence[WebPart]) -> _Web:
+def _web(model: StressModel, method: str, parts: Sequence[WebPart]) -> _Web:
     """Return a web of these parts."""
     nodes, images = np.flatnonzero(np.any([part.nodes for part in parts], axis=0)), parts[0].images
-    node = np.tile(nodes, len(images))
-    signs = np.repeat(np.stack([model.images[image].signs for image in images]), len(nodes), axis=0)
-    return _Web(model, method, parts, node, signs, rough.at(node).mirrored(signs))
+    signs = np.stack([model.images[image].signs for image in images])
+    return _Web(model, method, parts, nodes, model.stress.at(nodes), signs)

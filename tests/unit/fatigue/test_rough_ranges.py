@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 from cranktopo.numerics.tetrahedra.stress import SurfaceStress
-from cranktopo.tasks.fatigue.rough_ranges import rough_local, rough_stress, wider
+from cranktopo.tasks.fatigue.rough_ranges import fewer_fields, rough_local, rough_stress, wider
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_ranges
 
 Array = np.ndarray
-NODES, STATES = 5000, 48
+NODES, STATES, FIELDS = 5000, 48, 5
 """More nodes than forms are made of at a time."""
+EACH = np.eye(FIELDS)[None]
+"""Every field by itself, in one image."""
 
 
 def of_fields() -> SurfaceStress:
@@ -32,7 +34,7 @@ def cycles() -> list[Array]:
 
 def test_it_is_what_double_precision_finds() -> None:
     stress = of_fields()
-    found = rough_stress(stress).extremes(cycles())
+    found = rough_stress(stress, EACH).extremes(cycles())
     for own, exact in zip(found.swapaxes(0, 1), signed_von_mises_ranges(stress, cycles()), strict=True):
         rough, local = rough_local(own), exact.local
         assert own.dtype == np.float32
@@ -44,7 +46,7 @@ def test_it_is_what_double_precision_finds() -> None:
 
 
 def test_extremes_of_parts_of_a_cycle_join_to_those_of_all() -> None:
-    rough = rough_stress(of_fields()).at(np.arange(0, NODES, 7))
+    rough = rough_stress(of_fields(), EACH).at(np.arange(0, NODES, 7))
     every = rough.extremes(cycles())
     parts = [rough.extremes([cycle[start::3] for cycle in cycles()]) for start in range(3)]
     joined = wider(wider(parts[0], parts[1]), parts[2])
@@ -59,6 +61,25 @@ def test_mirrored_nodes_have_fields_of_other_signs() -> None:
         stress.depth_MPa_per_mm * signs[:, None, None],
         stress.jump_MPa,
     )
-    found = rough_stress(stress).mirrored(np.tile(signs, (NODES, 1))).extremes(cycles())
-    expected = rough_stress(mirrored).extremes(cycles())
-    assert np.array_equal(found[:2], expected[:2])
+    found = rough_stress(stress, EACH * np.stack([np.ones(FIELDS), signs])[:, None]).extremes(cycles())
+    assert np.array_equal(found[:, :, :NODES], rough_stress(stress, EACH).extremes(cycles()))
+    assert np.array_equal(found[:, :, NODES:], rough_stress(mirrored, EACH).extremes(cycles()))
+
+
+def test_fields_that_move_together_are_summed() -> None:
+    """Of two forces: their states have two sums of five fields, whose stress is that of all."""
+    stress, random = of_fields(), np.random.default_rng(5)
+    loads = random.normal(0, 1, (3, STATES, 2)) @ random.normal(0, 1, (2, FIELDS))
+    sums, factors = fewer_fields(loads, np.abs(stress.stress_MPa).max(axis=(1, 2)))
+    assert sums.shape == (2, FIELDS)
+    assert np.abs(factors @ sums - loads).max() < 1e-9
+    found = rough_stress(stress, sums[None]).extremes(list(factors))
+    expected = rough_stress(stress, EACH).extremes(list(loads))
+    assert np.abs(found - expected).max() < 1e-5 * np.abs(expected).max()
+
+
+def test_fields_that_move_by_themselves_are_all_kept() -> None:
+    loads = np.stack(cycles())
+    sums, factors = fewer_fields(loads, np.full(FIELDS, 7.0))
+    assert sums.shape == (FIELDS, FIELDS)
+    assert np.abs(factors @ sums - loads).max() < 1e-9
