@@ -71,3 +71,9 @@ def side_by_side(first: Callable[[], First], second: Callable[[], Second]) -> tu
         other = pool.submit(copy_context().run, second)
         result = first()
         return result, other.result()
+
+
+def in_halves(count: int, work: Callable[[slice], None]) -> None:
+    """Do a work on the first and on the second half of so many things, in two threads."""
+    middle = count // 2
+    side_by_side(lambda: work(slice(0, middle)), lambda: work(slice(middle, count)))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -16,7 +17,10 @@ _KINDS = {"double": ctypes.c_double, "float": ctypes.c_float}
 _engines: list[Any] = []  # machine code lives as long as its engine
 
 _PRODUCT = """
-define void @product(i64 %rows, double %factor, ptr noalias %start, ptr noalias %column, ptr noalias %value,
+declare {vector} @llvm.masked.load.v{lanes}f{bits}.p0(ptr, i32, {mask}, {vector})
+declare void @llvm.masked.store.v{lanes}f{bits}.p0({vector}, ptr, i32, {mask})
+
+define void @product(i64 %rows, {kind} %factor, ptr noalias %start, ptr noalias %column, ptr noalias %value,
                      ptr noalias %field, ptr noalias %total) {{
 entry:
   br label %row
@@ -119,7 +123,7 @@ def product(width: int, kind: str = "double") -> Callable[..., None]:
     Arrays by address; field and total have `width` columns, all numbers are of a kind, "double" or "float".
     """
     arguments = _INDEX, _KINDS[kind], *(_POINTER,) * 5
-    return _compiled(_product_text(width).replace("double", kind), "product", arguments)
+    return _compiled(_product_text(width, kind), "product", arguments)
 
 
 @cache
@@ -152,63 +156,110 @@ def _compiled(text: str, name: str, arguments: tuple[Any, ...]) -> Callable[...,
     return ctypes.CFUNCTYPE(None, *arguments)(engine.get_function_address(name))
 
 
-def _product_text(width: int) -> str:
-    vector = f"<{width} x double>"
-    row = _loads(vector, width, "field", "x", "%i") + _loads(vector, width, "total", "own", "%i")
-    row += _scaled(vector, width, "x")
-    block = _loads(vector, width, "field", "z", "%j") + _loads(vector, width, "total", "other", "%j")
-    block += _scaled(vector, width, "z")
-    block += ["%block.at = getelementptr [9 x double], ptr %value, i64 %p"]
-    for r in range(3):
-        for c in range(3):
-            block += _entry(vector, width, r, c)
+@dataclass(frozen=True)
+class _Columns:
+    """Lines for the columns of a node, of numbers of a kind.
+
+    There are as many lanes as a power of two, those without a column masked: five to seven columns take the
+    time of eight, where a vector of just as many numbers takes up to twice that.
+    """
+
+    width: int
+    kind: str
+
+    @property
+    def lanes(self) -> int:
+        """Numbers of a vector."""
+        return 1 << (self.width - 1).bit_length()
+
+    @property
+    def bits(self) -> int:
+        """Size of a number."""
+        return 64 if self.kind == "double" else 32
+
+    @property
+    def vector(self) -> str:
+        """Type of the columns of a row."""
+        return f"<{self.lanes} x {self.kind}>"
+
+    @property
+    def mask(self) -> str:
+        """Type of what tells which lanes have a column."""
+        return f"<{self.lanes} x i1>"
+
+    @property
+    def _where(self) -> str:
+        on = ", ".join(f"i1 {int(lane < self.width)}" for lane in range(self.lanes))
+        return f"i32 {self.bits // 8}, {self.mask} <{on}>"
+
+    def loads(self, array: str, name: str, node: str) -> list[str]:
+        """Lines that load the three rows of a node."""
+        lines = []
+        for axis in range(3):
+            value = f"%{name}{axis}"
+            lines += [f"{value}.node = mul i64 {node}, {3 * self.width}"]
+            lines += [f"{value}.place = add i64 {value}.node, {axis * self.width}"]
+            lines += [f"{value}.at = getelementptr {self.kind}, ptr %{array}, i64 {value}.place"]
+            given = f"ptr {value}.at, {self._where}, {self.vector} zeroinitializer"
+            called = f"call {self.vector} @llvm.masked.load.v{self.lanes}f{self.bits}.p0"
+            lines += [f"{value} = {called}({given})"]
+        return lines
+
+    def store(self, value: str, at: str) -> str:
+        """Line that stores a row of a node."""
+        called = f"call void @llvm.masked.store.v{self.lanes}f{self.bits}.p0"
+        return f"{called}({self.vector} {value}, ptr {at}, {self._where})"
+
+    def scaled(self, name: str) -> list[str]:
+        """Lines that scale the three rows of a node by the factor."""
+        lines = self.spread(f"{name}.by", "%factor")
+        return lines + [f"%{name}{a}.s = fmul {self.vector} %{name}{a}, %{name}.by" for a in range(3)]
+
+    def spread(self, name: str, number: str) -> list[str]:
+        """Lines that repeat a number in every lane."""
+        lanes = f"<{self.lanes} x i32> zeroinitializer"
+        return [
+            f"%{name}.one = insertelement {self.vector} poison, {self.kind} {number}, i64 0",
+            f"%{name} = shufflevector {self.vector} %{name}.one, {self.vector} poison, {lanes}",
+        ]
+
+    def entry(self, r: int, c: int) -> list[str]:
+        """Lines that use an entry of a block for the row of nodes, and transposed for the column."""
+        vector = self.vector
+        own = f"%sum{r}" if c == 0 else f"%sum{r}{c - 1}"
+        other = f"%other{c}" if r == 0 else f"%turned{c}{r - 1}"
+        return [
+            f"%m{r}{c}.at = getelementptr {self.kind}, ptr %block.at, i64 {3 * r + c}",
+            f"%m{r}{c}.number = load {self.kind}, ptr %m{r}{c}.at, align {self.bits // 8}",
+            *self.spread(f"m{r}{c}", f"%m{r}{c}.number"),
+            f"%a{r}{c} = fmul contract {vector} %m{r}{c}, %z{c}.s",
+            f"%sum{r}{c} = fadd contract {vector} {own}, %a{r}{c}",
+            f"%b{r}{c} = fmul contract {vector} %m{r}{c}, %x{r}.s",
+            f"%turned{c}{r} = fadd contract {vector} {other}, %b{r}{c}",
+        ]
+
+
+def _product_text(width: int, kind: str) -> str:
+    code = _Columns(width, kind)
+    row = [*code.loads("field", "x", "%i"), *code.loads("total", "own", "%i"), *code.scaled("x")]
+    block = [*code.loads("field", "z", "%j"), *code.loads("total", "other", "%j"), *code.scaled("z")]
+    block += [f"%block.at = getelementptr [9 x {kind}], ptr %value, i64 %p"]
+    block += [line for r in range(3) for c in range(3) for line in code.entry(r, c)]
     for c in range(3):
-        block += [f"%told{c} = select i1 %aside, {vector} %turned{c}2, {vector} %other{c}"]
-        block += [f"store {vector} %told{c}, ptr %other{c}.at, align 8"]
+        block += [f"%told{c} = select i1 %aside, {code.vector} %turned{c}2, {code.vector} %other{c}"]
+        block += [code.store(f"%told{c}", f"%other{c}.at")]
+    sums = [f"%sum{r} = phi {code.vector} [%own{r}, %row], [%sum{r}2, %block]" for r in range(3)]
     return _PRODUCT.format(
+        vector=code.vector,
+        mask=code.mask,
+        lanes=code.lanes,
+        bits=code.bits,
+        kind=kind,
         row=_lines(row),
-        sums=_lines([f"%sum{r} = phi {vector} [%own{r}, %row], [%sum{r}2, %block]" for r in range(3)]),
+        sums=_lines(sums),
         block=_lines(block),
-        finish=_lines([f"store {vector} %sum{r}2, ptr %own{r}.at, align 8" for r in range(3)]),
+        finish=_lines([code.store(f"%sum{r}2", f"%own{r}.at") for r in range(3)]),
     )
-
-
-def _loads(vector: str, width: int, array: str, name: str, node: str) -> list[str]:
-    """Lines that load the three rows of a node."""
-    lines = []
-    for axis in range(3):
-        lines += [f"%{name}{axis}.node = mul i64 {node}, {3 * width}"]
-        lines += [f"%{name}{axis}.place = add i64 %{name}{axis}.node, {axis * width}"]
-        lines += [f"%{name}{axis}.at = getelementptr double, ptr %{array}, i64 %{name}{axis}.place"]
-        lines += [f"%{name}{axis} = load {vector}, ptr %{name}{axis}.at, align 8"]
-    return lines
-
-
-def _scaled(vector: str, width: int, name: str) -> list[str]:
-    lines = _spread(vector, width, f"{name}.by", "%factor")
-    return lines + [f"%{name}{a}.s = fmul {vector} %{name}{a}, %{name}.by" for a in range(3)]
-
-
-def _spread(vector: str, width: int, name: str, number: str) -> list[str]:
-    return [
-        f"%{name}.one = insertelement {vector} poison, double {number}, i64 0",
-        f"%{name} = shufflevector {vector} %{name}.one, {vector} poison, <{width} x i32> zeroinitializer",
-    ]
-
-
-def _entry(vector: str, width: int, r: int, c: int) -> list[str]:
-    """Lines that use an entry of a block for the row of nodes, and transposed for the column."""
-    own = f"%sum{r}" if c == 0 else f"%sum{r}{c - 1}"
-    other = f"%other{c}" if r == 0 else f"%turned{c}{r - 1}"
-    return [
-        f"%m{r}{c}.at = getelementptr double, ptr %block.at, i64 {3 * r + c}",
-        f"%m{r}{c}.number = load double, ptr %m{r}{c}.at, align 8",
-        *_spread(vector, width, f"m{r}{c}", f"%m{r}{c}.number"),
-        f"%a{r}{c} = fmul contract {vector} %m{r}{c}, %z{c}.s",
-        f"%sum{r}{c} = fadd contract {vector} {own}, %a{r}{c}",
-        f"%b{r}{c} = fmul contract {vector} %m{r}{c}, %x{r}.s",
-        f"%turned{c}{r} = fadd contract {vector} {other}, %b{r}{c}",
-    ]
 
 
 def _assembly_text() -> str:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array, Index
 from cranktopo.base.notes import at_work
+from cranktopo.base.side_by_side import in_halves
 from cranktopo.numerics.tetrahedra.elasticity import STIFFNESS_ORDER, Elasticity, quadrature
 from cranktopo.numerics.tetrahedra.mesh import shape_values
 from cranktopo.numerics.tetrahedra.stress import Surface, point_stresses
@@ -93,12 +94,18 @@ def _fits(
     counts = np.diff(patches.indptr)
     order = np.argsort(counts, kind="stable")
     terms, size = np.empty((len(counts), len(_TERMS), stress.shape[2])), np.empty(len(counts))
-    for start in range(0, len(order), _CHUNK):
-        some = order[start : start + _CHUNK]
-        inside = np.arange(counts[some].max()) < counts[some, None]
-        own = place[np.where(inside, patches.indptr[some, None] + np.arange(inside.shape[1]), 0)]
-        away = points[own] - centres[some, None, None]
-        terms[some], size[some] = _fit(away, stress[own], inside)
+
+    chunks = [order[start : start + _CHUNK] for start in range(0, len(order), _CHUNK)]
+    shuffled = chunks[::2] + chunks[1::2]  # as many of the large patches in either half
+
+    def fit(half: slice) -> None:
+        for some in shuffled[half]:
+            inside = np.arange(counts[some].max()) < counts[some, None]
+            own = place[np.where(inside, patches.indptr[some, None] + np.arange(inside.shape[1]), 0)]
+            away = points[own] - centres[some, None, None]
+            terms[some], size[some] = _fit(away, stress[own], inside)
+
+    in_halves(len(shuffled), fit)
     return terms, size
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array, Index
 from cranktopo.base.notes import at_work
+from cranktopo.base.side_by_side import in_halves, side_by_side
 from cranktopo.numerics.tetrahedra.elasticity import (
     STIFFNESS_ORDER,
     Elasticity,
@@ -70,9 +71,14 @@ def nodal_stress(model: Elasticity, displacement_mm: Array, youngs_MPa: float, p
     """
     cells, spread = model.mesh.dofs.element_dofs, nodes_from_points(quadrature(STIFFNESS_ORDER)[0][:, 1:].T)
     element, volume = np.empty((len(displacement_mm), cells.shape[1], 10, 6)), np.empty(cells.shape[1])
-    for which, stress, dx in _by_chunks(model, None, displacement_mm, (youngs_MPa, poisson)):
-        element[:, which] = np.einsum("nq,feqc->fenc", spread, stress, optimize=True)
-        volume[which] = dx.sum(axis=1)
+
+    def bring(some: slice) -> None:
+        own, to = np.arange(some.start, some.stop), element[:, some]
+        for which, stress, dx in _by_chunks(model, own, displacement_mm, (youngs_MPa, poisson)):
+            to[:, which] = np.einsum("nq,feqc->fenc", spread, stress, optimize=True)
+            volume[some][which] = dx.sum(axis=1)
+
+    in_halves(cells.shape[1], bring)
     return _averaged(cells, volume, element)
 
 
@@ -83,16 +89,22 @@ def point_stresses(
 
     Of some elements, shape (fields, elements, points, 6).
     """
-    chunks = _by_chunks(model, elements, displacement_mm, (youngs_MPa, poisson))
-    return np.concatenate([stress for _, stress, _ in chunks], axis=1)
+    found = np.empty((len(displacement_mm), len(elements), len(quadrature(STIFFNESS_ORDER)[1]), 6))
+
+    def bring(some: slice) -> None:
+        for which, stress, _ in _by_chunks(model, elements[some], displacement_mm, (youngs_MPa, poisson)):
+            found[:, some][:, which] = stress
+
+    in_halves(len(elements), bring)
+    return found
 
 
 def _by_chunks(
-    model: Elasticity, elements: Index | None, displacement_mm: Array, elastic: tuple[float, float]
+    model: Elasticity, elements: Index, displacement_mm: Array, elastic: tuple[float, float]
 ) -> Iterator[tuple[slice, Array, Array]]:
     """Yield some elements, stresses (fields, elements, points, 6) at their points, volumes of these."""
-    cells, reference = model.mesh.dofs.element_dofs, shape_gradients(quadrature(STIFFNESS_ORDER)[0])
-    cells = cells if elements is None else cells[:, elements]
+    cells = model.mesh.dofs.element_dofs[:, elements]
+    reference = shape_gradients(quadrature(STIFFNESS_ORDER)[0])
     fields = displacement_mm.reshape(len(displacement_mm), -1, 3)
     for which, inverse, dx in inverse_jacobians(model.mesh, elements):
         shapes = np.einsum("qnj,ijeq->qien", reference, inverse, optimize=True)
@@ -105,7 +117,13 @@ def _averaged(elements: NDArray[np.intp], volume: Array, element: Array) -> Noda
     flat = elements.T.ravel()
     matrix = sp.csr_matrix((np.repeat(volume, 10), (flat, np.arange(flat.size))), (count, flat.size))
     total = np.asarray(matrix.sum(axis=1))
-    nodal = np.stack([(matrix @ field.reshape(-1, 6)) / total for field in element])
+    nodal = np.empty((len(element), count, 6))
+
+    def average(some: slice) -> None:
+        for mean, field in zip(nodal[some], element[some], strict=True):
+            np.divide(matrix @ field.reshape(-1, 6), total, out=mean)
+
+    in_halves(len(element), average)
     return NodalStress(elements, element, nodal)
 
 
@@ -205,8 +223,10 @@ def surface_stress(model: Elasticity, surface: Surface, nodal_stress: NodalStres
     The derivative is that of the nodal stresses interpolated by the element's shape functions, averaged over
     the faces that meet at a node.
     """
-    stress = nodal_stress.nodal_MPa[:, surface.nodes]
-    return SurfaceStress(stress, _depth(model, surface, nodal_stress), _jumps(surface, nodal_stress))
+    depth, jumps = side_by_side(
+        lambda: _depth(model, surface, nodal_stress), lambda: _jumps(surface, nodal_stress)
+    )
+    return SurfaceStress(nodal_stress.nodal_MPa[:, surface.nodes], depth, jumps)
 
 
 def outward_faces(surface: Surface) -> Index:

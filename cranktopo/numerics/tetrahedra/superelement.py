@@ -7,7 +7,7 @@ the whole body are split off first, as they have no stress: they would cost the 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,6 +60,16 @@ class Superelement:
     def fields(self) -> Array:
         """Unit-motion fields and the load field where there is one, (unknowns, m [+ 1])."""
         return self.displacement[:, : self.displacement.shape[1] - self.extra_loads.shape[1]]
+
+    def without_last(self, loads: int) -> Superelement:
+        """Return it without the last ones of the further loads."""
+        kept = self.extra_loads.shape[1] - loads
+        return replace(
+            self,
+            displacement=self.displacement[:, : self.displacement.shape[1] - loads],
+            extra_loads=self.extra_loads[:, :kept],
+            extra_compliance=self.extra_compliance[:kept, :kept],
+        )
 
     def index(self, *motions: int) -> list[int]:
         """Return the positions of motions in this block."""
