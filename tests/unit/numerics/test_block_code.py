@@ -1,4 +1,4 @@
-"""Machine code of products with symmetric matrices of 3x3 blocks: every number of columns, and nothing beside."""
+"""Machine code of products with symmetric matrices of 3x3 blocks: any number of columns, and nothing beside."""
 
 from __future__ import annotations
 
