@@ -1,4 +1,4 @@
-"""Machine code of products with symmetric matrices of 3x3 blocks: any number of columns, and nothing beside."""
+"""Products with symmetric matrices of 3x3 blocks: any number of columns, and nothing beside them."""
 
 from __future__ import annotations
 
