@@ -69,11 +69,11 @@ def test_a_couple_on_one_span_by_the_book() -> None:
     ("name", "spring", "least", "largest"),
     [
         ("mikron-iiic", None, 0.54, 0.79),
-        ("mikron-iiic", 3e5, 0.56, 0.85),
+        ("mikron-iiic", 3e5, 0.56, 0.84),
         ("car-diesel", None, 0.56, 0.80),
         ("car-diesel", 3e5, 0.82, 1.03),
         ("industrial-gas", 3e6, 0.42, 0.84),
-        ("industrial-gas", 3e5, 0.88, 1.22),
+        ("industrial-gas", 3e5, 0.88, 1.23),
     ],
 )
 def test_estimate_agrees_with_elements(name: str, spring: float | None, least: float, largest: float) -> None:
@@ -86,8 +86,8 @@ def test_estimate_agrees_with_elements(name: str, spring: float | None, least: f
 @pytest.mark.parametrize(
     ("arrangement", "cylinders", "order", "least", "largest"),
     [
-        ("layout = 'in-line'", 3, (1, 3, 2), 0.38, 0.81),
-        ("layout = 'boxer'", 4, (1, 3, 2, 4), 0.51, 0.79),
+        ("layout = 'in-line'", 3, (1, 3, 2), 0.37, 0.80),
+        ("layout = 'boxer'", 4, (1, 3, 2, 4), 0.51, 0.78),
         (f"{VEE}throw_angles_deg = [0.0, 90.0, 270.0, 180.0]", 8, (1, 5, 4, 8, 6, 3, 7, 2), 0.42, 0.89),
     ],
 )
@@ -109,10 +109,10 @@ def test_two_throws_between_bearings_bend_each_other() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "share"), [("mikron-iiic", 1.44), ("car-diesel", 1.50), ("industrial-gas", 1.48)]
+    ("name", "share"), [("mikron-iiic", 1.45), ("car-diesel", 1.50), ("industrial-gas", 1.48)]
 )
 def test_estimate_of_the_bearing_agrees_with_elements(name: str, share: float) -> None:
-    """Largest force of the same study over that of throws alone: 25.4 over 17.6 kN and so on."""
+    """Largest force of the same study over that of throws alone: 25.5 over 17.6 kN and so on."""
     found = span_bending(on_springs(name, None))
     assert found.bearing == 2
     assert found.bearing_share == pytest.approx(share, rel=0.13)
