@@ -11,6 +11,7 @@ the energy of displacements changes by its derivative along the way to the surfa
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -28,8 +29,14 @@ from cranktopo.numerics.tetrahedra.elasticity import (
     lame_constants_MPa,
 )
 from cranktopo.numerics.tetrahedra.mesh import EDGES, TetMesh
-from cranktopo.numerics.tetrahedra.node_gradients import chunks, shape_slopes, work_slopes
-from cranktopo.numerics.tetrahedra.rigid_motions import section_slopes
+from cranktopo.numerics.tetrahedra.node_gradients import (
+    chunks,
+    displacement_slopes,
+    full_tensor,
+    shape_slopes,
+)
+from cranktopo.numerics.tetrahedra.rigid_motions import section_turns
+from cranktopo.numerics.tetrahedra.stress import hooke, tensor_strain
 from cranktopo.numerics.tetrahedra.superelement import Superelement
 
 _FACES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
@@ -185,32 +192,45 @@ def straightened(
     moved = np.flatnonzero(off[model.mesh.dofs.element_dofs].any(axis=0))
     if not len(moved):
         return [np.zeros((block.fields.shape[1],) * 2) for block in blocks], 0.0
-    forms = [-block.parts * _added(model, block, away, moved, youngs_MPa, poisson) for block in blocks]
+    every = np.hstack([block.fields for block in blocks])
+    ends = (0.0,) if blocks[0].copies == 2 else (0.0, float(model.nodes_mm[2].max()))
+    added = _added(model, every, away, moved, (youngs_MPa, poisson))
+    added += _by_sections(model, every, away, ends)
+    starts = np.cumsum([0, *(block.fields.shape[1] for block in blocks)])
+    own = [slice(start, end) for start, end in itertools.pairwise(starts)]
+    forms = [-block.parts * added[some, some] for block, some in zip(blocks, own, strict=True)]
     return forms, _volume(model, away, moved)
 
 
 def _added(
-    model: Elasticity,
-    block: Superelement,
-    away: Array,
-    moved: NDArray[np.intp],
-    youngs_MPa: float,
-    poisson: float,
+    model: Elasticity, fields: Array, away: Array, moved: NDArray[np.intp], elastic: tuple[float, float]
 ) -> Array:
-    """Return what twice the energy of a block's fields gains, to first order, where the nodes go all the way.
+    """Return what the works of fields on each other gain, to first order, where the nodes go all the way.
 
-    Sections move rigidly as before; where the load acts is held.
+    Sections move as before; where the load acts is held.
     """
-    fields = block.fields.T
-    forces = (model.stiffness @ block.fields).T
-    form = np.zeros((len(fields),) * 2)
-    ends = (0.0,) if block.copies == 2 else (0.0, float(model.nodes_mm[2].max()))
-    for i, j in zip(*np.triu_indices(len(fields)), strict=True):
-        slopes = work_slopes(model, youngs_MPa, poisson, fields[i], fields[j], moved)
-        for z in ends:
-            slopes += section_slopes(model, forces[i], fields[j], z)
-            slopes += section_slopes(model, forces[j], fields[i], z)
-        form[i, j] = form[j, i] = (slopes * away).sum()
+    count = fields.shape[1]
+    form = np.zeros((count, count))
+    for basis in chunks(model, STIFFNESS_ORDER, moved):
+        shapes = shape_slopes(basis)
+        slopes = np.stack([displacement_slopes(basis, shapes, field) for field in fields.T])
+        way = displacement_slopes(basis, shapes, away.T.ravel())
+        stress = full_tensor(hooke(tensor_strain(slopes), *elastic)) * basis.dx[..., None, None]
+        growth = np.einsum("eqii->eq", way)[..., None, None]
+        flat, turned = stress.reshape(count, -1), (slopes @ way).reshape(count, -1)
+        form += (stress * growth).reshape(count, -1) @ slopes.reshape(count, -1).T
+        form -= flat @ turned.T + turned @ flat.T
+    return form
+
+
+def _by_sections(model: Elasticity, fields: Array, away: Array, ends: Sequence[float]) -> Array:
+    """Return what they gain where the nodes of the sections move, which turn rigidly as before."""
+    forces = (model.stiffness @ fields).reshape(-1, 3, fields.shape[1])
+    form = np.zeros((fields.shape[1],) * 2)
+    for z in ends:
+        section, turns = section_turns(model, fields, z)
+        torques = np.cross(away.T[section][:, :, None], forces[section], axis=1).sum(axis=0)
+        form += torques.T @ turns + turns.T @ torques
     return form
 
 

@@ -35,10 +35,9 @@ def work_slopes(
     poisson: float,
     first: Array,
     second: Array,
-    elements: NDArray[np.intp] | None = None,
 ) -> Array:
-    """Return the derivative of first' K second by the nodes, (3, nodes), N; by default of all elements."""
-    return sums_of_work_slopes(model, youngs_MPa, poisson, first[None], second[None, None], elements)[0]
+    """Return the derivative of first' K second by the nodes, (3, nodes), N."""
+    return sums_of_work_slopes(model, youngs_MPa, poisson, first[None], second[None, None])[0]
 
 
 def sums_of_work_slopes(
@@ -47,7 +46,6 @@ def sums_of_work_slopes(
     poisson: float,
     firsts: Array,
     seconds: Array,
-    elements: NDArray[np.intp] | None = None,
 ) -> Array:
     """Return the derivatives of sums of first' K second over fields by the nodes, (sums, 3, nodes), N.
 
@@ -56,7 +54,7 @@ def sums_of_work_slopes(
         seconds: shape (sums, fields, unknowns).
     """
     totals = np.zeros((len(seconds), *model.nodes_mm.shape))
-    for basis in chunks(model, STIFFNESS_ORDER, elements):
+    for basis in chunks(model, STIFFNESS_ORDER):
         shapes = shape_slopes(basis)
 
         def strained(field: Array, basis: Any = basis, shapes: Array = shapes) -> tuple[Array, Array]:

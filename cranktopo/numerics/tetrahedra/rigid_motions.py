@@ -58,10 +58,15 @@ def body_motions(nodes_mm: Array) -> Array:
 
 def section_slopes(model: Elasticity, forces: Array, field: Array, z_mm: float = 0.0) -> Array:
     """Return the derivative of forces' field by the nodes of a rigid section, (3, nodes), forces held."""
+    section, turns = section_turns(model, field[:, None], z_mm)
+    total = np.zeros(model.nodes_mm.shape)
+    total[:, section] = np.cross(forces.reshape(-1, 3)[section], turns[:, 0]).T
+    return total
+
+
+def section_turns(model: Elasticity, fields: Array, z_mm: float) -> tuple[NDArray[np.intp], Array]:
+    """Return the nodes of a rigid section, and its rotations in fields (unknowns, k), rad, (3, k)."""
     section = plane_nodes(model.nodes_mm, 2, z_mm)
     unknowns = (3 * section[:, None] + np.arange(3)).ravel()
     rigid = section_motions(model.nodes_mm, section)[unknowns]
-    turn = np.linalg.lstsq(rigid, field[unknowns], rcond=None)[0][[RX, RY, RZ]]
-    total = np.zeros(model.nodes_mm.shape)
-    total[:, section] = np.cross(forces[unknowns].reshape(-1, 3), turn).T
-    return total
+    return section, np.linalg.lstsq(rigid, fields[unknowns], rcond=None)[0][[RX, RY, RZ]]
