@@ -86,17 +86,17 @@ def _add_elements(body: Any, parts: Sequence[Pattern], lame: tuple[float, float]
 
 
 def inverse_jacobians(
-    body: Any, elements: NDArray[np.intp] | None = None
+    body: Any, elements: NDArray[np.intp] | None = None, order: int = STIFFNESS_ORDER
 ) -> Iterator[tuple[slice, Array, Array]]:
     """Yield some thousand elements, the inverse Jacobian matrices of their points and the volumes of these.
 
-    The points are those of the stiffness; inverses (place, reference, elements, points), volumes (elements,
-    points). Of some elements alone, by default all; each part is a slice of these.
+    The points are those of a quadrature, by default of the stiffness; inverses (place, reference, elements,
+    points), volumes (elements, points). Of some elements, by default all; each part is a slice of these.
 
     Raises:
         CranktopoError: an element is inverted.
     """
-    points, weights = quadrature(STIFFNESS_ORDER)
+    points, weights = quadrature(order)
     reference = shape_gradients(points)
     count = body.nelements if elements is None else len(elements)
     for start in range(0, count, _CHUNK):

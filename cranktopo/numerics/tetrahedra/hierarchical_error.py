@@ -15,7 +15,6 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,9 +25,11 @@ from cranktopo.numerics.tetrahedra.elasticity import (
     STIFFNESS_ORDER,
     Elasticity,
     basis_above_plane,
+    inverse_jacobians,
     lame_constants_MPa,
+    quadrature,
 )
-from cranktopo.numerics.tetrahedra.mesh import EDGES, TetMesh
+from cranktopo.numerics.tetrahedra.mesh import EDGES, TetMesh, shape_gradients
 from cranktopo.numerics.tetrahedra.node_gradients import (
     chunks,
     displacement_slopes,
@@ -93,14 +94,19 @@ def _residual(model: Elasticity, fields: Array, youngs: float, poisson: float) -
 def _part(
     model: Elasticity, fields: Array, youngs: float, poisson: float, first: int, end: int
 ) -> tuple[Array, Array]:
-    count = model.mesh.nedges + model.mesh.nfacets
+    count, elements = model.mesh.nedges + model.mesh.nfacets, np.arange(first, end)
     force, own = np.zeros((count, 3, fields.shape[1])), np.zeros((count, 3, 3))
     nodal = fields.reshape(-1, 3, fields.shape[1])
     lame, shear = lame_constants_MPa(youngs, poisson)
-    for basis in chunks(model, _QUADRATURE, np.arange(first, end)):
-        numbers, slopes = _functions(model, basis)[0], _slopes(model, basis)
-        stress = _stress(basis, nodal[basis.element_dofs], lame, shear)
-        weighted = slopes * basis.dx[:, :, None]
+    points = quadrature(_QUADRATURE)[0]
+    quadratic, cubic = shape_gradients(points), _reference_slopes(points[:, 1:].T)
+    for which, inverse, dx in inverse_jacobians(model.mesh, elements, _QUADRATURE):
+        some = elements[which]
+        numbers, signs = _functions(model, some)
+        shapes = np.einsum("ijeq,qnj->nieq", inverse, quadratic, optimize=True)
+        slopes = np.einsum("ijeq,njq->neqi", inverse, cubic, optimize=True) * signs[:, :, None, None]
+        stress = _stress(shapes, nodal[model.mesh.dofs.element_dofs[:, some]], lame, shear)
+        weighted = slopes * dx[:, :, None]
         np.add.at(force, numbers, -np.einsum("keqai,neqi->neak", stress, weighted, optimize=True))
         products = np.einsum("neqi,neqj->neij", weighted, slopes, optimize=True)
         trace = np.einsum("neii->ne", products)[:, :, None, None] * np.eye(3)
@@ -108,9 +114,9 @@ def _part(
     return force, own
 
 
-def _stress(basis: Any, nodal: Array, lame: float, shear: float) -> Array:
+def _stress(shapes: Array, nodal: Array, lame: float, shear: float) -> Array:
     """Return the stress of fields at the quadrature points, (fields, elements, points, 3, 3)."""
-    slope = np.einsum("nieq,neak->keqai", shape_slopes(basis), nodal, optimize=True)
+    slope = np.einsum("nieq,neak->keqai", shapes, nodal, optimize=True)
     stress = shear * (slope + slope.swapaxes(3, 4))
     dilation = lame * np.einsum("keqaa->keq", slope)
     for axis in range(3):
@@ -118,25 +124,18 @@ def _stress(basis: Any, nodal: Array, lame: float, shear: float) -> Array:
     return np.asarray(stress)
 
 
-def _functions(model: Elasticity, basis: Any) -> tuple[NDArray[np.intp], Array]:
-    """Numbers of the ten cubic functions of each element of a basis, and their signs, shape (10, elements).
+def _functions(model: Elasticity, elements: NDArray[np.intp]) -> tuple[NDArray[np.intp], Array]:
+    """Numbers of the ten cubic functions of each element, and their signs, shape (10, elements).
 
     An edge's function changes its sign with the direction of the edge, which goes to the larger corner.
     """
-    mesh, elements = model.mesh, basis.tind
+    mesh = model.mesh
     numbers = np.vstack([mesh.t2e[:, elements], mesh.nedges + mesh.t2f[:, elements]])
     corners = mesh.t[:, elements]
     signs = np.ones(numbers.shape)
     for function, (a, b) in enumerate(EDGES):
         signs[function] = np.where(corners[a] < corners[b], 1.0, -1.0)
     return numbers, signs
-
-
-def _slopes(model: Elasticity, basis: Any) -> Array:
-    inverse = basis.mapping.invDF(basis.X, tind=basis.tind)
-    signs = _functions(model, basis)[1][:, :, None, None]
-    found = np.einsum("jieq,njq->neqi", inverse, _reference_slopes(basis.X), optimize=True)
-    return np.asarray(found * signs)
 
 
 def _reference_values(points: Array) -> Array:
@@ -162,7 +161,7 @@ def _reference_slopes(points: Array) -> Array:
 
 def _mean_weights(model: Elasticity, z_mm: tuple[float, float]) -> Array:
     basis, inside = basis_above_plane(model, *z_mm)
-    numbers, signs = _functions(model, basis)
+    numbers, signs = _functions(model, basis.tind)
     weights = np.zeros(model.mesh.nedges + model.mesh.nfacets)
     np.add.at(weights, numbers, signs * (_reference_values(basis.X) @ inside.T))
     return np.asarray(weights / inside.sum())
