@@ -408,8 +408,11 @@ def test_two_rods_on_a_pin_load_the_bearings_by_the_lever_rule(offset_mm: float 
 
 
 @pytest.mark.slow
-def test_a_single_throw_has_the_bearing_forces_and_films_of_the_balance() -> None:
+def test_a_single_throw_has_the_bearing_forces_and_films_of_the_balance(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """Direction and sense of rotation, too: the film follows the load as it turns."""
+    monkeypatch.setattr("cranktopo.tasks.shaft.continuous.carried", lambda _: (0, 1))  # of the one throw
     scene = load_scene("car-diesel")
     _, throw = meshed(scene, 20.0)
     cycle = shaft_cycle([throw], (0.0,), _of_throw(cycle_forces(scene), 0), None)
@@ -421,12 +424,13 @@ def test_a_single_throw_has_the_bearing_forces_and_films_of_the_balance() -> Non
     bearing = ShaftBearing(bearing=1, largest_N=0, at_deg=0, halves_N=0, tilt_mrad=0, offset_um=0)
     big_ends = ShaftBigEnds(tilt_mrad=(0.0,))
     shaft = ContinuousShaft(
-        speed_rpm=1.0, spring_N_per_mm=None, webs=(), main_bearings=(bearing,), big_ends=big_ends
+        speed_rpm=1.0, spring_N_per_mm=None, webs=(), main_bearings=(bearing, bearing), big_ends=big_ends
     )
     straight = np.zeros((len(scene.shaft_angles_deg), cycle.angle_deg.size), complex)
     (filled,) = _with_films([_AtSpeed(scene, shaft, cycle, straight)])
     every = oil_films(scene).speeds[0].bearings
-    for film, alone in zip(filled.bearings, (every[0], every[-1]), strict=True):
+    first_and_big_end = filled.bearings[0], filled.bearings[-1]
+    for film, alone in zip(first_and_big_end, (every[0], every[-1]), strict=True):
         assert film.film_um == pytest.approx(alone.film_um, rel=0.01)
         assert film.pressure_MPa == pytest.approx(alone.pressure_MPa, rel=0.01)
 

@@ -158,7 +158,8 @@ def test_one_swinging_throw_between_two_bearings_is_the_throw_alone(
     throw = loaded_throw(stress.body.blocks, scene)
     none = np.zeros_like(forces.radial_N)
     middle = replace(forces, radial_aside_N_mm=none, tangential_aside_N_mm=none)
-    states = throw_states([throw], (0.0,), middle, shaft_cycle([throw], (0.0,), middle, None))
+    cycle = shaft_cycle([throw], (0.0,), middle, None, rigid_at=(0, 1))  # as the sections of a throw alone
+    states = throw_states([throw], (0.0,), middle, cycle)
     labels = tuple(f"{angle:g}" for angle in forces.angle_deg)
     found = field_of_states(stress.model, "lsa", stress.loads(states[0]), labels)
     swing = forces.swing

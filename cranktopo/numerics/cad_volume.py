@@ -1,0 +1,97 @@
+"""Volume of a solid by quadratic triangles on its faces, beside the CAD kernel's own integration.
+
+The kernel integrates a face over its parameters, and misses up to 5e-5 of a throw's volume where the curves
+that end the face turn sharply. Triangles do not know parameters. At the size taken here they miss 7e-6 of a
+ring, which is nothing but curved, and less than 1e-6 of throws.
+"""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from typing import Any
+
+import numpy as np
+
+from cranktopo.base.arrays import Array, Index
+from cranktopo.numerics.gmsh_session import with_option
+
+_PER_TURN, _ALONG = 24, 40
+"""Triangles to a full turn of the smaller radius of curvature, and along the largest extent of the solid."""
+_QUADRATIC = 9
+"""Number that gmsh gives to triangles of six nodes."""
+_DELAUNAY = 5
+"""gmsh's usual method, the frontal one, leaves faces of two halves with two seams up to 2e-4 off."""
+_AT, _WEIGHT = (0.445948490915965, 0.091576213509771), (0.223381589678011, 0.109951743655322)
+"""Quadrature of degree four on a triangle (D. A. Dunavant, Int. J. Num. Meth. Eng. 21, 1985)."""
+
+
+def triangulated_volume_mm3(solid: int) -> float:
+    """Return the volume of a solid of the open session, which has no mesh before and after."""
+    import gmsh
+
+    gmsh.model.occ.synchronize()
+    every = gmsh.model.getEntities()
+    low, high = np.reshape(gmsh.model.getBoundingBox(3, solid), (2, 3))
+    with ExitStack() as options:
+        options.enter_context(with_option("Mesh.MeshSizeFromCurvature", _PER_TURN))
+        options.enter_context(with_option("Mesh.MeshSizeMax", float((high - low).max()) / _ALONG))
+        options.enter_context(with_option("Mesh.MeshOnlyVisible", 1))
+        options.enter_context(with_option("Mesh.Algorithm", _DELAUNAY))
+        gmsh.model.setVisibility(every, 0)
+        gmsh.model.setVisibility([(3, solid)], 1, recursive=True)
+        try:
+            gmsh.model.mesh.generate(2)
+            gmsh.model.mesh.setOrder(2)
+            return volume_of(*_triangles(gmsh, solid))
+        finally:
+            gmsh.model.mesh.clear()
+            gmsh.model.setVisibility(every, 1)
+
+
+def _triangles(gmsh: Any, solid: int) -> tuple[Array, Index]:
+    """Return nodes (n, 3) and the six nodes of each triangle on the faces of a solid, (triangles, 6)."""
+    numbers, places, _ = gmsh.model.mesh.getNodes()
+    position = np.zeros(int(numbers.max()) + 1, dtype=np.intp)
+    position[numbers.astype(np.intp)] = np.arange(len(numbers))
+    found = []
+    for _, face in gmsh.model.getBoundary([(3, solid)], oriented=False):
+        _, of_face = gmsh.model.mesh.getElementsByType(_QUADRATIC, face)
+        found.append(position[of_face.astype(np.intp)].reshape(-1, 6))
+    return places.reshape(-1, 3), np.concatenate(found)
+
+
+def volume_of(nodes_mm: Array, triangles: Index) -> float:
+    """Return the volume inside a closed surface of six-node triangles, whatever way each of them turns.
+
+    Args:
+        triangles: corners, then the nodes of the edges 01, 12 and 20, (n, 6).
+    """
+    from trimesh import Trimesh, repair
+
+    turned = Trimesh(nodes_mm, triangles[:, :3], process=False)
+    repair.fix_winding(turned)
+    corners = triangles[:, :3]
+    kept = (np.stack([np.roll(corners, shift, axis=1) for shift in range(3)]) == turned.faces).all(axis=2)
+    sense = np.where(kept.any(axis=0), 1.0, -1.0)
+    points, weights = _quadrature()
+    values, along, across = _shapes(points)
+    at = nodes_mm[triangles] - nodes_mm.mean(axis=0)
+    place, one, other = (np.einsum("nq,tni->tqi", shapes, at) for shapes in (values, along, across))
+    parts = np.einsum("tqi,tqi,q->t", place, np.cross(one, other), weights) / 3
+    return abs(float(sense @ parts))
+
+
+def _quadrature() -> tuple[Array, Array]:
+    """Return points (6, 2) and weights (6,) over a triangle of area 1/2."""
+    points = [[(a, a), (a, 1 - 2 * a), (1 - 2 * a, a)] for a in _AT]
+    return np.concatenate(points), np.repeat(_WEIGHT, 3) / 2
+
+
+def _shapes(points: Array) -> tuple[Array, Array, Array]:
+    """Return the shape functions of six nodes at points, and their slopes along both edges, (6, points)."""
+    x, y = points.T
+    rest, zero = 1 - x - y, np.zeros_like(x)
+    values = rest * (2 * rest - 1), x * (2 * x - 1), y * (2 * y - 1), 4 * rest * x, 4 * x * y, 4 * y * rest
+    along = 1 - 4 * rest, 4 * x - 1, zero, 4 * (rest - x), 4 * y, -4 * y
+    across = 1 - 4 * rest, zero, 4 * y - 1, -4 * x, 4 * x, 4 * (rest - y)
+    return np.stack(values), np.stack(along), np.stack(across)
