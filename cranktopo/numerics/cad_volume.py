@@ -1,8 +1,8 @@
 """Volume of a solid by quadratic triangles on its faces, beside the CAD kernel's own integration.
 
-The kernel integrates a face over its parameters, and misses up to 5e-5 of a throw's volume where the curves
+The kernel integrates a face over its parameters, and misses up to 5e-5 of a body's volume where the curves
 that end the face turn sharply. Triangles do not know parameters. At the size taken here they miss 7e-6 of a
-ring, which is nothing but curved, and less than 1e-6 of throws.
+ring, which is nothing but curved, and less than 1e-6 of most bodies.
 """
 
 from __future__ import annotations
