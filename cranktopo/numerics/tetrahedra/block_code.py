@@ -123,7 +123,7 @@ def product(width: int, kind: str = "double") -> Callable[..., None]:
     Arrays by address; field and total have `width` columns, all numbers are of a kind, "double" or "float".
     """
     arguments = _INDEX, _KINDS[kind], *(_POINTER,) * 5
-    return _compiled(_product_text(width, kind), "product", arguments)
+    return _compiled(_product_text(width, kind, masks=_has_masks()), "product", arguments)
 
 
 @cache
@@ -136,6 +136,15 @@ def assembly() -> Callable[..., None]:
     numbers = _KINDS["double"], _KINDS["double"]
     arguments = _INDEX, _INDEX, *(_POINTER,) * 3, *numbers, *(_POINTER,) * 3
     return _compiled(_assembly_text(), "assembly", arguments)
+
+
+@cache
+def _has_masks() -> bool:
+    """Tell whether the processor loads and stores some lanes of a vector alone."""
+    import llvmlite.binding as llvm
+
+    features = llvm.get_host_cpu_features()
+    return any(features.get(one, False) for one in ("avx", "sve"))
 
 
 def _compiled(text: str, name: str, arguments: tuple[Any, ...]) -> Callable[..., None]:
@@ -158,19 +167,20 @@ def _compiled(text: str, name: str, arguments: tuple[Any, ...]) -> Callable[...,
 
 @dataclass(frozen=True)
 class _Columns:
-    """Lines for the columns of a node, of numbers of a kind.
+    """Lines for the columns of a node, of numbers of a kind, in as many lanes or more.
 
-    There are as many lanes as a power of two, those without a column masked: five to seven columns take the
-    time of eight, where a vector of just as many numbers takes up to twice that.
+    Where the processor masks lanes, they are a power of two: five to seven columns take the time of eight
+    then, where a vector of just as many numbers takes up to twice that.
     """
 
     width: int
     kind: str
+    masks: bool
 
     @property
     def lanes(self) -> int:
         """Numbers of a vector."""
-        return 1 << (self.width - 1).bit_length()
+        return 1 << (self.width - 1).bit_length() if self.masks else self.width
 
     @property
     def bits(self) -> int:
@@ -239,8 +249,8 @@ class _Columns:
         ]
 
 
-def _product_text(width: int, kind: str) -> str:
-    code = _Columns(width, kind)
+def _product_text(width: int, kind: str, *, masks: bool) -> str:
+    code = _Columns(width, kind, masks)
     row = [*code.loads("field", "x", "%i"), *code.loads("total", "own", "%i"), *code.scaled("x")]
     block = [*code.loads("field", "z", "%j"), *code.loads("total", "other", "%j"), *code.scaled("z")]
     block += [f"%block.at = getelementptr [9 x {kind}], ptr %value, i64 %p"]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
+from cranktopo.numerics.tetrahedra import block_code
 from cranktopo.numerics.tetrahedra.block_code import product
 
 ROWS, FACTOR = 40, -0.7
@@ -21,8 +22,16 @@ def guarded(values: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("kind", ["float", "double"])
-@pytest.mark.parametrize("width", [1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 15, 16, 19])
-def test_a_product_is_that_of_the_whole_matrix(width: int, kind: str) -> None:
+@pytest.mark.parametrize(
+    ("width", "masks"),
+    [(width, True) for width in (1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 15, 16, 19)] + [(7, False)],
+)
+def test_a_product_is_that_of_the_whole_matrix(
+    width: int, kind: str, masks: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With and without a processor that masks lanes."""
+    monkeypatch.setattr(block_code, "_has_masks", lambda: masks)
+    product.cache_clear()
     number = {"float": np.float32, "double": np.float64}[kind]
     random = np.random.default_rng(7)
     pattern = sp.triu(sp.random(ROWS, ROWS, 0.1, random_state=8) + sp.eye(ROWS)).tocsr()
