@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -15,9 +16,17 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.tasks.dynamics.result import ShaftDynamics
 from cranktopo.tasks.shaft_safety.dynamics_text import dynamics_text
 from cranktopo.tasks.shaft_safety.stage import assess_shaft
+from tests.throws_once import throws_once
 
 WORDS = ["shaft", "mikron-iiic-plain", "--element-size-mm", "24", "--quiet"]
 SIZE_MM = 24.0
+
+
+@pytest.fixture(scope="module", autouse=True)
+def throws() -> Iterator[None]:
+    """A mesh for each body: how it is made is not the subject."""
+    with throws_once():
+        yield
 
 
 def said(words: list[str], capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
@@ -53,14 +62,14 @@ def test_all_else_stays_as_it_is(capsys: pytest.CaptureFixture[str], tmp_path: P
 
 
 def test_the_worst_resonance_is_among_the_speeds(capsys: pytest.CaptureFixture[str]) -> None:
-    """Of several speeds; ratio, place and speed on the terminal, 80 columns."""
-    found = said([*WORDS, "--dynamic", "--speeds", "900:2800:3"], capsys)["dynamics"]
+    """Of two speeds; ratio, place and speed on the terminal, 80 columns."""
+    found = said([*WORDS, "--dynamic", "--speeds", "900:2800:2"], capsys)["dynamics"]
     text = "\n\n".join(dynamics_text(ShaftDynamics.model_validate(found)))
     assert max(map(len, in_width(text).splitlines())) <= 80
     assert "its output turns evenly" in " ".join(text.split())
     speeds = [at["speed_rpm"] for at in found["speeds"]]
     added = found["added_speed_rpm"]
-    assert speeds == sorted([900.0, 1850.0, 2800.0, added])
+    assert speeds == sorted([900.0, 2800.0, added])
     at = found["speeds"][speeds.index(added)]
     worst = max(found["resonances"], key=lambda one: one["ratio"])
     assert worst["speed_rpm"] == added

@@ -16,7 +16,7 @@ import pytest
 from tests.hostile.commands import case
 from tests.hostile.outcome import run_case, stubbed
 
-QUICK, SLOW = 100, 5000
+QUICK, SLOW = 60, 5000
 
 
 def faults_of(seeds: range, folder: Path) -> tuple[list[str], Counter[int], float]:

@@ -20,14 +20,14 @@ from cranktopo.tasks.importing.faces import Faces, PlaneFace
 from tests.physics.crank_import.test_crank_import import cylinder, synthetic
 
 
-def bar(radius: float, low: float, high: float, y: float = 0.0) -> Manifold:
-    return Manifold.cylinder(high - low, radius, circular_segments=120).translate((0.0, y, low))
-
-
-def throw() -> SurfaceMesh:
+def throw(segments: int = 120) -> SurfaceMesh:
     """Two webs of 18 mm, a pin of 36 mm at 50 mm, main journals of 44 mm."""
+
+    def bar(radius: float, low: float, high: float, y: float = 0.0) -> Manifold:
+        return Manifold.cylinder(high - low, radius, circular_segments=segments).translate((0.0, y, low))
+
     web = CrossSection.batch_hull(
-        [CrossSection.circle(r, 90).translate((0.0, y)) for r, y in ((36, 0), (30, 50))]
+        [CrossSection.circle(r, 3 * segments // 4).translate((0.0, y)) for r, y in ((36, 0), (30, 50))]
     )
     webs = [Manifold.extrude(web, 18.0).translate((0.0, 0.0, z)) for z in (25.0, 83.0)]
     return mesh_of(
@@ -82,7 +82,7 @@ def test_noise_is_named(tmp_path: Path, scatter_mm: float) -> None:
 
 
 def test_small_noise_is_named_where_a_later_step_fails(tmp_path: Path) -> None:
-    mesh = throw()
+    mesh = throw(72)
     noise = np.random.default_rng(1).normal(scale=0.008, size=mesh.vertices_mm.shape)
     with pytest.raises(
         CranktopoError, match=r"looks like no crank: .*; corners .* by about 0.0\d+ mm, which may be"

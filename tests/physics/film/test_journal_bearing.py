@@ -119,9 +119,8 @@ def test_a_steady_load_ends_in_its_equilibrium() -> None:
 
 def test_a_load_that_turns_with_the_journal_is_a_steady_one_turned_about() -> None:
     """The oil turns at half the speed: ahead of a steady load by as much as behind a turning one."""
-    still, turning = (
-        steady(load) for load in (np.full(360, 8000.0 + 0j), 8000.0 * np.exp(1j * np.radians(ANGLE)))
-    )
+    loads = np.full(360, 8000.0 + 0j), 8000.0 * np.exp(1j * np.radians(ANGLE))
+    still, turning = orbits([LoadedJournal(BEARING, load, SPEED, TURNING) for load in loads], ANGLE)
     assert np.abs(turning.eccentricity).max() == pytest.approx(
         float(np.abs(still.eccentricity).max()), abs=1e-3
     )
@@ -180,8 +179,8 @@ def energy_off(step_deg: float) -> float:
 
 def test_the_energy_of_a_cycle_is_what_the_film_takes() -> None:
     """Off by the square of the step, by the load that is straight between its angles: without steps, 1e-6."""
-    coarse, fine = energy_off(1.0), energy_off(0.5)
-    assert abs(coarse) < 2e-5
+    coarse, fine = energy_off(2.0), energy_off(1.0)
+    assert abs(coarse) < 5e-5
     assert coarse / fine == pytest.approx(4.0, abs=0.4)
     assert abs(fine + (fine - coarse) / 3) < 1e-6
 

@@ -146,7 +146,7 @@ def test_bores_keep_their_limits_by_the_judge():
 
 def test_a_judge_whom_no_lighter_rod_suits_ends_the_search(monkeypatch):
     """Every change of the rod costs half of the safety, and nothing gives it back."""
-    monkeypatch.setattr(element_search, "_ROUNDS", 2)
+    monkeypatch.setattr(element_search, "_ROUNDS", 1)
 
     def strict(scene):
         return told(scene, lambda scene: lambda _: 1.0 if scene == OWN else 0.5)

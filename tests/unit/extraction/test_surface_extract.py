@@ -32,6 +32,8 @@ from tests.unit.extraction.surface_cases import (
 BORES_MM2 = 2 * math.pi * 12**2
 MAIN_MM3 = math.pi * (21**2 - 12**2) * 20
 PIN_MM3 = math.pi * (21**2 - 12**2) * 18
+COARSE_MM = 3.0
+"""Cells for what does not depend on them."""
 
 
 @pytest.fixture(scope="module")
@@ -172,7 +174,7 @@ def test_islands_are_dropped_counted_and_weighed() -> None:
 def test_a_heavy_island_fails_the_check() -> None:
     scene = scene_with()
     shape = united(obround(), ball(37, 0, 29.5, 8))
-    surface = extract_half_throw(grid_of(scene, shape), scene)
+    surface = extract_half_throw(grid_of(scene, shape, COARSE_MM), scene)
     assert surface.dropped_islands == 1
     with pytest.raises(CranktopoError, match=r"1 islands with .* mm3 left out") as caught:
         check_surface(surface)
@@ -282,7 +284,7 @@ def test_broken_stl_envelope_is_refused(tmp_path: Path) -> None:
 
 def test_clearances_keep_the_web_away_and_the_journals_on() -> None:
     scene = scene_with(envelope__bearing_clearance_mm=3.0, envelope__rod_clearance_mm=2.0)
-    grid = grid_of(scene, obround(), cell_mm=1.0)
+    grid = grid_of(scene, obround())
     x, y, z = np.meshgrid(*(grid.centres_mm(axis) for axis in range(3)), indexing="ij")
     density = grid.density.copy()
     density[(z < 23) & (np.hypot(x, y) > 21)] = 0
@@ -303,7 +305,7 @@ def test_without_envelope_the_grid_bounds_the_web() -> None:
     data = scene_with().model_dump(exclude_none=True)
     del data["envelope"]
     scene = scene_from_dict(data)
-    surface = extract_half_throw(grid_of(scene, obround()), scene)
+    surface = extract_half_throw(grid_of(scene, obround(), COARSE_MM), scene)
     assert surface.volume_mm3 == pytest.approx(surface.target_volume_mm3, rel=2e-4)
 
 
@@ -318,7 +320,7 @@ def test_empty_density_is_refused() -> None:
 
 def test_uniform_grey_has_no_surface() -> None:
     scene = scene_with()
-    grid = grid_of(scene, everywhere())
+    grid = grid_of(scene, everywhere(), COARSE_MM)
     grey = DensityGrid(grid.origin_mm, grid.cell_mm, np.full(grid.density.shape, 0.3))
     with pytest.raises(CranktopoError, match="no iso-value encloses") as caught:
         extract_half_throw(grey, scene)
@@ -328,7 +330,7 @@ def test_uniform_grey_has_no_surface() -> None:
 def test_web_that_does_not_connect_is_refused() -> None:
     scene = scene_with()
     shape = united(ball(0, 0, 29.5, 22), ball(0, 60, 29.5, 22))
-    grid = grid_of(scene, shape)
+    grid = grid_of(scene, shape, COARSE_MM)
     gap = (grid.centres_mm(1) > 24) & (grid.centres_mm(1) < 36)
     density = grid.density.copy()
     density[:, gap] = 0.0
