@@ -128,17 +128,24 @@ def bench(tmp_path: Path, browser: Any) -> Iterator[Any]:
         yield opened
 
 
-@pytest.fixture
-def quick(tmp_path: Path, browser: Any) -> Iterator[Any]:
-    """Open a bench that solves nothing with a design, or none, in a browser window; all end with the test."""
+@contextmanager
+def quick_benches(folder: Path, browser: Any) -> Iterator[Any]:
+    """Open a bench that solves nothing with a design, or none, in a browser window, until the block ends."""
     with ExitStack() as open_ones:
 
         def opened(design: str = "", **window: Any) -> Visit:
-            address = open_ones.enter_context(quick_bench(tmp_path, design))
+            address = open_ones.enter_context(quick_bench(folder, design))
             found = _visited(browser, address, open_ones, window)
             found.page.set_default_timeout(QUICK_MS)
             return found
 
+        yield opened
+
+
+@pytest.fixture
+def quick(tmp_path: Path, browser: Any) -> Iterator[Any]:
+    """Open benches as `quick_benches`; all end with the test."""
+    with quick_benches(tmp_path, browser) as opened:
         yield opened
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
 from tests.browser.bench_page import JOB_MS, gauge, set_slider, settled, shown
+from tests.browser.conftest import quick_benches
 
 pytest.importorskip("tornado")
 PLAIN = "mikron-iiic-plain"
@@ -19,6 +21,27 @@ SAYS = """async ([safety, dragging, broken]) => {
 }"""
 TOLD = {"gauges": {"pin_fillet_safety": 1.14}, "error_percent": {"pin_fillet_safety": 2.1}}
 NONE: dict[str, Any] = {"gauges": {}, "error_percent": {}}
+AS_OPENED = """async () => {
+    const { state } = await import("./state.js");
+    window.asOpened ??= { ...state };
+    for (const key of Object.keys(state)) if (!(key in window.asOpened)) delete state[key];
+    Object.assign(state, window.asOpened);
+}"""
+
+
+@pytest.fixture(scope="module")
+def one_page(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    with quick_benches(tmp_path_factory.mktemp("bench"), browser) as opened:
+        page = opened(PLAIN).page
+        shown(page)
+        yield page
+
+
+@pytest.fixture
+def page(one_page: Any) -> Any:
+    """A page whose state is as it was when it had opened; to open another takes seconds."""
+    one_page.evaluate(AS_OPENED)
+    return one_page
 
 
 def ring(page: Any, name: str) -> str:
@@ -26,10 +49,8 @@ def ring(page: Any, name: str) -> str:
     return str(page.locator(f"[data-gauge={name}] .ring span").first.inner_text())
 
 
-def test_a_safety_is_told_with_its_error_or_waits(quick: Any) -> None:
+def test_a_safety_is_told_with_its_error_or_waits(page: Any) -> None:
     """While a dimension is dragged; the last settled value stood there as if it were of the web in hand."""
-    page = quick(PLAIN).page
-    shown(page)
     page.evaluate(SAYS, [TOLD, True, []])
     assert gauge(page, "pin_fillet_safety") == 1.14
     assert ring(page, "pin_fillet_safety") == "live, error at most 2.1 %"
@@ -44,10 +65,8 @@ def test_a_safety_is_told_with_its_error_or_waits(quick: Any) -> None:
     assert ring(page, "pin_fillet_safety").startswith("settled")
 
 
-def test_a_stiffness_that_cells_cannot_tell_waits(quick: Any) -> None:
+def test_a_stiffness_that_cells_cannot_tell_waits(page: Any) -> None:
     """That of the last settled web stood there, stale, beside another one that was told."""
-    page = quick(PLAIN).page
-    shown(page)
     page.evaluate(
         """async () => {
             const [{ state }, { showGauges }] = [await import("./state.js"), await import("./gauges.js")];
@@ -63,10 +82,8 @@ def test_a_stiffness_that_cells_cannot_tell_waits(quick: Any) -> None:
     assert ring(page, "bending") == "waits: its error would be too large"
 
 
-def test_a_bound_is_a_share_of_the_design_in_hand(quick: Any) -> None:
+def test_a_bound_is_a_share_of_the_design_in_hand(page: Any) -> None:
     """Cells are not as heavy as the web is: the mass of a bound on them stood beside that of the solid."""
-    page = quick(PLAIN).page
-    shown(page)
     mass = gauge(page, "mass")
     page.evaluate(
         """async () => {

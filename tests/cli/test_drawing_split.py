@@ -44,7 +44,7 @@ def dash_dotted(figure: Figure) -> np.ndarray:
     return np.array([*found.center, found.radius])
 
 
-@pytest.mark.parametrize("splay", [SPLAY, 40.0])
+@pytest.mark.parametrize("splay", [SPLAY, pytest.param(40.0, marks=pytest.mark.slow)])
 def test_the_other_half_pin_is_drawn_where_the_body_has_it(splay: float) -> None:
     """Sections of the exact throw beyond the middle, from the crankpin with the own half pin up."""
     scene = one_pocket(splay)

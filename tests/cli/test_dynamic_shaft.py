@@ -133,6 +133,7 @@ def test_a_shaft_on_springs_in_words() -> None:
     assert max(map(len, in_width(text).splitlines())) <= 80
 
 
+@pytest.mark.slow
 def test_a_shaft_in_its_oil_films() -> None:
     """Films beside those without mass, what is permitted of them, their work, and the words."""
     data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)

@@ -66,7 +66,7 @@ PART_CASES: dict[tuple[str, str], Table] = {
                 "roughness_um": 0.6,
                 "run_out_mm": 0.01,
             },
-            dear=kind in ("flange", "thread", "keyway", "gear_seat"),
+            dear=kind != "cone",
         )
         for kind, more in {
             "cylinder": {},

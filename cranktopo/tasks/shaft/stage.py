@@ -74,6 +74,7 @@ def evaluate_shaft(
     """
     resolved = resolve_target(target, whole=True, crank=True)
     scene = resolved.scene
+    _ = scene.shaft_angles_deg  # refuses a scene without an engine before anything is solved
     spring = required_bearing_spring_N_per_mm(scene) if bearings == "spring" else 0.0
     held = linear_bearings(bearings)
     size = element_size_mm or default_element_size_mm(scene)

@@ -38,7 +38,7 @@ def every_ten_degrees() -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def field(every_ten_degrees: None) -> FatigueField:
-    return fatigue_field(Target("mikron", SCENE), "lsa", "cycle", fillet_fraction=0.5)
+    return fatigue_field(Target("mikron", SCENE), "lsa", "cycle", fillet_fraction=1.0)
 
 
 def test_histories_of_the_cycle_are_those_of_the_throws() -> None:

@@ -33,7 +33,7 @@ def by_mobility(of: LoadedJournal, start: complex = START) -> Orbit:
 
 @pytest.fixture(scope="module")
 def of_one_start() -> list[Orbit]:
-    """The journal, twice as large, and begun later: in one solve, which takes little more than one of them."""
+    """The journal, twice as large, and begun later: in one solve, which takes as long as one of them."""
     return orbits([journal(), scaled(journal()), journal(LATER)], ANGLE, START)
 
 

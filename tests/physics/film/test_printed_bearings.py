@@ -63,7 +63,7 @@ def film_at(number: float, width: float, direction: float) -> float:
 
 
 @pytest.mark.parametrize("width", [0.25, 0.5, 1.0])
-@pytest.mark.parametrize("eccentricity", [0.3, 0.9, 0.95])
+@pytest.mark.parametrize("eccentricity", [0.3, pytest.param(0.9, marks=pytest.mark.slow), 0.95])
 def test_a_steady_bearing_of_din_31652(width: float, eccentricity: float) -> None:
     """So = F psi^2 / (D B eta w): film within 5 %, attitude within 4 deg.
 

@@ -209,7 +209,7 @@ def filleted_web(filleted: Scene) -> tuple[Layout, np.ndarray]:
 def test_cells_follow_the_fillet(filleted: Scene, filleted_web: tuple[Layout, np.ndarray]) -> None:
     """Cells are filled as the scene's bodies are; derivatives by outline and angle by differences."""
     layout, values = filleted_web
-    axes = np.arange(0.3, 75.0, 2.0), np.arange(-73.3, 80.0, 2.0), np.array([25.0, 30.0])
+    axes = np.arange(0.3, 75.0, 3.0), np.arange(-73.3, 80.0, 3.0), np.array([25.0, 30.0])
     web = ParametricWeb(layout, filleted, usual_limits(filleted), axes)
     inside, which = web.inside_mm(values)
     assert (which == FILLET).sum() > 10

@@ -48,7 +48,7 @@ def sharp_mm3(scene: Scene) -> float:
         pytest.param(STRAIGHT, 1.0, id="straight, 1 mm"),
         pytest.param(STRAIGHT, 2.0, id="straight, 2 mm", marks=pytest.mark.slow),
         pytest.param(LEANING, 1.0, id="leaning, 1 mm", marks=pytest.mark.slow),
-        pytest.param(LEANING, 2.0, id="leaning, 2 mm"),
+        pytest.param(LEANING, 2.0, id="leaning, 2 mm", marks=pytest.mark.slow),
     ],
 )
 def test_they_take_the_ring_of_a_rolled_ball(drilling: dict[str, Any], rounding_mm: float) -> None:
@@ -56,6 +56,7 @@ def test_they_take_the_ring_of_a_rolled_ball(drilling: dict[str, Any], rounding_
     assert by_kernel == pytest.approx(closed, rel=0.06)
 
 
+@pytest.mark.slow
 def test_a_tool_takes_the_same_where_the_kernel_cannot_round(monkeypatch: pytest.MonkeyPatch) -> None:
     on_body, _ = ring_mm3(STRAIGHT, 1.0)
     original = gmsh.model.occ.fillet
@@ -104,11 +105,11 @@ def test_a_body_that_cannot_be_cut_is_meshed_with_tools(monkeypatch: pytest.Monk
         return original(*arguments, **options)
 
     monkeypatch.setattr(solid_mesh, "positive_x", fails_first)
-    assert solid_mesh.mesh_throw(mikron(STRAIGHT), 8.0).mesh.mirrored
+    assert solid_mesh.mesh_throw(mikron(STRAIGHT), 20.0).mesh.mirrored
     assert len(calls) == 2
     calls.clear()
     with pytest.raises(CranktopoError, match="cannot cut"):
-        solid_mesh.mesh_throw(mikron(), 8.0)
+        solid_mesh.mesh_throw(mikron(), 20.0)
 
 
 def test_a_tool_that_the_kernel_leaves_inside_out_is_no_body() -> None:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from unittest.mock import patch
+
 import numpy as np
 import pytest
 
 from cranktopo.design.edits import changed_data
 from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.engine.analysis import analyse
 from cranktopo.tasks.bench.bearing_forces import largest_bearing_force_N, polars
@@ -15,6 +17,7 @@ from cranktopo.tasks.bench.engine_loads import EngineLoads
 from cranktopo.tasks.bench.forms import new_design
 from cranktopo.tasks.bench.live import live_numbers
 from cranktopo.tasks.bench.settled import settled_film
+from cranktopo.tasks.film.result import FilmResult
 from cranktopo.tasks.film.stage import oil_films
 
 SINGLE = parse_toml(
@@ -50,9 +53,17 @@ def test_they_follow_the_speed_and_an_engine_without_one_has_none() -> None:
 
 def test_the_film_is_that_of_the_command() -> None:
     data = changed_data(SINGLE, {"bearings": {"clearance_mm": 0.05, "viscosity_mPas": 9.0}})
-    with patch("cranktopo.tasks.film.stage.with_conserving", side_effect=lambda _, films, *rest: tuple(films)):
-        (found,) = oil_films(scene_from_dict(data, "single", whole=True)).speeds
+    told: list[tuple[Scene, FilmResult]] = []
+
+    def watched(scene: Scene) -> FilmResult:
+        told.append((scene, oil_films(scene)))
+        return told[-1][1]
+
+    with patch("cranktopo.tasks.bench.settled.oil_films", watched):
         gauges = settled_film(data)["gauges"]
+        assert settled_film(SINGLE)["gauges"] == {}
+    ((scene, films),) = told
+    assert scene == scene_from_dict(data, scene.name, whole=True)
+    (found,) = films.speeds
     assert gauges["film"] == min(film.film_um for film in found.bearings)
     assert gauges["film_pressure"] == max(film.pressure_MPa for film in found.bearings)
-    assert settled_film(SINGLE)["gauges"] == {}

@@ -49,21 +49,21 @@ def _assert_alike(one: MeshedThrow, two: MeshedThrow) -> None:
 
 def test_the_second_mesh_of_a_kept_body_is_that_of_a_new_one(mikron: Scene, built: list[Scene]) -> None:
     _close()
-    new = [mesh_throw(mikron, 9.0), mesh_throw(mikron, 9.0, fillet_fraction=0.5)]
+    new = [mesh_throw(mikron, 18.0), mesh_throw(mikron, 18.0, fillet_fraction=1.0)]
     assert len(built) == 1
-    for number, fraction in enumerate((0.5, None)):
+    for number, fraction in enumerate((1.0, None)):
         _close()
-        _assert_alike(mesh_throw(mikron, 9.0, fillet_fraction=fraction), new[1 - number])
+        _assert_alike(mesh_throw(mikron, 18.0, fillet_fraction=fraction), new[1 - number])
     assert len(built) == 3
 
 
 def test_another_body_is_built(mikron: Scene, built: list[Scene]) -> None:
     _close()
     thicker = mikron.model_copy(update={"web": mikron.web.model_copy(update={"thickness_mm": 20.0})})
-    first, second = mesh_throw(mikron, 9.0), mesh_throw(thicker, 9.0)
+    first, second = mesh_throw(mikron, 18.0), mesh_throw(thicker, 18.0)
     assert len(built) == 2
     assert second.body.volume_mm3 > first.body.volume_mm3
-    mesh_throw(thicker, 9.0, quarter=False)  # both signs of x
+    mesh_throw(thicker, 18.0, quarter=False)  # both signs of x
     assert len(built) == 3
 
 
@@ -79,14 +79,14 @@ def test_a_failure_closes_the_session() -> None:
 
 
 def test_a_kept_body_is_not_in_the_next_session(mikron: Scene) -> None:
-    mesh_throw(mikron, 9.0)
+    mesh_throw(mikron, 18.0)
     with cad_session("empty") as gmsh:
         assert gmsh.model.getEntities(3) == []
 
 
 def test_nothing_is_left_open_where_nobody_keeps_it(mikron: Scene) -> None:
     with _without_keepers():
-        mesh_throw(mikron, 9.0)
+        mesh_throw(mikron, 18.0)
         assert not gmsh.isInitialized()
 
 

@@ -271,6 +271,7 @@ _HELD = dict(
     )
 )
 _LONG = {
+    "box",
     "box with a round floor",
     "cylinder",
     "side",

@@ -91,7 +91,7 @@ def test_distances_to_a_ball_are_exact() -> None:
 def test_iso_distance_is_small_and_sees_a_displaced_surface() -> None:
     scene = scene_with()
     shape = united(obround(), ball(20, 12, 37, 14))
-    grid = grid_of(scene, shape, cell_mm=2.0)
+    grid = grid_of(scene, shape, cell_mm=3.0)
     surface = extract_half_throw(grid, scene)
     distance = iso_distance_mm(surface, grid, scene)
     assert len(distance) > 1000

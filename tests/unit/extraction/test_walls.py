@@ -82,11 +82,11 @@ def test_an_oil_drilling_is_no_wall_that_was_shaped() -> None:
     """It leans, so that a die would be held by its lower half, and is no gap."""
     drilled = drilled_beside(scene_with(effects__manufacturing_constraint="on"), 5.0)
     wide = Manifold.cube((200, 200, 60)).translate((-100, -100, 0))
-    found, plain = (measure(block(tool), wide, drilled, 1.5) for tool in (drillings(drilled), Manifold()))
+    found, plain = (measure(block(tool), wide, drilled, 2.5) for tool in (drillings(drilled), Manifold()))
     assert found.least_draft_deg == pytest.approx(plain.least_draft_deg, abs=0.01)
     assert found.least_gap_mm == plain.least_gap_mm is None
     own = Manifold.cylinder(40, 2.5, 2.5, 64, center=True).rotate((0, 60, 0)).translate((20, 0, 30))
-    assert measure(block(own), wide, drilled, 1.5).least_draft_deg < -20, "another hole is a wall"
+    assert measure(block(own), wide, drilled, 2.5).least_draft_deg < -20, "another hole is a wall"
 
 
 @pytest.mark.slow

@@ -90,7 +90,7 @@ def test_uniaxial_mean_stress_costs_what_the_constants_say(mean: float) -> None:
     assert equivalent("dang_van", history, ratio) == pytest.approx(by_grains, rel=1e-12)
 
 
-@pytest.mark.parametrize("lag", [30.0, 60.0, 90.0])
+@pytest.mark.parametrize("lag", [30.0, pytest.param(60.0, marks=pytest.mark.slow), 90.0])
 @pytest.mark.parametrize(("normal", "shear"), [(258.0, 129.0), (150.2, 181.7), (304.5, 63.9)])
 def test_findley_out_of_phase_is_the_largest_of_all_planes_at_a_quarter_degree(
     normal: float, shear: float, lag: float

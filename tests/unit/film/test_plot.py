@@ -20,6 +20,7 @@ def test_orbits_are_drawn_in_their_clearance(tmp_path: Path, monkeypatch: pytest
     monkeypatch.setattr(
         plot, "save_figure", lambda figure, *to, **how: (drawn.append(figure), write(figure, *to, **how))
     )
+    monkeypatch.setattr("cranktopo.tasks.film.stage.with_conserving", lambda _, films, *rest: tuple(films))
     _, found = films_and_orbits(own)
     plot.plot_films(own.name, 2100.0, found, tmp_path / "film.png")
     assert (tmp_path / "film.png").stat().st_size > 10_000

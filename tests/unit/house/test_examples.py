@@ -7,10 +7,13 @@ import runpy
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import pytest
 
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.evaluate.sensitivities import Sensitivities, evaluate_sensitivities
 from cranktopo.tasks.sweep.job import Job, do_job
 from cranktopo.tasks.throw_fea.evaluation import Evaluation, evaluate
 from cranktopo.tasks.throw_fea.targets import Target
@@ -19,8 +22,15 @@ ROOT = Path(__file__).resolve().parents[3]
 GALLERY = ROOT / "docs" / "pages" / "images" / "examples"
 SCRIPTS = sorted((ROOT / "examples").glob("*.py"))
 LARGEST_PICTURE_BYTES = 60_000
-OWN_WORK = ("07_sweep", "08_finished_run")
-"""Scripts that start processes or a run, for which the quick tests have a cheaper one."""
+OWN_WORK = (
+    "04_two_webs",
+    "07_sweep",
+    "08_finished_run",
+    "10_sensitivities",
+    "11_goal_and_limits",
+    "12_export",
+)
+"""Scripts that start processes or a run or solve much, for which the quick tests have something cheaper."""
 
 
 def in_this_process(jobs: Sequence[Job], engine: object, done: Callable[..., None], enough: object) -> None:
@@ -30,8 +40,19 @@ def in_this_process(jobs: Sequence[Job], engine: object, done: Callable[..., Non
 
 
 def coarsely(target: Target, _element_size_mm: float) -> Evaluation:
-    """Evaluate a point of a sweep: what its picture shows is not the subject."""
+    """Evaluate a web: what its picture shows is not the subject."""
     return evaluate(target, 24.0)
+
+
+def coarse_sensitivities(target: str, **_: float) -> Sensitivities:
+    return evaluate_sensitivities(target, element_size_mm=20.0)
+
+
+with_optimise = Scene.with_optimise
+
+
+def few_iterations(scene: Scene, **settings: Any) -> Scene:
+    return with_optimise(scene, **settings | ({"max_iterations": 2} if "max_iterations" in settings else {}))
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +75,11 @@ def runs(script: Path, out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
 def test_an_example_writes_its_picture(script: Path, out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("cranktopo.tasks.sweep.computed.compute", in_this_process)
-    monkeypatch.setattr("cranktopo.tasks.sweep.fineness.evaluate", coarsely)
+    for room in ("sweep.fineness", "throw_fea.stage"):
+        monkeypatch.setattr(f"cranktopo.tasks.{room}.evaluate", coarsely)
+    monkeypatch.setattr("cranktopo.evaluate_sensitivities", coarse_sensitivities)
+    monkeypatch.setattr("cranktopo.bodies.solid.files._FACET_MM", 4.0)
+    monkeypatch.setattr(Scene, "with_optimise", few_iterations)
     runs(script, out, monkeypatch)
 
 

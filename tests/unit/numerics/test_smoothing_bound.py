@@ -24,7 +24,9 @@ def fields() -> dict[str, np.ndarray]:
     return {"uniform": np.ones(LATTICE.cells), "random": random**6, "corner": corner}
 
 
-@pytest.mark.parametrize("name", list(fields()))
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "uniform")) for name in fields()]
+)
 def test_bound_is_above_and_near(name: str) -> None:
     """Below it the multigrid cycle is not positive definite; far above it smooths less."""
     with double_precision():

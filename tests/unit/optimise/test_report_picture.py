@@ -181,7 +181,10 @@ def test_first_four_axes_share_one_scale(throw: SurfaceMesh) -> None:
     np.testing.assert_allclose(scales, scales[0], rtol=0.02)
 
 
-@pytest.mark.parametrize("history", [[], [{"iteration": 0, "objective": 0.0}], _history()])
+@pytest.mark.parametrize(
+    "history",
+    [[], pytest.param([{"iteration": 0, "objective": 0.0}], marks=pytest.mark.slow), _history()],
+)
 def test_pngs_are_drawn_for_any_history(throw: SurfaceMesh, history: list[Any]) -> None:
     before = dict(mpl.rcParams)
     drawn = run_pictures(throw, history, "mikron-iiic-plain", WEB_Z)
