@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.table import SOFTEST_BEARING_N_PER_MM
 from cranktopo.design.checks.engine import check_engine, check_shaft
@@ -138,8 +139,9 @@ def check_solid(scene: Scene) -> None:
     web.check_outline(scene.throw.radius_mm)
     for key, feature in features:
         feature.check_alone(scene, key)
-    _check_journal(scene, "throw.main_journal", scene.throw.main_journal, 0.0)
-    _check_journal(scene, "throw.crankpin", scene.throw.crankpin, scene.throw.radius_mm)
+    outline = _outline_mm(scene)
+    _check_journal(scene, "throw.main_journal", scene.throw.main_journal, 0.0, outline)
+    _check_journal(scene, "throw.crankpin", scene.throw.crankpin, scene.throw.radius_mm, outline)
     for key, feature in features:
         feature.check_in_web(scene, key)
     for key, drilling in scene.throw.features():
@@ -147,16 +149,28 @@ def check_solid(scene: Scene) -> None:
     check_apart(scene, drill_bores(scene))
 
 
-def _shoulder_mm(scene: Scene, y_mm: float) -> float:
+_CLOSER_AT_ENDS = 1 - np.cos(np.linspace(0, np.pi, 4001))
+"""Places along a web, over half its length."""
+
+
+def _outline_mm(scene: Scene) -> tuple[Array, Array]:
+    """Return y of places along the web, and its half width there."""
     low, high = scene.web.y_range_mm(scene.throw.radius_mm)
-    y = low + (high - low) * (1 - np.cos(np.linspace(0, np.pi, 4001))) / 2
-    half = scene.web.half_width_mm(scene.throw.radius_mm, y)
+    y = low + (high - low) * _CLOSER_AT_ENDS / 2
+    return y, scene.web.half_width_mm(scene.throw.radius_mm, y)
+
+
+def _shoulder_mm(scene: Scene, y_mm: float, outline_mm: tuple[Array, Array]) -> float:
+    low, high = scene.web.y_range_mm(scene.throw.radius_mm)
+    y, half = outline_mm
     ends = min(y_mm - low, high - y_mm)
     return float(min(np.hypot(half, y - y_mm).min(), ends))
 
 
-def _check_journal(scene: Scene, key: str, journal: Journal, y: float) -> None:
-    edge = _shoulder_mm(scene, y)
+def _check_journal(
+    scene: Scene, key: str, journal: Journal, y: float, outline_mm: tuple[Array, Array]
+) -> None:
+    edge = _shoulder_mm(scene, y, outline_mm)
     least = least_shoulder_mm(scene.throw)
     if edge <= 0:
         allowed = f"does not reach around the axis of {key} at y = {y:g} mm"
