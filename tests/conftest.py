@@ -6,6 +6,7 @@ import gc
 import os
 import signal
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -55,12 +56,13 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     The short files of `unit` come last, so that both processes end at the same time.
     """
 
-    def place(item: pytest.Item) -> tuple[bool, bool, str]:
-        folder = item.path.relative_to(Path(__file__).parent).parts[0]
-        first = item.path.name == "test_cells.py"
+    @cache
+    def place(file: Path) -> tuple[bool, bool, str]:
+        folder = file.relative_to(Path(__file__).parent).parts[0]
+        first = file.name == "test_cells.py"
         return not first, folder == "unit", "cli, browser" if folder == "browser" else folder
 
-    items.sort(key=place)
+    items.sort(key=lambda item: place(item.path))
 
 
 @pytest.fixture(scope="session")
@@ -103,6 +105,16 @@ def patient() -> Iterator[None]:
     """No lines about waits, which depend on what else the machine does."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr("cranktopo.cli.verbosity._QUIET_S", 3600.0)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def coarse_pictures(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Pictures of Markdown pages and PDF files with a third of the points; slow tests have all of them."""
+    with pytest.MonkeyPatch.context() as patched:
+        if request.config.getoption("markexpr") == "not slow":
+            patched.setattr("cranktopo.report.report_file._DPI", 50)
+            patched.setattr("cranktopo.report.pdf_file._DPI", 100.0)
         yield
 
 

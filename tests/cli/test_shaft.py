@@ -200,8 +200,12 @@ def test_engine_of_one_cylinder_has_a_shaft_of_one_throw(capsys: pytest.CaptureF
     "command", [["shaft"], ["export", "--part", "crankshaft"], ["export", "--part", "reduced"]]
 )
 def test_without_an_engine_there_is_no_shaft(
-    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """It is refused before anything is meshed."""
+    monkeypatch.setattr(
+        "cranktopo.tasks.shaft.stage.mesh_target", lambda *_: pytest.fail("a throw is meshed")
+    )
     head, tail = MIKRON.split("[engine]", 1)
     path = tmp_path / "bare.toml"
     path.write_text(head + "[" + tail[tail.index("[engine.masses]") :].split("\n[", 1)[1], encoding="utf-8")

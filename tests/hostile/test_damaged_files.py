@@ -29,7 +29,7 @@ from tests.hostile.commands import Case
 from tests.hostile.damage import damaged
 from tests.hostile.undamaged import CACHE, DESIGN, BenchOfFiles, Files, made, server_of_files
 
-QUICK = {"step": 3, "stl": 60, "optimise": 60, "sweep": 30, "shape": 60, "accuracy": 30, "bench": 60}
+QUICK = {"step": 3, "stl": 40, "optimise": 60, "sweep": 20, "shape": 40, "accuracy": 30, "bench": 60}
 SLOW = {
     "step": 100, "brep": 50, "stl": 300, "3mf": 100, "obj": 100, "optimise": 350, "sweep": 200, "shape": 200,
     "iterate": 150, "each-web": 150, "accuracy": 100, "remodel": 100, "import": 100, "bench": 150,

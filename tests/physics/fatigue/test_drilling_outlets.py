@@ -126,8 +126,15 @@ def test_factors_beside_elements(ratio: float) -> None:
     assert 3.0 < peaks[AXIAL][1] < 3.7
 
 
-@pytest.mark.parametrize("whole", [False, True], ids=["half", "whole"])
-@pytest.mark.parametrize("mirrored", [True, False], ids=["x >= 0", "all"])
+@pytest.mark.parametrize(
+    ("mirrored", "whole"),
+    [
+        pytest.param(True, False, id="x >= 0-half", marks=pytest.mark.slow),
+        pytest.param(False, False, id="all-half"),
+        pytest.param(True, True, id="x >= 0-whole"),
+        pytest.param(False, True, id="all-whole", marks=pytest.mark.slow),
+    ],
+)
 def test_unit_moments_are_in_equilibrium(mirrored: bool, whole: bool) -> None:
     """Forces on the near section are the moment about x or y that the field is named after, on the far one of
     a whole throw the opposite."""

@@ -25,7 +25,8 @@ from cranktopo.tasks.importing.imported_body import mesh_file
 _POINT = re.compile(r"(CARTESIAN_POINT\('[^']*',\()([^)]*)(\))")
 _LOST = (0, 2, 3, 13)
 """Seeds at which a box in the planes of the web's faces found nothing."""
-_SEEDS = [seed if seed in _LOST else pytest.param(seed, marks=pytest.mark.slow) for seed in range(24)]
+_QUICK = _LOST[::2]
+_SEEDS = [seed if seed in _QUICK else pytest.param(seed, marks=pytest.mark.slow) for seed in range(24)]
 
 
 def moved(text: str, seed: int, noise_mm: float = 5e-9) -> str:

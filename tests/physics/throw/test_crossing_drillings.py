@@ -80,7 +80,7 @@ def check(scene: Scene) -> None:
     assert abs(off) < 4e-6 * 8.1e5 + 0.03 * roundings
 
 
-@pytest.mark.parametrize("rounding_mm", [1.0, 2.0])
+@pytest.mark.parametrize("rounding_mm", [1.0, pytest.param(2.0, marks=pytest.mark.slow)])
 def test_a_rounding_that_crosses_the_middle_by_a_sliver(rounding_mm: float) -> None:
     """The hole ends 0.5 mm before the middle of the journal, the rounding of its outlet beyond it."""
     check(drilled_twin(3.0, rounding_mm))

@@ -96,7 +96,9 @@ def test_one_mouth_of_two_bores(rounding_mm: float, tmp_path: Path) -> None:
     check_step_file(marine(drilling, [1]), tmp_path / "crank.step")
 
 
-@pytest.mark.parametrize(("rounding_mm", "ridge_mm3"), [(0.0, 68.0), (6.0, 0.0)])
+@pytest.mark.parametrize(
+    ("rounding_mm", "ridge_mm3"), [pytest.param(0.0, 68.0, marks=pytest.mark.slow), (6.0, 0.0)]
+)
 def test_the_ridge_that_a_drill_takes_beyond_the_middle(rounding_mm: float, ridge_mm3: float) -> None:
     """Both tools in triangles, whole and cut to the middle of the pin."""
     scene = marine({"diameter_mm": 18.0, "outlet_radius_mm": rounding_mm}, [1])

@@ -51,7 +51,7 @@ def test_a_fillet_that_is_whole_is_not_nudged(touching: Scene, monkeypatch: pyte
     assert built == [scene]
 
 
-@pytest.mark.parametrize("inside_mm", [1e-6, 1e-3, 3e-3])
+@pytest.mark.parametrize("inside_mm", [1e-6, pytest.param(1e-3, marks=pytest.mark.slow), 3e-3])
 def test_a_fillet_that_ends_just_inside_the_other_bore(touching: Scene, inside_mm: float) -> None:
     """The kernel made three bodies of it, the largest a tenth of the throw."""
     data = touching.model_dump(mode="json", exclude_none=True)

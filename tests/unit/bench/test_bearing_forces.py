@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+from typing import Any
 from unittest.mock import patch
 
 import numpy as np
@@ -20,14 +22,17 @@ from cranktopo.tasks.bench.settled import settled_film
 from cranktopo.tasks.film.result import FilmResult
 from cranktopo.tasks.film.stage import oil_films
 
-SINGLE = parse_toml(
-    new_design({"layout": "single", "cylinders": 1, "bore_mm": 80, "stroke_mm": 90}).text, "single"
-)
+
+@cache
+def single() -> dict[str, Any]:
+    return parse_toml(
+        new_design({"layout": "single", "cylinders": 1, "bore_mm": 80, "stroke_mm": 90}).text, "single"
+    )
 
 
 def test_a_pin_carries_its_rod() -> None:
     """The other way to it: extremes of the cycle by `loads`."""
-    scene = scene_from_dict(SINGLE, "single", whole=True)
+    scene = scene_from_dict(single(), "single", whole=True)
     _, pin = polars(EngineLoads(scene))
     cycle = analyse(scene).cycle
     assert cycle is not None
@@ -36,7 +41,7 @@ def test_a_pin_carries_its_rod() -> None:
 
 
 def test_two_bearings_share_what_a_single_carries() -> None:
-    scene = scene_from_dict(SINGLE, "single", whole=True)
+    scene = scene_from_dict(single(), "single", whole=True)
     bearing, pin = polars(EngineLoads(scene))
     assert bearing["name"] == "main bearing 1"
     sizes = [max(np.hypot(*point) for point in one["points"]) for one in (bearing, pin)]
@@ -45,14 +50,14 @@ def test_two_bearings_share_what_a_single_carries() -> None:
 
 
 def test_they_follow_the_speed_and_an_engine_without_one_has_none() -> None:
-    fast = changed_data(SINGLE, {"engine.speed_rpm": 9000.0})
-    gauges = [live_numbers(data)["gauges"]["bearing_force"] for data in (SINGLE, fast)]
+    fast = changed_data(single(), {"engine.speed_rpm": 9000.0})
+    gauges = [live_numbers(data)["gauges"]["bearing_force"] for data in (single(), fast)]
     assert gauges[0] != gauges[1]
-    assert live_numbers(changed_data(SINGLE, {"engine": None}))["polars"] == []
+    assert live_numbers(changed_data(single(), {"engine": None}))["polars"] == []
 
 
 def test_the_film_is_that_of_the_command() -> None:
-    data = changed_data(SINGLE, {"bearings": {"clearance_mm": 0.05, "viscosity_mPas": 9.0}})
+    data = changed_data(single(), {"bearings": {"clearance_mm": 0.05, "viscosity_mPas": 9.0}})
     told: list[tuple[Scene, FilmResult]] = []
 
     def watched(scene: Scene) -> FilmResult:
@@ -61,7 +66,7 @@ def test_the_film_is_that_of_the_command() -> None:
 
     with patch("cranktopo.tasks.bench.settled.oil_films", watched):
         gauges = settled_film(data)["gauges"]
-        assert settled_film(SINGLE)["gauges"] == {}
+        assert settled_film(single())["gauges"] == {}
     ((scene, films),) = told
     assert scene == scene_from_dict(data, scene.name, whole=True)
     (found,) = films.speeds

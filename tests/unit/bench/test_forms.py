@@ -78,7 +78,7 @@ def test_a_power_that_the_intake_alone_cannot_give_is_given_by_compression_and_b
 
 def test_power_alone_charges_an_engine_that_needs_it() -> None:
     """No pressure is proposed that `loads` would call implausible: 47.7 bar at 0.1 MPa of intake."""
-    for power in (1500, 3000, 6000):
+    for power in (1500, 6000):
         text, name, *_ = new_design({**SIX, "power_kW": power})
         scene = parse_scene(text, name)
         found = analyse(scene)

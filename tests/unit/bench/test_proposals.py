@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,13 +26,17 @@ from cranktopo.tasks.bench.proposals import (
 )
 
 TWIN = {"layout": "V", "cylinders": 2, "bore_mm": 100, "stroke_mm": 67.5, "rod_length_mm": 124}
-DATA = parse_toml(new_design(TWIN)[0], "twin")
+
+
+@cache
+def twin() -> dict[str, Any]:
+    return parse_toml(new_design(TWIN)[0], "twin")
 
 
 def test_a_counterweight_has_its_room_and_the_wanted_balance() -> None:
     light = {"throw.crankpin.outer_diameter_mm": 44, "throw.main_journal.outer_diameter_mm": 48}
     light |= {"throw.crankpin.length_mm": 44, "web.width_mm": 64, "web.thickness_mm": 22}
-    data = changed_data(DATA, light)
+    data = changed_data(twin(), light)
     changes = counterweight_changes(data, 10)
     assert changes["envelope.y_min_mm"] <= -changes["web.counterweight.outer_radius_mm"]
     scene = scene_from_dict(changed_data(data, changes), "twin", whole=True)
@@ -42,14 +48,14 @@ def test_a_counterweight_has_its_room_and_the_wanted_balance() -> None:
 
 
 def test_journals_give_what_webs_take_where_the_pitch_stays() -> None:
-    changes = with_pitch_kept(DATA, {"web.thickness_mm": 28})
+    changes = with_pitch_kept(twin(), {"web.thickness_mm": 28})
     assert changes == {"web.thickness_mm": 28, "throw.main_journal.length_mm": pytest.approx(33 - 2 * 2)}
-    assert with_pitch_kept(DATA, {"web.width_mm": 88}) == {"web.width_mm": 88}
+    assert with_pitch_kept(twin(), {"web.width_mm": 88}) == {"web.width_mm": 88}
 
 
 def test_a_rod_fits_engine_and_crankpin() -> None:
     """Its beginning was that of an example: a big end narrower than the pin of most engines."""
-    moved = changed_data(DATA, rod_changes(DATA))
+    moved = changed_data(twin(), rod_changes(twin()))
     scene = scene_from_dict(moved, "twin", whole=True)
     assert scene.rod is not None
     pin = scene.throw.crankpin
@@ -66,12 +72,12 @@ def test_a_dropped_trace_takes_the_place_of_the_peak(tmp_path: Path) -> None:
     trace = tmp_path / "trace.csv"
     rows = [f"{a},{p:.3f}" for a, p in zip(angle, bar, strict=True)]
     trace.write_text("\n".join(["crank_angle_deg,pressure_bar", *rows]), encoding="utf-8")
-    moved = changed_data(DATA, trace_changes(DATA, str(trace)))
+    moved = changed_data(twin(), trace_changes(twin(), str(trace)))
     assert moved["engine"]["gas"]["indicator_csv"] == str(trace)
     assert "peak_pressure_MPa" not in moved["engine"]["gas"]
     trace.write_text("angle,force\n1,2\n", encoding="utf-8")
     with pytest.raises(CranktopoError, match=r"trace\.csv"):
-        trace_changes(DATA, str(trace))
+        trace_changes(twin(), str(trace))
 
 
 def test_the_nearest_value_that_keeps_the_rules_is_sound_and_the_next_is_not() -> None:

@@ -122,9 +122,9 @@ DIE, FACES = {"process": "forged"}, {"process": "forged", "parting": "web_faces"
         (FACES, SIDE_SLOT, 16 * 8 * 8),  # on either side of mid-web, z = 29.5
         pytest.param(FACES, UNDER_THE_PIN, 8 * 6 * 7, marks=pytest.mark.slow),
         ({"process": "cast"}, SLOT, 6 * 8 * 7),
-        ({"process": "cast"}, SIDE_SLOT, 0.0),
+        pytest.param({"process": "cast"}, SIDE_SLOT, 0.0, marks=pytest.mark.slow),
         ({"process": "milled"}, SLOT, 0.0),
-        ({"process": "milled"}, SIDE_SLOT, 0.0),
+        pytest.param({"process": "milled"}, SIDE_SLOT, 0.0, marks=pytest.mark.slow),
         ({"process": "milled"}, HOLLOW, 6 * 8 * 8),
         ({"process": "milled"}, UNDER_THE_PIN, 8 * 6 * 7),
     ],
