@@ -9,18 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Index, Mask
 from cranktopo.base.quadrature import gauss_legendre
-from cranktopo.base.side_by_side import side_by_side
 from cranktopo.throw.crossings import crossings
 from cranktopo.throw.feature import Body
 from cranktopo.throw.web import web_spans
 
-_HEIGHTS, _PLACES = 8, 12
+_HEIGHTS, _PLACES = 12, 12
 """Gauss points of an interval along the crank axis and along the throw."""
 _MIDDLE = np.array([0.5]), np.array([1.0])
 """The one point that is enough along the crank axis where all bodies are prisms."""
@@ -77,13 +76,12 @@ def _integrals(bodies: tuple[Body, ...]) -> tuple[Moments, Moments]:
     """
 
     def slices(y: Array) -> Array:
-        heights, weights = _heights(bodies, y)
-        at = _moments_at(bodies, y[:, None], heights)
-        both = weights, weights * heights
-        return np.concatenate([(at * one[..., None]).sum(axis=1) for one in both], axis=-1)
+        row, z, weight = _heights(bodies, y)
+        at = _moments_at(bodies, y[row], z)
+        columns = np.concatenate([at * one[:, None] for one in (weight, weight * z)], axis=1).T
+        return np.stack([np.bincount(row, column, len(y)) for column in columns], axis=1)
 
-    threads = 2 if any(body.oblique for body in bodies) else 1
-    found = integrate(slices, _breaks(bodies), threads=threads).tolist()
+    found = integrate(slices, _breaks(bodies)).tolist()
     return Moments(*found[:4]), Moments(*found[4:])
 
 
@@ -99,20 +97,50 @@ def _breaks(bodies: Sequence[Body]) -> Array:
     return places[(places >= min(ends)) & (places <= max(ends))]
 
 
-def _heights(bodies: Sequence[Body], y: Array) -> tuple[Array, Array]:
-    """Heights of the quadrature at each place along the throw, and their weights, (y, heights)."""
+def _heights(bodies: Sequence[Body], y: Array) -> tuple[Index, Array, Array]:
+    """Points of the quadrature along the crank axis: places along the throw by number, heights, weights.
+
+    Where no body changes its section one point is enough, and there is none where two breaks are one.
+    """
+    breaks = _breaks_along(bodies, y)
+    row, column = np.nonzero(breaks[:, 1:] > breaks[:, :-1])
+    low, size = breaks[row, column], breaks[row, column + 1] - breaks[row, column]
+    changing, middle = np.zeros(len(row), dtype=bool), low + size / 2
+    for body in bodies:
+        here = _beside(body, y)[row] if body.changing_z_mm else changing
+        for start, end in body.changing_z_mm:
+            changing |= here & (middle > start) & (middle < end)
+    parts = []
+    for chosen, (share, weights) in ((~changing, _MIDDLE), (changing, gauss_rule(_HEIGHTS))):
+        at, tall = low[chosen][:, None], size[chosen][:, None]
+        places = np.repeat(row[chosen], len(share))
+        parts.append((places, (at + tall * share).ravel(), (tall * weights).ravel()))
+    rows, heights, shares = (np.concatenate(one) for one in zip(*parts, strict=True))
+    return rows, heights, shares
+
+
+def _breaks_along(bodies: Sequence[Body], y: Array) -> Array:
+    """Heights between which the section is smooth at places along the throw, (y, heights), rising."""
     material = [body for body in bodies if body.adds]
     low, high = min(body.z_mm[0] for body in material), max(body.z_mm[1] for body in material)
     middle = np.asarray((low + high) / 2)
     half = np.max([right for body in material for _, right in body.spans(y, middle)], axis=0)
-    breaks = np.stack([z for body in bodies for z in body.z_breaks_mm(y, half)], axis=1)
+    breaks = np.stack([one for body in bodies for one in _breaks_of(body, y, half, low)], axis=1)
     breaks = np.sort(np.clip(breaks, low, high), axis=1)
     if any(body.oblique for body in bodies):
         breaks = np.sort(np.concatenate([breaks, crossings(bodies, y, breaks)], axis=1), axis=1)
-    share, weights = gauss_rule(_HEIGHTS) if any(body.changing_z_mm for body in bodies) else _MIDDLE
-    size = np.diff(breaks, axis=1)[..., None]
-    heights = breaks[:, :-1, None] + size * share
-    return heights.reshape(len(y), -1), (size * weights).reshape(len(y), -1)
+    return breaks
+
+
+def _breaks_of(body: Body, y: Array, half: Array, elsewhere: float) -> list[Array]:
+    here = _beside(body, y)
+    return [np.where(here, z, elsewhere) for z in body.z_breaks_mm(y, half)]
+
+
+def _beside(body: Body, y: Array) -> Mask:
+    """Tell which places along the throw lie within a body's extent."""
+    low, high = body.y_range_mm
+    return (y > low) & (y < high)
 
 
 def _moments_at(bodies: Sequence[Body], y: Array, z: Array) -> Array:
@@ -125,13 +153,10 @@ def _moments_at(bodies: Sequence[Body], y: Array, z: Array) -> Array:
     return np.stack([length, first, length * y, second + length * y**2], axis=-1)
 
 
-def integrate(
-    function: Callable[[Array], Array], breaks: Array, tolerance: float = _TOLERANCE, threads: int = 1
-) -> Array:
+def integrate(function: Callable[[Array], Array], breaks: Array, tolerance: float = _TOLERANCE) -> Array:
     """Return integrals (n,) of a function with values (y, n) between breaks.
 
-    Intervals are halved until that changes no integral by more than the tolerance, over the whole; two
-    threads do one side of the halves each, which pays where a value takes more than a thread's start.
+    Intervals are halved until that changes no integral by more than the tolerance, over the whole.
     """
     low, high = breaks[:-1], breaks[1:]
     values = _quadrature(function, low, high)
@@ -139,7 +164,7 @@ def integrate(
     scale[1::4] = scale[2::4]
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        below, above = _of_halves(function, low, middle, high, threads)
+        below, above = _of_halves(function, low, middle, high)
         open_ = (np.abs(below + above - values) > tolerance * scale).any(axis=1)
         total += (below + above)[~open_].sum(axis=0)
         low, high = (np.concatenate([a[open_], b[open_]]) for a, b in ((low, middle), (middle, high)))
@@ -150,13 +175,9 @@ def integrate(
 
 
 def _of_halves(
-    function: Callable[[Array], Array], low: Array, middle: Array, high: Array, threads: int
+    function: Callable[[Array], Array], low: Array, middle: Array, high: Array
 ) -> tuple[Array, Array]:
-    """Return the quadratures of both halves of intervals, by one thread in one call: most of it is calls."""
-    if threads > 1:
-        return side_by_side(
-            partial(_quadrature, function, low, middle), partial(_quadrature, function, middle, high)
-        )
+    """Return the quadratures of both halves of intervals, in one call: most of it is calls."""
     both = _quadrature(function, np.concatenate([low, middle]), np.concatenate([middle, high]))
     return both[: len(low)], both[len(low) :]
 

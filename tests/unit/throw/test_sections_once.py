@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -83,3 +84,36 @@ def test_the_range_of_a_body_is_found_once(tmp_path: Path, monkeypatch: pytest.M
         found = envelope_file.bounds_mm(tmp_path / "body.stl")
     assert found == pytest.approx((-15.0, 15.0, -10.0, 10.0))
     assert len(made) == 1
+
+
+def test_rounded_edges_of_a_floor_are_integrated_as_circles() -> None:
+    """A groove through both ends of a plate: quarters of circles stay in its corners."""
+    length, depth, height, radius = 300.0, 12.0, 10.0, 4.0
+    groove = {"shape": "side", "y_mm": 20.0, "length_mm": length, "depth_mm": depth, "height_mm": height}
+    whole = _plate(overhang_mm=40.0)
+    bodies = _plate(overhang_mm=40.0, pocket=[groove | {"floor_radius_mm": radius}])
+    low, high = whole[0].y_range_mm
+    section = 2 * (depth * height - 2 * (1 - math.pi / 4) * radius**2)
+    taken = body_moments(whole).volume - body_moments(bodies).volume
+    assert taken == pytest.approx(section * (high - low), rel=1e-11)
+
+
+def test_heights_are_asked_for_where_the_section_changes_alone() -> None:
+    """Beyond a bevel at one end there were as many as in it, and some between breaks that are one."""
+    asked: list[int] = []
+
+    def points(**web: Any) -> int:
+        plain, *others = _plate(overhang_mm=40.0, **web)
+
+        class Counted(type(plain)):  # type: ignore[misc]
+            def spans(self, y_mm: Any, z_mm: Any) -> Any:
+                asked.append(np.broadcast(y_mm, z_mm).size)
+                return super().spans(y_mm, z_mm)
+
+        asked.clear()
+        body_moments([Counted(*vars(plain).values()), *others])
+        return sum(asked)
+
+    bevel = {"face": "journal", "y_mm": 65.0, "depth_mm": 6.0}
+    added = points(bevel=[bevel | {"draft_deg": 5.0}]) - points()
+    assert added < 2000, "2628 where every interval had as many"
