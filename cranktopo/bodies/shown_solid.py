@@ -35,7 +35,7 @@ from cranktopo.throw.web import web_bodies
 
 _AROUND = 72
 """Chords of a full circle: off by a thousandth of its radius."""
-_AROUND_DRILLING = 36
+_AROUND_DRILLING, _MOST_CHORDS = 36, 32
 _FILLET_STEPS = 8
 
 
@@ -81,11 +81,12 @@ def _turned_to(axis: Array) -> Array:
 
 
 def _swept(contour: Array, path: Array) -> Manifold:
-    """Return the prism of a contour (n, 3) in a plane across x, y or z, along a vector out of that plane."""
-    across = int(np.argmin(np.ptp(contour, axis=0)))
-    height = abs(float(path[across]))
-    frame = _turned_to(np.sign(path[across]) * np.eye(3)[across])
-    flat = (contour - contour[0]) @ frame[:, :2]
+    """Return the prism of a flat contour (n, 3) along a vector out of its plane."""
+    corners = contour - contour[0]
+    normal = np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)
+    normal *= np.sign(normal @ path) / np.linalg.norm(normal)
+    frame, height = _turned_to(normal), float(normal @ path)
+    flat = corners @ frame[:, :2]
     prism = CrossSection([flat], FillRule.NonZero if polygon_area(flat) > 0 else FillRule.Negative).extrude(
         height
     )
@@ -132,7 +133,7 @@ def _points(curve: Curve) -> Array:
         case Arc(start, centre, end):
             return _arc(np.array(start), np.array(centre), np.array(end))
         case Bezier(points):
-            t = np.linspace(0, 1, 33)[:-1, None]
+            t = np.linspace(0, 1, _chords(np.array(points)) + 1)[:-1, None]
             order = len(points) - 1
             weights = [math.comb(order, k) * t**k * (1 - t) ** (order - k) for k in range(order + 1)]
             return np.asarray(sum(w * np.array(p) for w, p in zip(weights, points, strict=True)))
@@ -147,6 +148,15 @@ def _points(curve: Curve) -> Array:
                 0,
             ]
             return _ring(corners, radius)
+
+
+def _chords(corners: Array) -> int:
+    """Return the chords of a curve that turns as its control polygon: as many as arcs have for the turn."""
+    ways = np.diff(corners, axis=0)
+    ways = ways[ways.any(axis=1)]
+    sines = np.linalg.norm(np.cross(ways[:-1], ways[1:]), axis=1)
+    turn = float(np.arctan2(sines, (ways[:-1] * ways[1:]).sum(axis=1)).sum())
+    return min(max(math.ceil(_AROUND * turn / (2 * np.pi)), 2), _MOST_CHORDS)
 
 
 def _arc(start: Array, centre: Array, end: Array) -> Array:

@@ -117,6 +117,8 @@ class Body(ABC):
     kept: ClassVar[bool] = False
     oblique: ClassVar[bool] = False
     """True of a cut whose edge moves across the web with the height, and so over the edges of other cuts."""
+    bore: ClassVar[bool] = False
+    """True of the bore of a journal."""
 
     @abstractmethod
     def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:

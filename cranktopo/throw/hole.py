@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from typing_extensions import override
@@ -74,11 +74,17 @@ class RectangularHole(Body):
         return (Box((x0, y0, low), (x1 - x0, y1 - y0, high - low)),)
 
 
-def bore_holes(scene: ThrowView) -> list[RoundHole]:
+class JournalBore(RoundHole):
+    """The bore of a journal where it runs through the web."""
+
+    bore: ClassVar[bool] = True
+
+
+def bore_holes(scene: ThrowView) -> list[JournalBore]:
     """Return the bores of main journal and crankpin where they run through the web, in that order."""
     names = ("main_journal", "crankpin")
     return [
-        RoundHole(f"throw.{name}.bore_diameter_mm", scene.web_z_mm, 0.0, y, journal.bore_radius_mm)
+        JournalBore(f"throw.{name}.bore_diameter_mm", scene.web_z_mm, 0.0, y, journal.bore_radius_mm)
         for name, (journal, y) in zip(names, scene.throw.journals, strict=True)
         if journal.bore_diameter_mm
     ]

@@ -7,9 +7,10 @@ the mass of the web and the oracle of its solid.
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, reduce
 
 import numpy as np
 
@@ -58,14 +59,33 @@ class Moments:
 
 
 def body_moments(bodies: Sequence[Body], before_z_mm: float | None = None) -> Moments:
-    """Return the moments of what bodies leave; with a height, weighted by the distance before it, mm."""
+    """Return the moments of what bodies leave; with a height, weighted by the distance before it, mm.
+
+    Bores come last: a plan asks for a web with and without them, and a drag of one leaves the rest as it is.
+    """
     exact = [(body, body.exact_moments(before_z_mm)) for body in bodies]
-    plain, times_z = _integrals(tuple(body for body, found in exact if found is None))
-    total = plain if before_z_mm is None else plain.times(before_z_mm) - times_z
-    for _, found in exact:
-        if found is not None:
-            total = total - Moments(*found)
-    return total
+    cut = sorted((body for body, found in exact if found is None), key=lambda body: body.bore)
+    rest = sum(not body.bore for body in cut)
+    found = [_integrals(tuple(cut[:rest])), *(_taken(cut[:n], cut[n]) for n in range(rest, len(cut)))]
+    weighted = (one if before_z_mm is None else one.times(before_z_mm) - by_z for one, by_z in found)
+    total, *taken = (*weighted, *(Moments(*found) for _, found in exact if found is not None))
+    return reduce(operator.sub, taken, total)
+
+
+def _taken(bodies: Sequence[Body], bore: Body) -> tuple[Moments, Moments]:
+    """Return the moments of what a bore takes out of what bodies leave, and those times the height."""
+    low, high = bore.y_range_mm
+    near = [one for one in bodies if one.y_range_mm[0] < high and one.y_range_mm[1] > low]
+    return _taken_beside(tuple(near), bore)
+
+
+@lru_cache(maxsize=32)
+def _taken_beside(bodies: tuple[Body, ...], bore: Body) -> tuple[Moments, Moments]:
+    bored, (low, high) = (*bodies, bore), bore.y_range_mm
+    places = _breaks(bored)
+    halves = np.append(places, (low + high) / 2)  # a moment about its middle has no size
+    within = (halves >= max(low, places[0])) & (halves <= min(high, places[-1]))
+    return _between(bored, np.unique(halves[within]), bodies)
 
 
 @lru_cache(maxsize=32)
@@ -74,14 +94,25 @@ def _integrals(bodies: tuple[Body, ...]) -> tuple[Moments, Moments]:
 
     Kept by the bodies alone, as scenes of one web differ in loads and effects.
     """
+    return _between(bodies, _breaks(bodies))
+
+
+def _between(
+    bodies: Sequence[Body], breaks: Array, whole: Sequence[Body] | None = None
+) -> tuple[Moments, Moments]:
+    """Return the moments of what bodies leave between places along the throw, and those times the height.
+
+    With a `whole`, of what they take out of what that leaves.
+    """
 
     def slices(y: Array) -> Array:
         row, z, weight = _heights(bodies, y)
         at = _moments_at(bodies, y[row], z)
+        at = at if whole is None else _moments_at(whole, y[row], z) - at
         columns = np.concatenate([at * one[:, None] for one in (weight, weight * z)], axis=1).T
         return np.stack([np.bincount(row, column, len(y)) for column in columns], axis=1)
 
-    found = integrate(slices, _breaks(bodies)).tolist()
+    found = integrate(slices, breaks).tolist()
     return Moments(*found[:4]), Moments(*found[4:])
 
 

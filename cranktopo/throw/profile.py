@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 from typing_extensions import override
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, shared
 from cranktopo.base.errors import invalid
 from cranktopo.base.table import LengthOrZero, Place
 from cranktopo.throw.primitives import Bezier, Curve, LineSegment
@@ -115,32 +115,38 @@ def flank_half_width_mm(flank: Flank, y_mm: Array) -> Array:
     """Return the half-width of a right flank at positions along the throw, mm; 0 beyond the ends."""
     stations = flank.points_mm[:, 1]
     inside = (y_mm >= stations[0]) & (y_mm <= stations[-1])
-    # Cells ask at the same places for every height.
+    # Cells ask at the same places for every height, and a drag that moves no station at those of the last move.
     y, back = np.unique(np.clip(y_mm, stations[0], stations[-1]), return_inverse=True)
-    piece = np.clip(np.searchsorted(stations, y, side="right") - 1, 0, len(stations) - 2)
+    key = tuple(np.ascontiguousarray(one).tobytes() for one in (flank.points_mm, flank.slopes, y))
+    half = _half_widths(*key)[back].reshape(y_mm.shape)
+    return np.asarray(np.where(inside, np.maximum(half, 0.0), 0.0))
+
+
+@lru_cache(maxsize=128)
+def _half_widths(points: bytes, slopes: bytes, places: bytes) -> Array:
+    """Return the half-widths at places along the throw of the flank through points with slopes."""
+    at, ways = (np.frombuffer(one).reshape(-1, 2) for one in (points, slopes))
+    flank, y = Flank(at, np.sqrt((np.diff(at, axis=0) ** 2).sum(axis=1)), ways), np.frombuffer(places)
+    piece = np.clip(np.searchsorted(at[:, 1], y, side="right") - 1, 0, len(at) - 2)
     start, first, second, third = _cubic(flank, piece, 1)
     low, step = np.zeros_like(y), 1.0
     for _ in range(_BISECTIONS):
         step /= 2
         middle = low + step
         below = start + middle * (first + middle * (second + middle * third)) < y
-        low[below] = middle[below]
-    half = _hermite(flank, piece, low + step / 2, 0)[back].reshape(y_mm.shape)
-    return np.asarray(np.where(inside, np.maximum(half, 0.0), 0.0))
+        low = np.where(below, middle, low)
+    return shared(_hermite(flank, piece, low + step / 2, 0))
 
 
 def largest_half_width_mm(flank: Flank) -> float:
     """Largest half-width of the curve, mm: it may lie between two stations."""
-    largest = float(flank.points_mm[:, 0].max())
-    for piece in range(len(flank.lengths_mm)):
-        start, end = flank.points_mm[piece : piece + 2, 0]
-        leave, arrive = flank.slopes[piece : piece + 2, 0] * flank.lengths_mm[piece]
-        chord = end - start
-        turning = np.roots([3 * (leave + arrive) - 6 * chord, 6 * chord - 4 * leave - 2 * arrive, leave])
-        real = turning[np.isreal(turning)].real
-        for u in real[(real > 0) & (real < 1)]:
-            largest = max(largest, float(_hermite(flank, np.array([piece]), np.array([u]), 0)[0]))
-    return largest
+    pieces = np.arange(len(flank.lengths_mm))
+    _, first, second, third = _cubic(flank, pieces, 0)
+    with np.errstate(divide="ignore", invalid="ignore"):  # pieces that do not turn
+        far = -(second + np.copysign(np.sqrt(second**2 - 3 * third * first), second))
+        turning = np.array([far / (3 * third), first / far])
+    turning = np.where((turning > 0) & (turning < 1), turning, 0.0)
+    return float(max(flank.points_mm[:, 0].max(), *(_hermite(flank, pieces, u, 0).max() for u in turning)))
 
 
 def _hermite(flank: Flank, piece: NDArray[np.int64], u: Array, axis: int) -> Array:

@@ -16,6 +16,8 @@ from cranktopo.design.loading import design_text, scene_from_dict
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.throw.drilling import moments
+from cranktopo.throw.drilling.moments import drilled
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.moments import body_moments, integrate
 from cranktopo.throw.web import web_bodies
@@ -117,3 +119,48 @@ def test_heights_are_asked_for_where_the_section_changes_alone() -> None:
     bevel = {"face": "journal", "y_mm": 65.0, "depth_mm": 6.0}
     added = points(bevel=[bevel | {"draft_deg": 5.0}]) - points()
     assert added < 2000, "2628 where every interval had as many"
+
+
+def test_a_web_with_and_without_its_bores_is_integrated_once() -> None:
+    """The plan asks for both at each move of a drag: of the second, what the bores take alone is new."""
+    asked: list[int] = []
+    solid, hollow, wider = (_bored(diameter) for diameter in (0.0, 20.0, 21.0))
+    body_moments(solid)
+    outline = type(solid[0])
+    spans = outline.spans
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(outline, "spans", lambda *at: asked.append(len(at[1])) or spans(*at))
+        found, further = body_moments(hollow), body_moments(wider)
+    places = sum(asked)
+    assert places < 2 * 400, "of the bores; the whole web took thousands"
+    taken = solid_less_bores = math.pi * 20.0**2 / 4 * 20.0
+    assert found.volume == pytest.approx(body_moments(solid).volume - taken, rel=1e-11)
+    assert further.volume < found.volume < solid_less_bores * 100
+
+
+def _bored(diameter_mm: float) -> list[Any]:
+    data = parse_toml(design_text("mikron-iiic-plain"), "own")
+    data["throw"]["main_journal"]["bore_diameter_mm"] = diameter_mm
+    data["throw"]["crankpin"]["bore_diameter_mm"] = 0.0
+    stations = [-40.0, -20.0, 0.0, 30.0, 60.0, 85.0]
+    half = [0.0, 35.0, 42.0, 40.0, 30.0, 0.0]
+    web = {"outline": "profile", "thickness_mm": 20.0, "stations_mm": stations, "half_widths_mm": half}
+    data["web"] = web | {"bevel": [{"face": "journal", "y_mm": 68.0, "depth_mm": 6.0, "draft_deg": 5.0}]}
+    return web_bodies(scene_from_dict(data))
+
+
+def test_a_drilling_within_the_pin_is_the_same_in_a_thicker_web(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its mass was computed anew at each move of a dimension that moves it along the crank."""
+    data = parse_toml(design_text("mikron-iiic-plain"), "own")
+    ends = [{"on": "crankpin", "angle_deg": angle, "place_mm": 7.0} for angle in (90.0, 270.0)]
+    drilling = {"diameter_mm": 4.0, "outlet_radius_mm": 0.5, "from": ends[0], "to": ends[1]}
+    data["throw"]["drilling"] = [drilling]
+    data["throw"]["crankpin"]["bore_diameter_mm"] = 0.0
+    scene = scene_from_dict(data)
+    web = scene.web.model_copy(update={"thickness_mm": scene.web.thickness_mm + 3.0})
+    thicker = scene.model_copy(update={"web": web})
+    one = drilled(scene, "crankpin")
+    monkeypatch.setattr(moments, "ring_points", None)
+    monkeypatch.setattr(moments, "integrate", None)
+    other = drilled(thicker, "crankpin")
+    assert (other.volume, other.polar) == pytest.approx((one.volume, one.polar), rel=1e-14)
