@@ -115,7 +115,7 @@ def flank_half_width_mm(flank: Flank, y_mm: Array) -> Array:
     """Return the half-width of a right flank at positions along the throw, mm; 0 beyond the ends."""
     stations = flank.points_mm[:, 1]
     inside = (y_mm >= stations[0]) & (y_mm <= stations[-1])
-    # Cells ask at the same places for every height, and a drag that moves no station at those of the last move.
+    # Cells ask at the same places for every height, and a drag that moves no station at those of before.
     y, back = np.unique(np.clip(y_mm, stations[0], stations[-1]), return_inverse=True)
     key = tuple(np.ascontiguousarray(one).tobytes() for one in (flank.points_mm, flank.slopes, y))
     half = _half_widths(*key)[back].reshape(y_mm.shape)

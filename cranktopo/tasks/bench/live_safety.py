@@ -56,7 +56,7 @@ _EFFECTS = {
         f"{_MAIN}.bore_diameter_mm": _Effect(0.11),
         f"{_MAIN}.length_mm": _Effect(0.82),
         "throw.radius_mm": _Effect(1.05, by_way=0.12),
-        "web.thickness_mm": _Effect(0.82),
+        "web.thickness_mm": _Effect(0.82, by_way=0.05),
         "web.width_mm": _Effect(1.0),
     },
     "journal_fillet_safety": _COMMON
@@ -68,13 +68,13 @@ _EFFECTS = {
         f"{_MAIN}.outer_diameter_mm": _Effect(1.6, by_way=0.25),
         f"{_MAIN}.bore_diameter_mm": _Effect(0.85),
         f"{_MAIN}.length_mm": _Effect(0.72),
-        "throw.radius_mm": _Effect(1.0, power=-0.15, by_way=0.12),
-        "web.thickness_mm": _Effect(0.87),
+        "throw.radius_mm": _Effect(1.0, power=-0.15, by_way=0.2),
+        "web.thickness_mm": _Effect(0.87, by_way=0.05),
         "web.width_mm": _Effect(1.58),
     },
 }
 """By dimension, of those that were moved (`tests.studies.live_safety`)."""
-_LEAST_PERCENT, _SHARE = 2.0, 0.1
+_LEAST_PERCENT, _SHARE = 2.2, 0.1
 """Error, percent; and per percent that the safety changes."""
 MOST_PERCENT = 3.0
 """Error beyond which nothing is told."""

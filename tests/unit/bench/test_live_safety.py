@@ -11,6 +11,7 @@ from cranktopo.design.loading import design_text
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.tasks.bench.live import live_numbers
 from cranktopo.tasks.bench.live_safety import MOST_PERCENT, SettledSafety, estimated_safety
+from tests.random_engines import random_engine
 
 DATA = parse_toml(design_text("mikron-iiic-plain"), "web")
 SAFETY = {"pin_fillet_safety": 1.12, "journal_fillet_safety": 1.35, "fatigue_safety": 1.12, "stress": 440.0}
@@ -92,3 +93,28 @@ def test_a_wider_web_is_told_as_elements_find_it() -> None:
         error = 100 * abs(found["gauges"][name] / truth - 1)
         assert error < found["error_percent"][name] < MOST_PERCENT
         assert error < 50 * (truth / settled[name] - 1), "nearer than the settled one"
+
+
+@pytest.mark.parametrize(
+    ("first", "key", "new", "settled_percent"),
+    [
+        (random_engine(1), "web.thickness_mm", 27.58, {"pin": -1.898, "journal": -8.363}),
+        (
+            parse_toml(design_text("opposed-piston-variant-1"), "web"),
+            "throw.radius_mm",
+            44.14,
+            {"journal": -0.529},
+        ),
+    ],
+)
+def test_moves_that_were_missed_are_told_with_their_error_or_not_at_all(
+    first: dict[str, Any], key: str, new: float, settled_percent: dict[str, float]
+) -> None:
+    """Of 14 random moves these came out 1 to 6 % beyond the error that was stated of them."""
+    settled = SettledSafety(first, dict.fromkeys(SAFETY, 1.0), 9.0, live_numbers(first)["gauges"])
+    moved = changed_data(first, {key: new})
+    found = estimated_safety(settled, moved, live_numbers(moved)["gauges"])
+    for fillet, percent in settled_percent.items():
+        value = found["gauges"].get(f"{fillet}_fillet_safety", 1 + percent / 100)
+        error = 100 * abs(value / (1 + percent / 100) - 1)
+        assert error <= found["error_percent"].get(f"{fillet}_fillet_safety", 0.0)
