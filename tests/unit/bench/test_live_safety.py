@@ -110,7 +110,7 @@ def test_a_wider_web_is_told_as_elements_find_it() -> None:
 def test_moves_that_were_missed_are_told_with_their_error_or_not_at_all(
     first: dict[str, Any], key: str, new: float, settled_percent: dict[str, float]
 ) -> None:
-    """Of 14 random moves these came out 1 to 6 % beyond the error that was stated of them."""
+    """Of 13 random moves these came out 1 to 6 % beyond the error that was stated of them."""
     settled = SettledSafety(first, dict.fromkeys(SAFETY, 1.0), 9.0, live_numbers(first)["gauges"])
     moved = changed_data(first, {key: new})
     found = estimated_safety(settled, moved, live_numbers(moved)["gauges"])
