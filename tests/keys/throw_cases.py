@@ -45,7 +45,7 @@ THROW_CASES: dict[tuple[str, str], Table] = {
     ("web.pocket", "side"): Table(
         lambda: pocketed(shape="side", y_mm=24.0, length_mm=20.0, height_mm=8.0, depth_mm=5.0),
         "web.pocket[0]",
-        "body",
+        "body cells",
         {"floor_radius_mm": Other(1.0, {"web.pocket[0].corner_radius_mm": 2.0})},
     ),
     ("web.pocket", "box"): Table(

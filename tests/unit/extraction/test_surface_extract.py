@@ -284,7 +284,7 @@ def test_broken_stl_envelope_is_refused(tmp_path: Path) -> None:
 
 def test_clearances_keep_the_web_away_and_the_journals_on() -> None:
     scene = scene_with(envelope__bearing_clearance_mm=3.0, envelope__rod_clearance_mm=2.0)
-    grid = grid_of(scene, obround())
+    grid = grid_of(scene, obround(), cell_mm=1.0)
     x, y, z = np.meshgrid(*(grid.centres_mm(axis) for axis in range(3)), indexing="ij")
     density = grid.density.copy()
     density[(z < 23) & (np.hypot(x, y) > 21)] = 0
