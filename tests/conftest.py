@@ -108,6 +108,15 @@ def patient() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="module")
+def throws_made_once() -> Iterator[None]:
+    """A mesh for each body of a shaft: how it is made is not the subject."""
+    from tests.throws_once import throws_once  # loads solvers
+
+    with throws_once():
+        yield
+
+
 @pytest.fixture(scope="session", autouse=True)
 def coarse_pictures(request: pytest.FixtureRequest) -> Iterator[None]:
     """Pictures of Markdown pages and PDF files with a third of the points; slow tests have all of them."""

@@ -13,16 +13,14 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.arrays import Array, Index
-from cranktopo.numerics.gmsh_session import with_option
+from cranktopo.numerics.gmsh_session import DELAUNAY, with_option
 
 _PER_TURN, _ALONG = 24, 40
 """Triangles to a full turn of the smaller radius of curvature, and along the largest extent of the solid."""
 _QUADRATIC = 9
 """Number that gmsh gives to triangles of six nodes."""
-_DELAUNAY = 5
-"""gmsh's usual method, the frontal one, leaves faces of two halves with two seams up to 2e-4 off."""
-_AT, _WEIGHT = (0.445948490915965, 0.091576213509771), (0.223381589678011, 0.109951743655322)
-"""Quadrature of degree four on a triangle (D. A. Dunavant, Int. J. Num. Meth. Eng. 21, 1985)."""
+_ORDER = 4
+"""Of the quadrature: exact for the volume below six-node triangles."""
 
 
 def triangulated_volume_mm3(solid: int) -> float:
@@ -36,7 +34,7 @@ def triangulated_volume_mm3(solid: int) -> float:
         options.enter_context(with_option("Mesh.MeshSizeFromCurvature", _PER_TURN))
         options.enter_context(with_option("Mesh.MeshSizeMax", float((high - low).max()) / _ALONG))
         options.enter_context(with_option("Mesh.MeshOnlyVisible", 1))
-        options.enter_context(with_option("Mesh.Algorithm", _DELAUNAY))
+        options.enter_context(with_option("Mesh.Algorithm", DELAUNAY))
         gmsh.model.setVisibility(every, 0)
         gmsh.model.setVisibility([(3, solid)], 1, recursive=True)
         try:
@@ -68,30 +66,18 @@ def volume_of(nodes_mm: Array, triangles: Index) -> float:
     """
     from trimesh import Trimesh, repair
 
+    from cranktopo.numerics.tetrahedra.elasticity import (
+        triangle_quadrature,
+    )  # loads SciPy; few bodies come here
+
     turned = Trimesh(nodes_mm, triangles[:, :3], process=False)
     repair.fix_winding(turned)
     corners = triangles[:, :3]
     kept = (np.stack([np.roll(corners, shift, axis=1) for shift in range(3)]) == turned.faces).all(axis=2)
     sense = np.where(kept.any(axis=0), 1.0, -1.0)
-    points, weights = _quadrature()
-    values, along, across = _shapes(points)
+    values, slopes, weights = triangle_quadrature(_ORDER)
     at = nodes_mm[triangles] - nodes_mm.mean(axis=0)
-    place, one, other = (np.einsum("nq,tni->tqi", shapes, at) for shapes in (values, along, across))
+    shapes = values, slopes[..., 0], slopes[..., 1]
+    place, one, other = (np.einsum("qn,tni->tqi", own, at) for own in shapes)
     parts = np.einsum("tqi,tqi,q->t", place, np.cross(one, other), weights) / 3
     return abs(float(sense @ parts))
-
-
-def _quadrature() -> tuple[Array, Array]:
-    """Return points (6, 2) and weights (6,) over a triangle of area 1/2."""
-    points = [[(a, a), (a, 1 - 2 * a), (1 - 2 * a, a)] for a in _AT]
-    return np.concatenate(points), np.repeat(_WEIGHT, 3) / 2
-
-
-def _shapes(points: Array) -> tuple[Array, Array, Array]:
-    """Return the shape functions of six nodes at points, and their slopes along both edges, (6, points)."""
-    x, y = points.T
-    rest, zero = 1 - x - y, np.zeros_like(x)
-    values = rest * (2 * rest - 1), x * (2 * x - 1), y * (2 * y - 1), 4 * rest * x, 4 * x * y, 4 * y * rest
-    along = 1 - 4 * rest, 4 * x - 1, zero, 4 * (rest - x), 4 * y, -4 * y
-    across = 1 - 4 * rest, zero, 4 * y - 1, -4 * x, 4 * x, 4 * (rest - y)
-    return np.stack(values), np.stack(along), np.stack(across)

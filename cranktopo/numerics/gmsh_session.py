@@ -21,6 +21,9 @@ from cranktopo.base.notes import at_work
 DimTags = list[tuple[int, int]]
 """Dimensions and numbers of bodies of the CAD kernel."""
 
+DELAUNAY = 5
+"""Method for the triangles of bodies made of two halves: on a bore with two seams the usual one, the frontal
+one, can refine without end, or be 2e-4 of the volume off."""
 _TRIANGLE = 2
 _ADDRESSES_MIB = 300.0
 """Memory of its library and a small model; where it cannot be had, it may end the process."""

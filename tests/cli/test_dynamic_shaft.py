@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -16,17 +15,11 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.tasks.dynamics.result import ShaftDynamics
 from cranktopo.tasks.shaft_safety.dynamics_text import dynamics_text
 from cranktopo.tasks.shaft_safety.stage import assess_shaft
-from tests.throws_once import throws_once
+
+pytestmark = pytest.mark.usefixtures("throws_made_once")
 
 WORDS = ["shaft", "mikron-iiic-plain", "--element-size-mm", "24", "--quiet"]
 SIZE_MM = 24.0
-
-
-@pytest.fixture(scope="module", autouse=True)
-def throws() -> Iterator[None]:
-    """A mesh for each body: how it is made is not the subject."""
-    with throws_once():
-        yield
 
 
 def said(words: list[str], capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -12,19 +11,13 @@ from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder
 from cranktopo.tasks.modes.result import ShaftModes
 from cranktopo.tasks.modes.text import modes_text
-from tests.throws_once import throws_once
+
+pytestmark = pytest.mark.usefixtures("throws_made_once")
 
 MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 COARSE = ["--element-size-mm", "24", "--quiet"]
 FLYWHEEL = "[shaft.flywheel]\ninertia_kg_m2 = 0.6\nmass_kg = 25.0\noverhang_mm = 80.0\n"
 PULLEY = "[shaft.pulley]\ninertia_kg_m2 = 0.01\n"
-
-
-@pytest.fixture(scope="module", autouse=True)
-def throws() -> Iterator[None]:
-    """A mesh for each body: how it is made is not the subject."""
-    with throws_once():
-        yield
 
 
 def design(folder: Path, table: str) -> str:

@@ -7,7 +7,6 @@ import io
 import json
 import math
 import re
-from collections.abc import Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
@@ -55,18 +54,12 @@ from cranktopo.tasks.throw_fea.targets import Target
 from cranktopo.tasks.vibration.stage import shaft_vibration
 from tests.hostile.scenes import dumped
 from tests.page_text import typed_page
-from tests.throws_once import throws_once
+
+pytestmark = pytest.mark.usefixtures("throws_made_once")
 
 MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 KEPT = {"permitted_film_um": None, "permitted_pressure_MPa": None, "films_hold": True}
 STEEL_KG_PER_MM3 = 7.85e-6
-
-
-@pytest.fixture(scope="module", autouse=True)
-def throws() -> Iterator[None]:
-    """A mesh for each body: how it is made is not the subject."""
-    with throws_once():
-        yield
 
 
 def shaft(design: str, size_mm: str) -> dict[str, Any]:

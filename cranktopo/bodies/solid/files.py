@@ -44,7 +44,7 @@ from cranktopo.design.halves import halves, mirror_image, usual_scale
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.cad_volume import triangulated_volume_mm3
-from cranktopo.numerics.gmsh_session import DimTags, cad_session, quiet_stdout, triangles
+from cranktopo.numerics.gmsh_session import DELAUNAY, DimTags, cad_session, quiet_stdout, triangles
 from cranktopo.runs.destination import check_file
 from cranktopo.runs.manifest import versions
 from cranktopo.throw.drilling.table import drill_bores
@@ -130,8 +130,6 @@ def _border(triangles: Int64) -> list[tuple[int, int]]:
 
 _FACET_MM = 1.0
 _FUSED: tuple[SolidPart, ...] = ("throw", "crankshaft", "raw_crankshaft")
-_DELAUNAY = 5
-"""gmsh's usual method, the frontal one, can refine without end a bore made of two halves with two seams."""
 
 
 def export_solid(
@@ -348,7 +346,7 @@ def coarse_facet_mm(scene: Scene) -> float:
 def _triangulate(gmsh: Any, body: DimTags, part: SolidPart, facet_mm: float) -> None:
     """Facets with outward normals: a face's own normal may point into the body, as a bore's does."""
     if part in _FUSED:
-        gmsh.option.setNumber("Mesh.Algorithm", _DELAUNAY)
+        gmsh.option.setNumber("Mesh.Algorithm", DELAUNAY)
     gmsh.option.setNumber("Mesh.MeshSizeMax", facet_mm)
     gmsh.option.setNumber("Mesh.MeshSizeMin", facet_mm)
     gmsh.option.setNumber("Mesh.Binary", 1)

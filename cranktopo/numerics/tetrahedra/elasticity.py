@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import solver_error
 from cranktopo.base.notes import at_work
-from cranktopo.numerics.tetrahedra.mesh import TetMesh, shape_gradients, shape_values
+from cranktopo.numerics.tetrahedra.mesh import TRIANGLE_EDGES, TetMesh, shape_gradients, shape_values
 from cranktopo.numerics.tetrahedra.solver import Equations
 from cranktopo.numerics.tetrahedra.symmetric_blocks import Pattern, SymmetricBlocks, neighbourly
 
@@ -117,6 +117,16 @@ def quadrature(order: int) -> tuple[Array, Array]:
 
     points, weights = get_quadrature(RefTet, order)
     return np.vstack([1 - points.sum(axis=0), points]).T, weights
+
+
+def triangle_quadrature(order: int) -> tuple[Array, Array, Array]:
+    """Return shape functions of six-node triangles at points (points, 6), their slopes, and weights."""
+    from skfem.quadrature import get_quadrature
+    from skfem.refdom import RefTri
+
+    (u, v), weights = get_quadrature(RefTri, order)
+    points = np.stack([1 - u - v, u, v], axis=1)
+    return shape_values(points, TRIANGLE_EDGES), shape_gradients(points, TRIANGLE_EDGES), weights
 
 
 def _jacobians(body: Any, which: Any, reference: Array) -> Array:

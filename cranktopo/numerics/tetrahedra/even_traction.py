@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array, Index
 from cranktopo.base.errors import solver_error
-from cranktopo.numerics.tetrahedra.elasticity import LOAD_ORDER, Elasticity
-from cranktopo.numerics.tetrahedra.mesh import shape_gradients, shape_values
+from cranktopo.numerics.tetrahedra.elasticity import LOAD_ORDER, Elasticity, triangle_quadrature
 from cranktopo.numerics.tetrahedra.stress import boundary_faces
 
 Where = Callable[[Array], NDArray[np.bool_]]
@@ -23,7 +22,6 @@ Share = Callable[[Array], Array]
 """Share of the full traction that points (3, ...) have, from 0 to 1, without jumps."""
 _STEP_MM = 1e-6
 """Step of central differences of shares by the place of a point."""
-_EDGES = ((0, 1), (1, 2), (0, 2))
 
 
 @dataclass(frozen=True)
@@ -96,14 +94,8 @@ class EvenTraction:
 
 def even_traction(model: Elasticity, direction: Array, faces: Where, share: Share) -> EvenTraction:
     """Return 1 N along a direction (3,) on those faces whose corners are where `faces` says."""
-    from skfem.quadrature import get_quadrature
-    from skfem.refdom import RefTri
-
     cells = model.mesh.dofs.element_dofs
     local, owners = boundary_faces(cells)
     every = cells[local, owners]
     chosen = every[:, faces(model.nodes_mm[:, every[:3]]).all(axis=0)]
-    (u, v), weights = get_quadrature(RefTri, LOAD_ORDER)
-    points = np.stack([1 - u - v, u, v], axis=1)
-    values, gradients = shape_values(points, edges=_EDGES), shape_gradients(points, edges=_EDGES)
-    return EvenTraction(model, direction, chosen, share, values, gradients, weights)
+    return EvenTraction(model, direction, chosen, share, *triangle_quadrature(LOAD_ORDER))

@@ -62,17 +62,22 @@ def hierarchical_estimator(
     Args:
         loaded_mm: heights between which the load along -y acts, as in the blocks.
     """
-    fields = [block.fields for block in blocks]
-    residual, stiffness = _residual(model, np.hstack(fields), youngs_MPa, poisson)
-    starts = np.cumsum([0, *(field.shape[1] for field in fields)])
+    every = np.hstack([block.fields for block in blocks])
+    residual, stiffness = _residual(model, every, youngs_MPa, poisson)
     forms = []
-    for block, start, end in zip(blocks, starts, starts[1:], strict=False):
-        own = residual[:, :, start:end]
-        if end - start > len(block.motions):
+    for block, some in zip(blocks, _columns(blocks), strict=True):
+        own = residual[:, :, some]
+        if own.shape[2] > len(block.motions):
             own = own.copy()
             own[:, 1, -1] -= _mean_weights(model, loaded_mm)
         forms.append(block.parts * _answered(own, stiffness, _held(model, block)))
     return forms
+
+
+def _columns(blocks: Sequence[Superelement]) -> list[slice]:
+    """Return which of the fields of all blocks, side by side, are those of each."""
+    starts = np.cumsum([0, *(block.fields.shape[1] for block in blocks)])
+    return [slice(start, end) for start, end in itertools.pairwise(starts)]
 
 
 def _answered(residual: Array, stiffness: Array, held: NDArray[np.bool_]) -> Array:
@@ -195,9 +200,8 @@ def straightened(
     ends = (0.0,) if blocks[0].copies == 2 else (0.0, float(model.nodes_mm[2].max()))
     added = _added(model, every, away, moved, (youngs_MPa, poisson))
     added += _by_sections(model, every, away, ends)
-    starts = np.cumsum([0, *(block.fields.shape[1] for block in blocks)])
-    own = [slice(start, end) for start, end in itertools.pairwise(starts)]
-    forms = [-block.parts * added[some, some] for block, some in zip(blocks, own, strict=True)]
+    columns = zip(blocks, _columns(blocks), strict=True)
+    forms = [-block.parts * added[some, some] for block, some in columns]
     return forms, _volume(model, away, moved)
 
 

@@ -104,6 +104,10 @@ def node_points() -> Array:
     return np.vstack([corners, [(corners[a] + corners[b]) / 2 for a, b in EDGES]])
 
 
+TRIANGLE_EDGES = ((0, 1), (1, 2), (0, 2))
+"""Edges of a six-node triangle in the order of its edge nodes."""
+
+
 def shape_gradients(barycentric: Array, edges: tuple[tuple[int, int], ...] = EDGES) -> Array:
     """Return the gradients of the quadratic shape functions in (xi, eta, zeta), shape (points, nodes, 3).
 

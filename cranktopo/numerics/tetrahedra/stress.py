@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +18,7 @@ from cranktopo.numerics.tetrahedra.elasticity import (
     inverse_jacobians,
     quadrature,
 )
-from cranktopo.numerics.tetrahedra.mesh import EDGES, node_points, shape_gradients
+from cranktopo.numerics.tetrahedra.mesh import EDGES, TRIANGLE_EDGES, node_points, shape_gradients
 
 DEVIATOR = np.zeros((6, 6))
 DEVIATOR[:3, :3] = 1.5 * np.eye(3) - 0.5
@@ -72,13 +72,11 @@ def nodal_stress(model: Elasticity, displacement_mm: Array, youngs_MPa: float, p
     cells, spread = model.mesh.dofs.element_dofs, nodes_from_points(quadrature(STIFFNESS_ORDER)[0][:, 1:].T)
     element, volume = np.empty((len(displacement_mm), cells.shape[1], 10, 6)), np.empty(cells.shape[1])
 
-    def bring(some: slice) -> None:
-        own, to = np.arange(some.start, some.stop), element[:, some]
-        for which, stress, dx in _by_chunks(model, own, displacement_mm, (youngs_MPa, poisson)):
-            to[:, which] = np.einsum("nq,feqc->fenc", spread, stress, optimize=True)
-            volume[some][which] = dx.sum(axis=1)
+    def bring(which: slice, stress: Array, dx: Array) -> None:
+        element[:, which] = np.einsum("nq,feqc->fenc", spread, stress, optimize=True)
+        volume[which] = dx.sum(axis=1)
 
-    in_halves(cells.shape[1], bring)
+    _by_chunks(model, np.arange(cells.shape[1]), displacement_mm, (youngs_MPa, poisson), bring)
     return _averaged(cells, volume, element)
 
 
@@ -91,25 +89,39 @@ def point_stresses(
     """
     found = np.empty((len(displacement_mm), len(elements), len(quadrature(STIFFNESS_ORDER)[1]), 6))
 
-    def bring(some: slice) -> None:
-        for which, stress, _ in _by_chunks(model, elements[some], displacement_mm, (youngs_MPa, poisson)):
-            found[:, some][:, which] = stress
+    def keep(which: slice, stress: Array, _: Array) -> None:
+        found[:, which] = stress
 
-    in_halves(len(elements), bring)
+    _by_chunks(model, elements, displacement_mm, (youngs_MPa, poisson), keep)
     return found
 
 
 def _by_chunks(
-    model: Elasticity, elements: Index, displacement_mm: Array, elastic: tuple[float, float]
-) -> Iterator[tuple[slice, Array, Array]]:
-    """Yield some elements, stresses (fields, elements, points, 6) at their points, volumes of these."""
+    model: Elasticity,
+    elements: Index,
+    displacement_mm: Array,
+    elastic: tuple[float, float],
+    take: Callable[[slice, Array, Array], None],
+) -> None:
+    """Hand on some elements at a time, by two threads.
+
+    Args:
+        take: called with a slice of the elements, the stresses at their points (fields, elements, points, 6),
+            and the volumes of these.
+    """
     cells = model.mesh.dofs.element_dofs[:, elements]
     reference = shape_gradients(quadrature(STIFFNESS_ORDER)[0])
     fields = displacement_mm.reshape(len(displacement_mm), -1, 3)
-    for which, inverse, dx in inverse_jacobians(model.mesh, elements):
-        shapes = np.einsum("qnj,ijeq->qien", reference, inverse, optimize=True)
-        slopes = np.einsum("qien,fnea->feqai", shapes, fields[:, cells[:, which]], optimize=True)
-        yield which, hooke(tensor_strain(slopes), *elastic), dx
+
+    def half(some: slice) -> None:
+        own = cells[:, some]
+        for which, inverse, dx in inverse_jacobians(model.mesh, elements[some]):
+            shapes = np.einsum("qnj,ijeq->qien", reference, inverse, optimize=True)
+            slopes = np.einsum("qien,fnea->feqai", shapes, fields[:, own[:, which]], optimize=True)
+            first = some.start + which.start
+            take(slice(first, first + len(dx)), hooke(tensor_strain(slopes), *elastic), dx)
+
+    in_halves(len(elements), half)
 
 
 def _averaged(elements: NDArray[np.intp], volume: Array, element: Array) -> NodalStress:
@@ -277,7 +289,7 @@ def face_normals(at: Array) -> Array:
 def triangle_gradients() -> Array:
     """Return gradients of the six-node triangle's shape functions at its nodes, shape (6 points, 6, 2)."""
     points = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.5, 0.5, 0], [0, 0.5, 0.5], [0.5, 0, 0.5]])
-    return shape_gradients(points, edges=((0, 1), (1, 2), (0, 2)))
+    return shape_gradients(points, TRIANGLE_EDGES)
 
 
 def _depth(model: Elasticity, surface: Surface, nodal_stress: NodalStress) -> Array:

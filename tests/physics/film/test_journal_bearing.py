@@ -179,8 +179,8 @@ def energy_off(step_deg: float) -> float:
 
 def test_the_energy_of_a_cycle_is_what_the_film_takes() -> None:
     """Off by the square of the step, by the load that is straight between its angles: without steps, 1e-6."""
-    coarse, fine = energy_off(2.0), energy_off(1.0)
-    assert abs(coarse) < 5e-5
+    coarse, fine = energy_off(1.0), energy_off(0.5)
+    assert abs(coarse) < 2e-5
     assert coarse / fine == pytest.approx(4.0, abs=0.4)
     assert abs(fine + (fine - coarse) / 3) < 1e-6
 

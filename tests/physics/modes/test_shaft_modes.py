@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -28,16 +27,10 @@ from cranktopo.tasks.shaft.stage import evaluate_shaft
 from cranktopo.tasks.throw_fea.targets import Target
 from cranktopo.tasks.vibration.text import DISKS
 from tests.studies.crank_modes import body_frequencies_Hz, crank_mesh, reduced_frequencies_Hz
-from tests.throws_once import throws_once
+
+pytestmark = pytest.mark.usefixtures("throws_made_once")
 
 SIZE_MM = 24.0
-
-
-@pytest.fixture(scope="module", autouse=True)
-def throws() -> Iterator[None]:
-    """A mesh for each body: how it is made is not the subject."""
-    with throws_once():
-        yield
 
 
 def mikron(**shaft: Any) -> Scene:
