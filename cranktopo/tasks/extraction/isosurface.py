@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 
 import numpy as np
 from manifold3d import Manifold
@@ -24,6 +25,10 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 _PAD_CELLS = 3
 REFINE = 2
 """Points of the lattice per cell and axis."""
+_BEYOND_CELLS = 12
+"""Cells by which a row goes on for its spline: beyond, its ends count for 1e-7."""
+_CUBIC_AT_QUARTER = np.array([27.0, 235.0, 121.0, 1.0]) / 384
+"""Cubic B-splines of four cells, the first centre 1.25 cells before the point."""
 _ROUGH_STEPS = 3.0
 """Distance around a rough place within which the surface stays as it is, in steps of the lattice."""
 _TAUBIN_LAMBDA, _TAUBIN_MU, _TAUBIN_STEPS = 0.5, 0.52, 10
@@ -50,16 +55,31 @@ def resample(
     Args:
         usable: (nx, ny, nz) cells that can hold material; the rest takes the nearest value of these.
     """
-    from scipy import ndimage
-
     filled = _filled(grid, usable)
     padded = np.pad(filled, _PAD_CELLS, mode="symmetric")
-    fine = ndimage.zoom(padded, REFINE, order=3, mode="nearest", grid_mode=True)
+    fine = reduce(_on_quarters, range(padded.ndim), padded)
     spacing = grid.cell_mm / REFINE
     first = grid.origin_mm - _PAD_CELLS * grid.cell_mm + spacing / 2
     if release is not None:
         fine = _released(fine, grid, usable, release, ways)
     return FineField(first - spacing, spacing, np.pad(fine, 1, constant_values=0.0))
+
+
+def _on_quarters(values: Array, axis: int) -> Array:
+    """Return values of cells at a quarter of a cell before and after their centres, by cubic B-splines.
+
+    Axis by axis this is `scipy.ndimage.zoom` by `REFINE` in a tenth of its time: 4 terms per point for 64.
+    """
+    from scipy import ndimage
+
+    rows = np.moveaxis(values, axis, 0)
+    longer = np.concatenate([rows[:1].repeat(_BEYOND_CELLS, 0), rows, rows[-1:].repeat(_BEYOND_CELLS, 0)])
+    shares = ndimage.spline_filter1d(longer, 3, axis=0, mode="nearest")
+    fine = np.empty((len(rows), REFINE, *rows.shape[1:]))
+    for place, weights, origin in ((0, _CUBIC_AT_QUARTER[::-1], 0), (1, _CUBIC_AT_QUARTER, -1)):
+        found = ndimage.correlate1d(shares, weights, axis=0, origin=origin)
+        fine[:, place] = found[_BEYOND_CELLS : len(found) - _BEYOND_CELLS]
+    return np.moveaxis(fine.reshape(-1, *rows.shape[1:]), 0, axis)
 
 
 def blurred(field: FineField, steps: float) -> FineField:

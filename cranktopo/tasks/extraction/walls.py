@@ -194,7 +194,7 @@ def _shrink(radius: Array, opposite: Array, walls: Walls, side: float, body: Wal
     tree, going = KDTree(body.points_mm), np.arange(len(radius))
     for _ in range(_BALL_STEPS):
         at, way = walls.points_mm[going], side * walls.normals[going]
-        distance, nearest = tree.query(at + way * radius[going, None])
+        distance, nearest = tree.query(at + way * radius[going, None], workers=-1)
         hit = body.points_mm[nearest] - at
         depth, square = np.einsum("ij,ij->i", hit, way), np.einsum("ij,ij->i", hit, hit)
         shorter = np.divide(square, 2 * depth, out=np.full(len(going), np.inf), where=depth > _TINY_MM)
