@@ -16,13 +16,8 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.spans import Section
-from cranktopo.bodies.cells.fractions import (
-    EXACT,
-    FillTolerance,
-    drill_cells,
-    plane_fractions,
-    slab_fractions,
-)
+from cranktopo.bodies.cells.drilled import drill_cells
+from cranktopo.bodies.cells.fractions import EXACT, FillTolerance, plane_fractions, slab_fractions
 from cranktopo.bodies.cells.grid import CellGrid, Extent, plan_grid
 from cranktopo.bodies.cells.layers import (
     ORIGINAL_KEY,
@@ -174,8 +169,8 @@ def _filled(grid: CellGrid, layer: AxialLayer, section: Section, tolerance: Fill
     # Rounding must not leave 1e-16 of a layer in its neighbour: that would be a void cell with stiffness.
     shares[shares < 1e-9] = 0.0
     if not layer.changes:
-        middle = np.array([sum(layer.z_mm) / 2])
-        return plane_fractions(grid.x_mm, grid.y_mm, middle, section, tolerance) * shares
+        plane = plane_fractions(grid.x_mm, grid.y_mm, sum(layer.z_mm) / 2, section, tolerance)
+        return plane[..., None] * shares
     result, changing = np.zeros(grid.cells), np.flatnonzero(shares)
     for cells in np.array_split(changing, -(-len(changing) * grid.cells[1] // _ROWS_AT_ONCE)):
         slabs = np.array([low[cells], high[cells]])

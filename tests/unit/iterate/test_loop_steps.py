@@ -286,7 +286,7 @@ def test_the_next_envelope_holds_a_drilling_that_crosses_a_bore(
 ) -> None:
     """The web's solid has the bores as holes, in which no wall is around a drilling."""
     # Whether the envelope holds it is asked before the cells lose it, which takes longer.
-    monkeypatch.setattr("cranktopo.bodies.cells.fractions._slabs", lambda *_: ())
+    monkeypatch.setattr("cranktopo.bodies.cells.drilled._slabs", lambda *_: ())
     scene = scene_from_dict(featured_engine(35))
     path = write_envelope(write_solids(scene, tmp_path).web, tmp_path)
     inside = scene.model_copy(update={"envelope": StlEnvelope(shape="stl", file=str(path), symmetric=True)})
