@@ -114,27 +114,32 @@ def mwm_rows() -> list[Row]:
 
 
 @cache
-def mwm_curve(section: str) -> Curve:
-    """The paper adds the magnitudes of all orders, 0.5 to 12; so does this."""
+def mwm_curve(section: str, pressure_share: float = 1.0) -> Curve:
+    """The paper adds the magnitudes of all orders, 0.5 to 12; so does this, at a share of its pressure."""
     name, index = SECTIONS[section]
     printed = np.genfromtxt(DATA / f"{name}.csv", delimiter=",", skip_header=1)
     speeds = np.arange(1000.0, 2551.0, 12.5)
     shaft = ShaftChain(MWM, NAMES, 2, 6, 1.0)
     torque = [
-        np.abs(vibration(shaft, _harmonics(float(rpm)), np.array([rpm])).torque_Nm[0, :, index]).sum()
+        np.abs(
+            vibration(shaft, mwm_harmonics(float(rpm), pressure_share), np.array([rpm])).torque_Nm[
+                0, :, index
+            ]
+        ).sum()
         for rpm in speeds
     ]
     return Curve(printed[:, 0], printed[:, 1], np.interp(printed[:, 0], speeds, torque))
 
 
-def _harmonics(rpm: float) -> TorqueHarmonics:
+def mwm_harmonics(rpm: float, pressure_share: float = 1.0) -> TorqueHarmonics:
     """One pressure curve, scaled to the peak pressure of a speed."""
     pressure, peak = (
         np.genfromtxt(DATA / f"mwm_{name}.csv", delimiter=";") for name in ("pressure", "peak_pressure")
     )
     angle_deg = 720.0 * np.arange(ANGLES) / ANGLES
     angle = np.radians(angle_deg)
-    MPa = np.interp(angle_deg, *pressure.T) / SCALED_TO_MPa * np.interp(rpm, *peak.T)
+    MPa = np.interp(angle_deg, *pressure.T) * np.interp(rpm, *peak.T)
+    MPa *= pressure_share / SCALED_TO_MPa
     rod = np.arcsin(RADIUS_MM / ROD_MM * np.sin(angle))
     lever_m = RADIUS_MM / 1e3 * np.sin(angle + rod) / np.cos(rod)
     acceleration = exact_motion(angle, RADIUS_MM, ROD_MM).acceleration_ratio * RADIUS_MM / 1e3
