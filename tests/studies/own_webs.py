@@ -4,7 +4,8 @@
 features by its process; a design goes by every process. A design without an envelope, as the sources' ideas
 of another web are, has that of its engine. Both webs are judged twice: on the optimiser's cells, and by the
 body-fitted evaluation of the extracted surface against the exact web without fillets. Stiffness per mass is
-the reciprocal of the weighted compliance under bending and torsion, the objective, times the mass.
+the reciprocal of the weighted compliance under bending and torsion, the objective, times the mass. What of an
+own web lies outside of the envelope no optimised web can have; such a row compares nothing.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from pathlib import Path
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import silent
 from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.bodies.cells.outside import outside_envelope
 from cranktopo.design.halves import usual_scale
 from cranktopo.design.load_kinds import MAIN_KINDS
 from cranktopo.design.loading import load_scene, scene_from_dict
@@ -85,7 +87,7 @@ def own_volume_fraction(scene: Scene) -> float:
 
 def compared(scene: Scene) -> str:
     """Return a row: what the optimised web reaches of the own web's stiffness per mass, by either model."""
-    began, share = time.perf_counter(), own_volume_fraction(scene)
+    began, share, outside = time.perf_counter(), own_volume_fraction(scene), outside_envelope(scene)
     with tempfile.TemporaryDirectory() as where, silent():
         run = optimise_design(scene.with_optimise(volume_fraction=share), Path(where) / "run")
         found, before = run.metrics.load_cases, run.metrics.original_web.load_cases
@@ -103,10 +105,13 @@ def compared(scene: Scene) -> str:
         }
         of_kinds = {name: 1 / stiffer[before[name].load.kind] for name in work}
         fitted = _per_mass(scene, work, of_kinds, new.throw_kg / own.throw_kg)
-    return (
-        f"| {scene.name} | {scene.optimise.process} | {share:.3f} | {run.metrics.iterations} "
-        f"| {cells:+.2f} | {fitted:+.2f} | {time.perf_counter() - began:.0f} |"
-    )
+    told = f"{share:.3f}", f"{outside.percent if outside else 0.0:.1f}", str(run.metrics.iterations)
+    changes = f"{cells:+.2f}", f"{fitted:+.2f}", f"{time.perf_counter() - began:.0f}"
+    return _row(scene.name, scene.optimise.process, *told, *changes)
+
+
+def _row(*cells: str) -> str:
+    return f"| {' | '.join(cells)} |"
 
 
 def _per_mass(scene: Scene, work: Mapping[str, float], ratio: Mapping[str, float], mass: float) -> float:
@@ -119,14 +124,16 @@ def _per_mass(scene: Scene, work: Mapping[str, float], ratio: Mapping[str, float
 
 def main(*names: str) -> None:
     """Print the table as Markdown."""
-    print("| design | process | own volume fraction | iterations | on cells % | body-fitted % | s |")
-    print("|---|---|---|---|---|---|---|")
+    heads = "own volume fraction", "outside %", "iterations", "on cells %", "body-fitted %", "s"
+    print(_row("design", "process", *heads))
+    print(_row(*["---"] * 8))
     for name in names or (*DESIGNS, *map(str, range(40))):
         for scene in scenes(name):
             try:
                 print(compared(scene), flush=True)
             except CranktopoError as error:
-                print(f"| {scene.name} | {scene.optimise.process} | | | | {error} | |", flush=True)
+                row = scene.name, scene.optimise.process, "", "", "", "", str(error), ""
+                print(_row(*row), flush=True)
 
 
 if __name__ == "__main__":
