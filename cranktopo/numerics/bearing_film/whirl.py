@@ -33,7 +33,7 @@ def multipliers(
     own = body.body
     scale = 1 / np.sqrt(np.diag(own.mass))
     still = own.stiffness - speed_rad_s**2 * (own.lateral - own.stiffening)
-    through = body.viscous + 2 * speed_rad_s * own.coriolis + _viscous_loss(body)
+    through = body.viscous + 2 * speed_rad_s * own.coriolis + viscous_loss(body)
     mass, damping, stiffness = (one * np.outer(scale, scale) for one in (own.mass, through, still))
     joined = np.zeros((len(mass), len(journals)))
     joined[journals, np.arange(len(journals))] = scale[journals]
@@ -63,7 +63,7 @@ def _late(blocks: Array) -> Array:
     return whole.reshape(states, 2 * bearings, 2 * bearings)
 
 
-def _viscous_loss(body: DampedBody) -> Array:
+def viscous_loss(body: DampedBody) -> Array:
     """Return the viscous damping that takes of each free vibration at rest what the loss takes of it."""
     if not body.loss.any():
         return np.zeros_like(body.loss)

@@ -207,8 +207,9 @@ def dynamic_shaft(
 def check_dynamics(scene: Scene, bearings: ShaftBearings) -> None:
     """Refuse bearings that are free or have play, and a shaft whose bending nothing damps."""
     if bearings not in ("rigid", "spring", "film"):
+        why = ": without oil, journals bounce in their play" if bearings == "clearance" else ""
         raise CranktopoError(
-            f"--dynamic: --bearings {bearings} has no answer for a shaft with mass.",
+            f"--dynamic: --bearings {bearings} has no answer for a shaft with mass{why}.",
             hint="Choose --bearings rigid, spring or film.",
             code=ExitCode.USAGE,
         )
