@@ -29,6 +29,18 @@ ORIGINAL = {
 }
 
 
+LESS_SAFE_IN_SHAFT = {
+    "original": 1.267,
+    "result": 1.086,
+    "required": None,
+    "web": 8,
+    "part": "journal_fillet",
+    "speeds_rpm": [700.0, 2800.0],
+    "fillet_fraction": 0.5,
+}
+"""What `shaft_check` of a result is, of a web that loses safety in its shaft."""
+
+
 @dataclass
 class ShapeStandIn:
     """What stands for `shape_design` and `resume_shape`; it ends in the web of the scene that it was given.
@@ -36,11 +48,13 @@ class ShapeStandIn:
     Attributes:
         percent: of the original what the result has of mass, torsion, bending and fatigue safety.
         error: raised in place of a result while it is set.
+        more: further keys of the result.
         asked: scene and start of every optimisation that was begun, and the folder of every continued one.
     """
 
     percent: dict[str, float] = field(default_factory=dict)
     error: CranktopoError | None = None
+    more: dict[str, Any] = field(default_factory=dict)
     asked: list[Any] = field(default_factory=list)
 
     def design(
@@ -106,4 +120,5 @@ class ShapeStandIn:
             "result": told_evaluation(now["torsion"], now["bending"], now["mass"]),
             "seconds": {"total": 1.0},
             "files": {"design": "web.toml"},
+            **self.more,
         }

@@ -16,12 +16,13 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import WebLoads
 from cranktopo.engine.plan.planning import plan_for_stress
-from cranktopo.tasks.web_shape import evaluated_web, in_shaft, run
+from cranktopo.tasks.web_shape import evaluated_web, in_shaft, run, shaft_check
 from cranktopo.tasks.web_shape.evaluated_web import Judging, web_safety
 from cranktopo.tasks.web_shape.in_shaft import search_in_shaft
 from cranktopo.tasks.web_shape.optimum import ShapeSettings
-from cranktopo.tasks.web_shape.result import SafetyInShaft
+from cranktopo.tasks.web_shape.result import SafetyInShaft, ShapeResult
 from cranktopo.tasks.web_shape.run import shape_design, shape_goal, shape_settings
+from cranktopo.tasks.web_shape.text import shape_summary
 from tests.shaft_stand_in import told_shaft
 
 SAFETIES = (1.5, 1.9, 1.6, 1.9, 1.9, 1.9, 1.9, 1.45)
@@ -154,6 +155,27 @@ def test_the_shaft_with_the_best_web_has_the_last_word(
     judged = found.judged(scene, shape_goal(wanted), StageMemory())
     assert judged == SafetyInShaft(original=1.45, result=1.45, required=required, web=8, part="pin_fillet")
     assert judged.held is held
+
+
+@pytest.mark.slow
+def test_a_search_of_a_throw_alone_ends_with_its_web_in_the_shaft(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A whole search on coarse meshes; only the shaft is told, in which the web that was found is unsafe."""
+    own = with_goal(load_scene("mikron-iiic-plain"), minimise="mass")
+    told = {own.web: told_shaft((1.5, 1.45))}
+    monkeypatch.setattr(
+        shaft_check, "loaded_shaft", lambda scene, _: told.get(scene.web, told_shaft((1.5, 0.9)))
+    )
+    settings = ShapeSettings(
+        cell_mm=9.0, mesh_mm=16.0, rounds=1, element_size_mm=14.0, fillet_fraction=0.5, features=False
+    )
+    done = shape_design(own, settings, tmp_path / "out")
+    assert done.result.shaft_check is not None
+    assert (done.result.shaft_check.original, done.result.shaft_check.result) == (1.45, 0.9)
+    assert ShapeResult.read(done.folder / "shape.json").shaft_check == done.result.shaft_check
+    assert shape_summary(done.result, done.folder).startswith("LESS SAFE IN ITS SHAFT: 0.900 (web 2, pin fil")
+    assert done.result.seconds["shaft"] < done.result.seconds["judge"]
 
 
 @pytest.mark.slow

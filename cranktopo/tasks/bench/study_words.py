@@ -12,7 +12,7 @@ from cranktopo.runs.stored import unchanged
 from cranktopo.tasks.accuracy.page import accuracy_headline, limit_lines, recommendation_table
 from cranktopo.tasks.bench.job_kinds import KEPT_EARLY
 from cranktopo.tasks.iterate.result import LoopResult
-from cranktopo.tasks.iterate.text import best_line, shape_line, steps_tables, unmade_lines
+from cranktopo.tasks.iterate.text import best_line, shape_lines, steps_tables, unmade_lines
 from cranktopo.tasks.throw_fea.studies import StudyResult
 
 
@@ -30,8 +30,7 @@ def loop_of(run: Path) -> LoopResult:
 
 def _loop_words(run: Path) -> list[str]:
     loop = loop_of(run)
-    shape = [line] if (line := shape_line(loop)) else []
-    return [best_line(loop), f"ended: {loop.stop_reason}", *shape, *unmade_lines(loop)]
+    return [best_line(loop), f"ended: {loop.stop_reason}", *shape_lines(loop), *unmade_lines(loop)]
 
 
 def _loop_table(run: Path) -> list[list[str]]:

@@ -42,7 +42,7 @@ from cranktopo.tasks.iterate.result import (
     verdict,
 )
 from cranktopo.tasks.iterate.shape_step import shape_scene, shape_step
-from cranktopo.tasks.iterate.text import LOOP_FILES, shape_line, steps_table
+from cranktopo.tasks.iterate.text import LOOP_FILES, shape_lines, steps_table
 from cranktopo.tasks.optimise.stage import RUN_TABLES, announce
 
 
@@ -141,9 +141,9 @@ def _handed_over(
     if found.row is not None:
         row = StepRow.of(found.row, webs[0].step, SHAPE)
         result = result.model_copy(update={"steps": [*result.steps, row]})
-    line = shape_line(result)
-    note(line)
-    run.log(line)
+    for line in shape_lines(result):
+        note(line)
+        run.log(line)
     return result
 
 

@@ -27,7 +27,7 @@ from cranktopo.runs.kind import SHAPE
 from cranktopo.runs.manifest import Manifest
 from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.iterate.result import LoopResult, StepRow
-from cranktopo.tasks.iterate.text import best_line, shape_line, steps_estimate, steps_tables
+from cranktopo.tasks.iterate.text import best_line, shape_lines, steps_estimate, steps_tables
 from cranktopo.tasks.throw_fea.quantities import (
     BENDING,
     BENDING_PER_MASS,
@@ -53,7 +53,9 @@ def iterate_page(loop: LoopResult, manifest: Manifest, bodies: tuple[ShownBody, 
     return Page(
         title=f"Loop over the crank web of {loop.design}",
         subtitle=f"Loop {manifest.run}, {manifest.started[:10]}",
-        headline=left_off_first(loop.shape.left_off if loop.shape else None, _headline(loop)),
+        headline=left_off_first(
+            loop.shape.left_off if loop.shape else None, _less_safe(loop) + _headline(loop)
+        ),
         facts=(*_facts(loop), _ended(loop)),
         sections=(
             _steps(loop),
@@ -64,6 +66,12 @@ def iterate_page(loop: LoopResult, manifest: Manifest, bodies: tuple[ShownBody, 
         scene3d=Scene3D(bodies, first=_result_step(loop)),
         picture=gallery_picture(bodies),
     )
+
+
+def _less_safe(loop: LoopResult) -> str:
+    """Return what the web of the shape optimisation loses in its shaft, as a sentence; empty if nothing."""
+    words = loop.shape.less_safe if loop.shape else None
+    return f"Web of the shape optimisation: {words}. " if words else ""
 
 
 def _headline(loop: LoopResult) -> str:
@@ -128,7 +136,7 @@ def _steps(loop: LoopResult) -> Section:
 
 
 def _handed_over(loop: LoopResult) -> str:
-    line = shape_line(loop)
+    line = "; ".join(shape_lines(loop))
     return f" {line[0].upper()}{line[1:]}; see shape/report.html." if line else ""
 
 

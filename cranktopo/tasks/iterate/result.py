@@ -225,6 +225,8 @@ class ShapeOutcome(Result):
         not_judged_of_steps: limits of the goal that the loop does not know of its steps.
         left_off: loads that safety and stress do not count although they are above the threshold, in words.
         loads: load states of safety and stress, as shape.json has them.
+        less_safe: what stands first where the web is less safe in its shaft, in words.
+        in_shaft: what is told of its safety in the shaft, where a throw alone was judged, in words.
     """
 
     folder: FileName = SHAPE
@@ -236,6 +238,8 @@ class ShapeOutcome(Result):
     not_judged_of_steps: list[QuantityName] = Field(default_factory=list)
     left_off: str | None = UNLESS_NONE
     loads: LoadsName | None = UNLESS_NONE
+    less_safe: str | None = UNLESS_NONE
+    in_shaft: str | None = UNLESS_NONE
 
 
 class LoopResult(Result):

@@ -22,6 +22,7 @@ from cranktopo.tasks.iterate.result import LoopStep, Settings, ShapeOutcome
 from cranktopo.tasks.web_shape.result import ShapeResult
 from cranktopo.tasks.web_shape.run import shape_in, shape_settings
 from cranktopo.tasks.web_shape.search import HELD
+from cranktopo.tasks.web_shape.shaft_text import less_safe_in_shaft, shaft_lines
 
 
 class ShapeStep(NamedTuple):
@@ -117,6 +118,8 @@ def _outcome(data: ShapeResult, **compared: Any) -> ShapeOutcome:
         goal=data.goal,
         left_off=data.left_off,
         loads=data.loads,
+        less_safe=less_safe_in_shaft(data) or None,
+        in_shaft="; ".join(shaft_lines(data)) or None,
         **compared,
     )
 

@@ -97,6 +97,14 @@ def best_line(loop: LoopResult) -> str:
     )
 
 
+def shape_lines(loop: LoopResult) -> list[str]:
+    """Tell the same, and the safety of its web in the shaft; a web that is less safe there is told first."""
+    shape = loop.shape
+    told = (shape.less_safe, shape.in_shaft) if shape else (None, None)
+    first, last = (f"shape: {words}" if words else "" for words in told)
+    return [line for line in (first, shape_line(loop), last) if line]
+
+
 def shape_line(loop: LoopResult) -> str:
     """Tell what the shape optimisation reached beside the best step; empty for a loop without one."""
     shape = loop.shape
@@ -148,7 +156,7 @@ def loop_summary(loop: LoopResult, folder: Path) -> str:
     lines.append(steps_estimate(loop.steps))
     lines += bound_lines(loop.bound)
     lines += unmade_lines(loop)
-    lines += [f"ended: {loop.stop_reason}", *filter(None, [shape_line(loop)]), best_line(loop)]
+    lines += [f"ended: {loop.stop_reason}", *shape_lines(loop), best_line(loop)]
     lines += [f"note: {notice}" for notice in loop.notices]
     if loop.best is not None:
         lines.append(str(folder / loop.best.folder / "web.toml"))

@@ -173,6 +173,7 @@ def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
         **_limits(data.goal),
         **_bound(data.bound),
         **_optimiser_columns(data),
+        **_in_shaft(data),
         "target": file,
         VIEW: web_view(Target(shaped.name, simulated(shaped, fillets=True))),
     }
@@ -193,6 +194,17 @@ def _judged(target: Target, fineness: Fineness) -> Json:
 
 def _optimiser_columns(result: RunMetrics | ShapeResult) -> Json:
     return {"optimiser_status": result.status, "iterations": result.iterations}
+
+
+def _in_shaft(data: ShapeResult) -> Json:
+    """Return the safety in the shaft where the search judged a throw alone, and whether the web lost some."""
+    from cranktopo.tasks.web_shape.shaft_text import less_safe_in_shaft
+
+    one = data.shaft_check
+    if one is None:
+        return {}
+    lost = {"less_safe_in_shaft": words} if (words := less_safe_in_shaft(data)) else {}
+    return {"safety_in_shaft": one.result, "safety_in_shaft_of_original": one.original, **lost}
 
 
 def _limits(goal: GoalOutcome | None) -> Json:

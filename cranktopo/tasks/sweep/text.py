@@ -156,7 +156,8 @@ def safety_words(row: PointResult) -> str:
     safety, place = row.number("fatigue_safety"), row.number("fatigue_place")
     loads = row.number("fatigue_loads")
     over = f" {states_words(loads)}" if loads else ""
-    return f", least {SAFETY.label} {safety:.{SAFETY.digits}f}{over} at {place}" if place else ""
+    lost = f"; {less}" if (less := row.number("less_safe_in_shaft")) else ""
+    return f", least {SAFETY.label} {safety:.{SAFETY.digits}f}{over} at {place}{lost}" if place else ""
 
 
 def _reasons(data: SweepResult) -> list[str]:

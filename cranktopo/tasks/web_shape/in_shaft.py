@@ -24,7 +24,8 @@ from cranktopo.tasks.web_shape.optimum import ShapeSettings
 from cranktopo.tasks.web_shape.result import SafetyInShaft
 from cranktopo.tasks.web_shape.stage import stresses_in
 
-_EFFECT = "continuous_shaft"
+EFFECT = "continuous_shaft"
+STRESS_ALONE = "the stress is one of a throw alone"
 _NEAR = 1.1
 """Safety of a web over the least of all up to which its loads count: all get the same dimensions, and what
 these change is less."""
@@ -34,13 +35,16 @@ def asks_for_shaft(scene: Scene, goal: Goal, settings: ShapeSettings) -> bool:
     """Tell whether the plan has the shaft on, and the goal asks for what it changes."""
     if isinstance(settings.loads, WebLoads) or not stresses_in(goal.quantities):
         return False
-    return _EFFECT in plan_for_stress(scene).enabled
+    return EFFECT in plan_for_stress(scene).enabled
 
 
 def left_alone(scene: Scene, goal: Goal) -> str:
     """Return why the throw of a search cannot stand in its shaft; empty where it can."""
-    if "stress" in goal.quantities:
-        return "the stress is one of a throw alone"
+    return STRESS_ALONE if "stress" in goal.quantities else without_shaft(scene)
+
+
+def without_shaft(scene: Scene) -> str:
+    """Return why the web of a scene cannot be judged in its shaft; empty where it can."""
     if differing := difference(scene):
         return f"{differing} makes its two webs differ"
     if scene.original is not None:
@@ -60,14 +64,12 @@ class SearchInShaft:
     def judged(self, web: Scene, goal: Goal, work: StageMemory) -> SafetyInShaft:
         """Return the safety of the shaft with the best web beside what the goal asks for."""
         original = self.shaft.figures
-        found = _shaft(_in_its_shaft(web), "shaft-result", self.fillet_fraction, work).figures
+        found = _shaft(in_its_shaft(web), "shaft-result", self.fillet_fraction, work).figures
         worst = min(found.webs, key=lambda one: one.safety)
-        limits = [limit for limit in goal.limits_of("fatigue_safety") if limit.sense == ">="]
-        required = [least for limit in limits if (least := limit.required(original.safety)) is not None]
         return SafetyInShaft(
             original=original.safety,
             result=found.safety,
-            required=max(required, default=None),
+            required=least_required(goal, original.safety),
             web=worst.web,
             part=worst.part,
         )
@@ -89,9 +91,9 @@ def search_in_shaft(
     """
     if not asks_for_shaft(scene, goal, settings) or left_alone(scene, goal):
         return None
-    note(f"{scene.name}: effect {_EFFECT}: the loads of its webs are those in the shaft on all its bearings")
+    note(f"{scene.name}: effect {EFFECT}: the loads of its webs are those in the shaft on all its bearings")
     fraction = settings.fillet_fraction
-    shaft = _shaft(_in_its_shaft(scene), "shaft", fraction, work)
+    shaft = _shaft(in_its_shaft(scene), "shaft", fraction, work)
     least = shaft.figures.safety
     near = tuple(web.web for web in shaft.figures.webs if web.safety <= _NEAR * least)
     loads = shaft.loads(WebGroup(near))
@@ -104,8 +106,16 @@ def search_in_shaft(
     return SearchInShaft(scene, shaft, WebLoads(histories), fraction)
 
 
-def _in_its_shaft(scene: Scene) -> Scene:
-    return all_firing(scene).with_effect(_EFFECT, "on")
+def least_required(goal: Goal, original: float) -> float | None:
+    """Return the least fatigue safety that the limits of a goal ask for beside that of the original."""
+    limits = [limit for limit in goal.limits_of("fatigue_safety") if limit.sense == ">="]
+    required = [least for limit in limits if (least := limit.required(original)) is not None]
+    return max(required, default=None)
+
+
+def in_its_shaft(scene: Scene) -> Scene:
+    """Return a scene whose plan has the shaft on, all cylinders firing."""
+    return all_firing(scene).with_effect(EFFECT, "on")
 
 
 def _shaft(scene: Scene, name: str, fillet_fraction: float, work: StageMemory) -> LoadedShaft:

@@ -30,6 +30,7 @@ from cranktopo.tasks.extraction.text import release_text, release_verdict
 from cranktopo.tasks.throw_fea.quantities import SAFETY, STRESS
 from cranktopo.tasks.throw_fea.section import clearance_sections
 from cranktopo.tasks.web_shape.result import ShapeResult
+from cranktopo.tasks.web_shape.shaft_text import shaft_lines
 from cranktopo.tasks.web_shape.text import (
     QUANTITIES_TOLD,
     change_error_percent,
@@ -126,7 +127,7 @@ def release_fact(shape: ShapeResult) -> Fact:
 def _goal_section(shape: ShapeResult) -> Section:
     goal, doubt = shape.goal, multiplier_doubt(shape)
     sense = "minimise" if goal.minimise else "maximise"
-    said = [shape.stop_reason.capitalize(), safety_places(shape), stress_loads(shape)]
+    said = [shape.stop_reason.capitalize(), safety_places(shape), stress_loads(shape), *shaft_lines(shape)]
     said += [line.removesuffix(".") for line in safety_remarks(shape)]
     said += [original_keeps(shape), ended_words(shape)]
     return Section(

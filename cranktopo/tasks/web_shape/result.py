@@ -165,6 +165,28 @@ class SafetyInShaft(Result):
         return self.required is None or self.result >= self.required * (1 - TOLERANCE)
 
 
+class ShaftCheck(Result):
+    """Least fatigue safety of all webs of the shaft, where the search judged a throw alone.
+
+    The limits are those of the throw alone: none of them is missed by this.
+    """
+
+    original: float
+    """With the design's own web."""
+    result: float
+    """With the best web, on a mesh as coarse."""
+    required: float | None
+    """Least one that the limits would ask for there."""
+    web: int
+    """Web of the result that has it, from the free end, 1 first."""
+    part: str
+    """Its place: pin_fillet, journal_fillet, outlets or elsewhere."""
+    speeds_rpm: tuple[float, float]
+    """Lowest and highest speed of its range."""
+    fillet_fraction: float
+    """Element size in a fillet over its radius."""
+
+
 class ShapeFiles(Result):
     """Files beside `shape.json`."""
 
@@ -208,6 +230,10 @@ class ShapeResult(Result):
     `--each-web` and where the effect `continuous_shaft` is on; None without these and in earlier versions."""
     in_shaft: SafetyInShaft | None = UNLESS_NONE
     """Safety of the shaft, where the effect `continuous_shaft` is on."""
+    shaft_check: ShaftCheck | None = UNLESS_NONE
+    """Safety of the shaft where the search judged a throw alone; None where nothing of it was solved."""
+    shaft_unjudged: str | None = UNLESS_NONE
+    """Why the web was not judged in its shaft, in words."""
     undercuts: ShapedUndercuts | None = UNLESS_NONE
     """None in results of an earlier version."""
     unfinished: bool | None = UNLESS_NONE

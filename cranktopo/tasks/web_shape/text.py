@@ -34,6 +34,7 @@ from cranktopo.tasks.web_shape.result import (
     ShapeResult,
     too_loose,
 )
+from cranktopo.tasks.web_shape.shaft_text import less_safe_in_shaft, shaft_lines
 
 _Parameters = Sequence[DimensionSensitivity]
 QUANTITIES_TOLD = {
@@ -185,9 +186,12 @@ def shape_headline(shape: ShapeResult) -> str:
     missed = [*violated_limits(shape.goal), *_missed_in_shaft(shape)]
     said = ", ".join(f"{name.replace('_', ' ')} {_change_words(shape, name)}" for name in names)
     nearly = f" within {100 * TOLERANCE:g} %" if any(map(short_percent, shape.goal.limits)) else ""
-    judged = f"NOT MET: {'; '.join(missed)};" if missed else f"Every limit holds{nearly}:"
+    less_safe = less_safe_in_shaft(shape)
+    holds = "Of a throw alone every limit holds" if less_safe else "Every limit holds"
+    judged = f"NOT MET: {'; '.join(missed)};" if missed else f"{holds}{nearly}:"
     unmade = "" if shape.makeable else f"CANNOT BE MADE: {release_text(shape.undercuts)}. "
-    return f"{unmade}{judged} {said} against the original web.{_failing(shape)}"
+    first = f"{less_safe}. " if less_safe else ""
+    return f"{unmade}{first}{judged} {said} against the original web.{_failing(shape)}"
 
 
 def _missed_in_shaft(shape: ShapeResult) -> list[str]:
@@ -259,7 +263,13 @@ def shape_summary(shape: ShapeResult, folder: Path) -> str:
         shape_headline(shape),
         *filter(
             None,
-            [shape.left_off, safety_places(shape), *safety_remarks(shape), shape.balance],
+            [
+                shape.left_off,
+                *shaft_lines(shape, folder),
+                safety_places(shape),
+                *safety_remarks(shape),
+                shape.balance,
+            ],
         ),
         *filter(None, [original_keeps(shape), shape.stop_reason]),
         *([judged] if (judged := stress_loads(shape)) else []),

@@ -11,12 +11,14 @@ from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.runs.directories import RunStore, create_run
+from cranktopo.runs.manifest import new_manifest
 from cranktopo.tasks.iterate import shape_step
+from cranktopo.tasks.iterate.page import iterate_page
 from cranktopo.tasks.iterate.result import LoopResult, LoopStep, StepRow, loop_settings
 from cranktopo.tasks.iterate.shape_step import ShapeStep
-from cranktopo.tasks.iterate.text import shape_line
+from cranktopo.tasks.iterate.text import shape_line, shape_lines
 from cranktopo.tasks.web_shape import run as shape_run
-from tests.shape_stand_in import ORIGINAL, ShapeStandIn
+from tests.shape_stand_in import LESS_SAFE_IN_SHAFT, ORIGINAL, ShapeStandIn
 
 
 @pytest.fixture
@@ -173,3 +175,21 @@ def test_a_web_thinner_than_a_step_may_be_is_said_to_be_so() -> None:
     assert "beside a journal" not in shape_line(thick)
     judged = thin.model_copy(update={"shape": thin.shape.model_copy(update={"loads": "cycle"})})
     assert "every limit holds, safety and stress over every angle of the cycle, 5.3 mm" in shape_line(judged)
+
+
+def test_what_its_web_loses_in_the_shaft_is_said_first(
+    tmp_path: Path, mikron: Scene, stand_in: ShapeStandIn, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stand_in.more = {"shaft_check": LESS_SAFE_IN_SHAFT}
+    found = ended(loop_run(tmp_path / "loop", mikron), mikron, step(100, 115, 101))
+    data = {"design": "demo", "stop_reason": "", "best_step": 2, "least_transition_mm": 7.6}
+    row = StepRow.of(step(100, 115, 101), step(100, 115, 101), "").as_json()
+    loop = LoopResult.of_json({**data, "shape": found.outcome.as_json(), "steps": 3 * [row]}, "a loop")
+    monkeypatch.setattr("cranktopo.tasks.iterate.page.gallery_picture", lambda *_: None)
+    first, reached, last = shape_lines(loop)
+    assert first.startswith("shape: LESS SAFE IN ITS SHAFT: 1.086 (web 8, journal fillet), -14.3 +-2.0 %")
+    assert reached == shape_line(loop)
+    assert last.startswith("shape: in its shaft, on all bearings from 700 to 2,800 rpm")
+    manifest = new_manifest(run="out", design="", command=(), scene={}, options={}, inputs={})
+    page = iterate_page(loop, manifest, ())
+    assert page.headline.startswith("Web of the shape optimisation: LESS SAFE IN ITS SHAFT: 1.086")

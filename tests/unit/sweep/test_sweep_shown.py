@@ -6,12 +6,19 @@ import json
 import re
 from pathlib import Path
 
+import pytest
+
+from cranktopo.design.loading import load_scene
+from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.page import sweep_html
 from cranktopo.tasks.sweep.plan import sweep_plan
 from cranktopo.tasks.sweep.points import balance_line, points_of
 from cranktopo.tasks.sweep.result import SweepFiles, SweepResult, SweepSeconds
-from cranktopo.tasks.sweep.text import frame_of, sweep_summary
+from cranktopo.tasks.sweep.stages import run_stage
+from cranktopo.tasks.sweep.text import frame_of, safety_words, sweep_summary
 from cranktopo.tasks.sweep.variation import read_option
+from cranktopo.tasks.web_shape import run as shape_run
+from tests.shape_stand_in import LESS_SAFE_IN_SHAFT, ShapeStandIn
 from tests.sweep_cases import point_result
 
 NUMBERS = {
@@ -102,3 +109,18 @@ def test_the_original_is_a_row_and_only_once() -> None:
         frame = frame_of(points, own)
         assert frame["original"].tolist() == told
         assert frame["mass_kg"][told.index(True)] == 2.0
+
+
+def test_a_web_that_loses_safety_in_its_shaft_says_so_beside_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stand_in = ShapeStandIn(more={"shaft_check": LESS_SAFE_IN_SHAFT})
+    monkeypatch.setattr(shape_run, "shape_design", stand_in.design)
+    monkeypatch.setattr("cranktopo.tasks.sweep.stages.web_view", lambda *_: "")
+    told = run_stage("shape", load_scene("mikron-iiic-plain"), tmp_path, Fineness())
+    assert (told["safety_in_shaft"], told["safety_in_shaft_of_original"]) == (1.086, 1.267)
+    numbers = {"less_safe_in_shaft": told["less_safe_in_shaft"], "fatigue_place": "pin fillet"}
+    words = safety_words(point_result("a", fatigue_safety=1.2, **numbers))
+    assert words.startswith(
+        ", least fatigue safety 1.200 at pin fillet; LESS SAFE IN ITS SHAFT: 1.086 (web 8"
+    )
