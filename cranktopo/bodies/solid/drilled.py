@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from cranktopo.bodies.solid.checked import volume_mm3
+from cranktopo.bodies.solid.seams import seams_closed
 from cranktopo.bodies.solid.shapes import add_solid, cut, outlet_edges, turned
 from cranktopo.numerics.gmsh_session import DimTags
 from cranktopo.throw.drilling.bore import DrillBore
@@ -150,7 +151,8 @@ def _rounded(
     about = _RING * sum(radius**2 * occ.getMass(1, edge) for edge, radius in radii.items())
     found = _filleted(occ, body, radii)
     taken = before - volume_mm3(occ, found)
-    sound = len(found) == len(body) and about / _PLAUSIBLE < taken < about * _PLAUSIBLE
+    plausible = about / _PLAUSIBLE < taken < about * _PLAUSIBLE
+    sound = len(found) == len(body) and plausible and seams_closed(occ, found)
     occ.remove([*body, *(kept if sound else found)], recursive=True)
     return (found, edges.keys()) if sound else (kept, ())
 

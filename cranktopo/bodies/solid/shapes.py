@@ -16,6 +16,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import solver_error
 from cranktopo.base.frames import about_z_deg
+from cranktopo.bodies.solid.seams import seams_closed
 from cranktopo.numerics.gmsh_session import DimTags, with_option
 from cranktopo.throw.feature import Body
 from cranktopo.throw.primitives import (
@@ -37,6 +38,8 @@ from cranktopo.throw.primitives import (
 
 _PIECE = 2.5
 """Radius of the piece of a cylinder over that of the outlet with its rounding."""
+_TURNS = (0.0, 0.7, 1.4)
+"""Of the seam of a hole whose rounding the kernel leaves open, radians."""
 _ON_EDGE_MM = 1e-3
 _UNIFY = "Geometry.OCCUnionUnify"
 _ROUND_MM = 1e-9
@@ -71,7 +74,21 @@ def add_solid(occ: Any, solid: Solid) -> DimTags:
 
 def _rounding(occ: Any, outlet: RoundedOutlet) -> DimTags:
     piece = _piece(occ, outlet)
-    bored, _ = occ.cut(occ.copy(piece), add_solid(occ, outlet.hole))
+    rounded: DimTags = []
+    for turn in _TURNS:
+        occ.remove(rounded, recursive=True)
+        rounded = _rounded_piece(occ, piece, outlet, turn)
+        if seams_closed(occ, rounded):
+            break
+    return list(occ.cut(piece, rounded)[0])
+
+
+def _rounded_piece(occ: Any, piece: DimTags, outlet: RoundedOutlet, turn: float) -> DimTags:
+    """Return a copy of a piece with the hole and its rounding; the seam of the hole turned by radians."""
+    hole = add_solid(occ, outlet.hole)
+    if turn:
+        occ.rotate(hole, *outlet.hole.start, *outlet.hole.axis, turn)
+    bored, _ = occ.cut(occ.copy(piece), hole)
     occ.synchronize()  # curves can be asked for their points only then
     edges = outlet_edges(bored, outlet)
     if not edges:
@@ -79,8 +96,7 @@ def _rounding(occ: Any, outlet: RoundedOutlet) -> DimTags:
             f"{outlet.key}: the CAD kernel finds no edge at the outlet on {outlet.on}.",
             "Change diameter_mm slightly.",
         )
-    rounded = occ.fillet([tag for _, tag in bored], edges, [outlet.rounding_mm])
-    return list(occ.cut(piece, rounded)[0])
+    return list(occ.fillet([tag for _, tag in bored], edges, [outlet.rounding_mm]))
 
 
 def _piece(occ: Any, outlet: RoundedOutlet) -> DimTags:
