@@ -18,7 +18,7 @@ from cranktopo.base.errors import invalid
 from cranktopo.base.spans import Section
 from cranktopo.bodies.cells.drilled import drill_cells
 from cranktopo.bodies.cells.fractions import EXACT, FillTolerance, plane_fractions, slab_fractions
-from cranktopo.bodies.cells.grid import CellGrid, Extent, plan_grid
+from cranktopo.bodies.cells.grid import CellGrid, Extent, Reach, plan_grid
 from cranktopo.bodies.cells.layers import (
     ORIGINAL_KEY,
     AxialLayer,
@@ -112,8 +112,7 @@ def build_domain(
         extent = "quarter" if laterally_symmetric(scene, target) else "half"
     layers = half_throw_layers(scene, target)
     if grid is None:
-        faces = (0.0, *scene.web_z_mm, scene.pitch_mm / 2)
-        grid = plan_grid(*throw_ranges_mm(scene, target), faces, resolution_mm, extent)
+        grid = plan_grid(*throw_reach(scene, target), resolution_mm, extent)
     planes = drill_cells(scene, grid, layers, _fractions(grid, layers, tolerance))
     planes = {kind: np.minimum(fraction, 1.0) for kind, fraction in planes.items()}
     planes["design_fraction"] = np.minimum(planes["design_fraction"], 1.0 - planes["passive_fraction"])
@@ -130,6 +129,11 @@ def own_web(scene: Scene, domain: Domain) -> Array:
     """Return the solid fractions (nx, ny, nz) of the throw with the scene's own web on the same grid."""
     original = build_domain(scene, scene.optimise.resolution_mm, "web", domain.extent, domain.grid)
     return original.passive_fraction
+
+
+def throw_reach(scene: Scene, target: GridContent) -> Reach:
+    """Return the ranges of x and y of `throw_ranges_mm`, and the ends and web faces along z, mm."""
+    return *throw_ranges_mm(scene, target), (0.0, *scene.web_z_mm, scene.pitch_mm / 2)
 
 
 def throw_ranges_mm(scene: Scene, target: GridContent) -> tuple[tuple[float, float], tuple[float, float]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
 
@@ -111,6 +111,10 @@ class CellGrid:
         return np.asarray(dx[0] * dy[0] * dz)
 
 
+Reach = tuple[tuple[float, float], tuple[float, float], tuple[float, ...]]
+"""Ranges of x and y that hold the half throw, and its planes along z: ends and web faces, mm."""
+
+
 def plan_grid(
     x_range: tuple[float, float],
     y_range: tuple[float, float],
@@ -144,6 +148,14 @@ def plan_grid(
         padding=(pad_x, pad_y, sum(grown) - sum(layers)),
         levels=levels,
     )
+
+
+def stretch_grid(grid: CellGrid, before: Reach, after: Reach) -> CellGrid:
+    """Return the grid of a body, with as many cells, for what the body has become."""
+    (x, y, planes), (new_x, new_y, new_planes) = before, after
+    wider = max(new / old for new, old in zip(new_x, x, strict=True))
+    along = new_y[0] + (grid.y_mm - y[0]) * (new_y[1] - new_y[0]) / (y[1] - y[0])
+    return replace(grid, x_mm=wider * grid.x_mm, y_mm=along, z_mm=np.interp(grid.z_mm, planes, new_planes))
 
 
 def _axial_nodes(planes: tuple[float, ...], counts: list[int], mirrored: bool) -> NDArray[np.float64]:

@@ -165,18 +165,18 @@ class Answers:
 
     async def _answer_coarse(self, question: tuple[Data, int | None, Tell]) -> None:
         data, seq, tell = question
+        settled, cells, truth = self._calibrated
         try:
-            found = await self._coarse_values(data)
+            found = await self._coarse_values(data, settled)
         except CranktopoError:
             return  # the live answer tells what is broken
-        settled, cells, truth = self._calibrated
         changes = {name: value / cells[name] - 1 for name, value in found.items() if name in truth}
         errors = stated_errors(settled, data, {name: 100 * change for name, change in changes.items()})
         gauges = {name: truth[name] * (1 + change) for name, change in changes.items() if name in errors}
         tell({"type": "coarse", "seq": seq, "gauges": gauges, "error_percent": errors})
 
-    async def _coarse_values(self, data: Data) -> dict[str, float]:
-        found: dict[str, float] = await self._workers.coarse.ask("coarse.coarse_stiffness", data)
+    async def _coarse_values(self, data: Data, settled: Data) -> dict[str, float]:
+        found: dict[str, float] = await self._workers.coarse.ask("coarse.coarse_stiffness", data, settled)
         return found
 
     async def _answer_settled(self, question: tuple[Callable[[str], Data], str, str]) -> None:
@@ -227,7 +227,7 @@ class Answers:
     async def _calibrate(self, data: Data, truth: dict[str, float]) -> None:
         """Learn what the cells say of a design that has settled."""
         try:
-            coarse = await self._coarse_values(data)
+            coarse = await self._coarse_values(data, data)
         except CranktopoError:
             return
         self._calibrated = data, coarse, truth

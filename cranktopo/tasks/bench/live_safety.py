@@ -73,7 +73,7 @@ _EFFECTS = {
         "web.width_mm": _Effect(1.58),
     },
 }
-"""By dimension, of those that were moved (`tests.studies.live_safety`)."""
+"""By dimension, of those that were moved (`tests.studies.live_ring`)."""
 _LEAST_PERCENT, _SHARE = 2.2, 0.1
 """Error, percent; and per percent that the safety changes."""
 MOST_PERCENT = 3.0

@@ -11,7 +11,7 @@ import trimesh
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import Domain, build_domain, laterally_symmetric
-from cranktopo.bodies.cells.grid import plan_grid
+from cranktopo.bodies.cells.grid import plan_grid, stretch_grid
 from cranktopo.bodies.memory import finest_resolution_mm, thinnest_wall_mm
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.optimise.metrics import is_connected
@@ -122,6 +122,19 @@ def test_grid_meets_the_faces_and_halves(mikron: Scene) -> None:
     prime = plan_grid((-7.0, 13.0), (-11.0, 90.0), (0.0, 3.7, 9.1, 31.0), 0.97)
     assert all(n % 2**prime.levels == 0 for n in prime.cells)
     assert np.isclose(prime.x_mm, 0.0).any()
+
+
+def test_a_stretched_grid_has_its_cells_and_holds_the_new_body() -> None:
+    before = (-48.0, 48.0), (-34.0, 82.0), (0.0, 20.0, 39.0, 57.0)
+    after = (-47.0, 51.0), (-36.0, 80.0), (0.0, 22.0, 38.0, 60.0)
+    grid = plan_grid(*before, 4.0)
+    found = stretch_grid(grid, before, after)
+    assert (found.cells, found.levels, found.padding) == (grid.cells, grid.levels, grid.padding)
+    assert found.x_mm[0] <= -47 and found.x_mm[-1] >= 51 and 0.0 in found.x_mm
+    assert found.y_mm[0] == -36 and np.isclose(found.y_mm, 80).any()
+    for old, new in zip(before[2], after[2], strict=True):
+        assert found.z_mm[np.isclose(grid.z_mm, old)] == pytest.approx(new)
+    assert stretch_grid(grid, before, before).z_mm == pytest.approx(grid.z_mm)
 
 
 def test_resolution_limits(mikron: Scene) -> None:
