@@ -41,7 +41,6 @@ def coarse_stiffness(data: dict[str, Any], settled: dict[str, Any]) -> dict[str,
 
 
 def _on_cells(scene: Scene, first: Scene) -> dict[str, float]:
-    fillets, mass = _by_fillets(scene, first), throw_balance(scene).mass_kg
     with double_precision():
         size = _CELL_MM / usual_scale(first)
         extent: Extent = "quarter" if laterally_symmetric(scene, "web") else "half"
@@ -51,18 +50,21 @@ def _on_cells(scene: Scene, first: Scene) -> dict[str, float]:
         model = build_model(scene, domain, main_load_cases(scene, plan(scene).enabled))
         known = quantities_of(scene, model)
         solved = solved_design(model, domain.passive_fraction, domain.passive_fraction, _TOLERANCE)
-        found = {name: factor * float(known[name].value(solved)) for name, factor in fillets.items()}
-    return found | {f"{name}_per_mass": value / mass for name, value in found.items()}
+        fillets = _by_fillets(scene, first)
+        return {name: factor * float(known[name].value(solved)) for name, factor in fillets.items()}
 
 
 def _by_fillets(scene: Scene, first: Scene) -> dict[str, float]:
-    """Return how much stiffer the first throw is with the fillets of a scene, which cells do not have."""
-    before, after = (throw_compliance(one) for one in (first, _with_fillets(first, scene)))
+    """Return what the first throw gains by the fillets of a scene, which cells do not have, by quantity."""
+    first = first.with_drillings(())  # no matter here, and slow to weigh
+    moved = _with_fillets(first, scene)
+    before, after = throw_compliance(first), throw_compliance(moved)
     found = {
-        "torsion": before.torsion_rad_per_Nmm / after.torsion_rad_per_Nmm,
-        "bending": before.bending_mm_per_N / after.bending_mm_per_N,
+        "torsion": (before.torsion_rad_per_Nmm / after.torsion_rad_per_Nmm) ** _FILLETS["torsion"],
+        "bending": (before.bending_mm_per_N / after.bending_mm_per_N) ** _FILLETS["bending"],
     }
-    return {name: ratio ** _FILLETS[name] for name, ratio in found.items()}
+    heavier = throw_balance(moved).mass_kg / throw_balance(first).mass_kg
+    return found | {f"{name}_per_mass": stiffer / heavier for name, stiffer in found.items()}
 
 
 def _with_fillets(first: Scene, scene: Scene) -> Scene:
