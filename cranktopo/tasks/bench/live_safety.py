@@ -41,41 +41,46 @@ class _Effect:
 _PIN, _MAIN = "throw.crankpin", "throw.main_journal"
 _NONE, _UNKNOWN = _Effect(), _Effect(by_way=inf)
 _COMMON = {
-    f"{_PIN}.length_mm": _Effect(by_way=0.03),
+    f"{_PIN}.length_mm": _Effect(by_way=0.04),
     "web.counterweight.outer_radius_mm": _NONE,
     "web.counterweight.half_angle_deg": _NONE,
 }
 _EFFECTS = {
     "pin_fillet_safety": _COMMON
     | {
-        f"{_PIN}.fillet_mm": _Effect(0.61),
-        f"{_PIN}.outer_diameter_mm": _Effect(1.53),
-        f"{_PIN}.bore_diameter_mm": _Effect(0.92),
+        f"{_PIN}.fillet_mm": _Effect(0.65, by_way=0.02),
+        f"{_PIN}.outer_diameter_mm": _Effect(1.53, by_way=0.8),
+        f"{_PIN}.bore_diameter_mm": _Effect(0.92, by_way=0.03),
         f"{_MAIN}.fillet_mm": _NONE,
-        f"{_MAIN}.outer_diameter_mm": _Effect(1.2, by_way=0.1),
+        f"{_MAIN}.outer_diameter_mm": _Effect(0.5, by_way=0.25),
         f"{_MAIN}.bore_diameter_mm": _Effect(0.11),
-        f"{_MAIN}.length_mm": _Effect(0.82),
-        "throw.radius_mm": _Effect(1.05, by_way=0.12),
-        "web.thickness_mm": _Effect(0.82, by_way=0.05),
-        "web.width_mm": _Effect(1.0),
+        f"{_MAIN}.length_mm": _Effect(0.9, by_way=0.1),
+        "throw.radius_mm": _Effect(1.05, by_way=0.3),
+        "web.thickness_mm": _Effect(0.82, by_way=0.2),
+        "web.width_mm": _Effect(1.0, by_way=0.05),
     },
     "journal_fillet_safety": _COMMON
     | {
         f"{_PIN}.fillet_mm": _NONE,
-        f"{_PIN}.outer_diameter_mm": _Effect(0.35, by_way=0.25),
-        f"{_PIN}.bore_diameter_mm": _Effect(1.2),
-        f"{_MAIN}.fillet_mm": _Effect(0.8),
-        f"{_MAIN}.outer_diameter_mm": _Effect(1.6, by_way=0.25),
-        f"{_MAIN}.bore_diameter_mm": _Effect(0.85),
-        f"{_MAIN}.length_mm": _Effect(0.72),
-        "throw.radius_mm": _Effect(1.0, power=-0.15, by_way=0.2),
-        "web.thickness_mm": _Effect(0.87, by_way=0.05),
-        "web.width_mm": _Effect(1.58),
+        f"{_PIN}.outer_diameter_mm": _Effect(1.0, by_way=0.7),
+        f"{_PIN}.bore_diameter_mm": _Effect(1.2, by_way=0.05),
+        f"{_MAIN}.fillet_mm": _Effect(0.8, by_way=0.02),
+        f"{_MAIN}.outer_diameter_mm": _Effect(2.0, by_way=0.9),
+        f"{_MAIN}.bore_diameter_mm": _Effect(0.85, by_way=0.03),
+        f"{_MAIN}.length_mm": _Effect(0.9, by_way=0.1),
+        "throw.radius_mm": _Effect(1.0, power=-0.15, by_way=0.4),
+        "web.thickness_mm": _Effect(0.87, by_way=0.3),
+        "web.width_mm": _Effect(1.58, by_way=0.1),
     },
 }
-"""By dimension, of those that were moved (`tests.studies.live_ring`)."""
-_LEAST_PERCENT, _SHARE = 2.2, 0.1
-"""Error, percent; and per percent that the safety changes."""
+"""By dimension, of those that were moved.
+
+Fitted to 83 moves of five throws, of which but their table is left, and corrected by 31 moves of 20 throws
+(`tests.studies.live_ring`, 20000 to 20030). A diameter does another thing to every throw: its journal fillet
+gains 0.1 to 1.7 % for each percent of the main journal, a pin fillet 0.9 to 2.1 % for each of the pin.
+"""
+_LEAST_PERCENT, _SHARE = 1.8, 0.1
+"""Error, percent: two meshes of a web differ by up to 1 % each; and per percent that the safety changes."""
 MOST_PERCENT = 3.0
 """Error beyond which nothing is told."""
 _ELSEWHERE = 1.08
@@ -104,13 +109,16 @@ def estimated_safety(
 ) -> dict[str, dict[str, float]]:
     """Return the safeties of a moved web and their errors in percent, as far as these are small enough.
 
-    Nothing of a web that is too far from the settled one, or differs by more than its main dimensions.
+    Nothing of a web that is too far from the settled one, or differs by more than its main dimensions, nor
+    where the settled one is least safe off its fillets: there the rule does not know what loads it.
 
     Args:
         data: tables of the moved design.
         by_rule: its gauges of the rule.
     """
-    found, moved = dict[str, tuple[float, float]](), _moved(settled.data, data)
+    fillets = [settled.safety.get(name, inf) for name in _BY_RULE]
+    moved = None if settled.elsewhere < min(fillets) else _moved(settled.data, data)
+    found = dict[str, tuple[float, float]]()
     for name, rule in _BY_RULE.items():
         told = name in settled.safety and rule in by_rule and rule in settled.by_rule
         if moved is not None and told:
