@@ -1,4 +1,4 @@
-"""Seams of faces that go around a hole: whether their surface ends where it began."""
+"""Faces that are splines, and their seams: whether a surface that goes around a hole ends where it began."""
 
 from __future__ import annotations
 
@@ -20,12 +20,21 @@ def seams_closed(occ: Any, body: DimTags) -> bool:
     The kernel leaves a rounding now and then open by a micrometre, by where its seam lies. STEP says of such
     a surface that it is not closed, and a kernel that reads the file takes both sides of the seam for one.
     """
+    seams = (tag for tag in _splines(occ, body) if _has_seam(tag))
+    return all(min(_gap_mm(tag, 0), _gap_mm(tag, 1)) < _CLOSED_MM for tag in seams)
+
+
+def has_splines(occ: Any, body: DimTags) -> bool:
+    """Tell whether a face of a body is a spline."""
+    return bool(_splines(occ, body))
+
+
+def _splines(occ: Any, body: DimTags) -> list[int]:
     import gmsh
 
     occ.synchronize()
-    faces = [tag for _, tag in gmsh.model.getBoundary(body, oriented=False)]
-    splines = (tag for tag in faces if gmsh.model.getType(2, tag) == "BSpline surface")
-    return all(min(_gap_mm(tag, 0), _gap_mm(tag, 1)) < _CLOSED_MM for tag in splines if _has_seam(tag))
+    faces = (tag for _, tag in gmsh.model.getBoundary(body, oriented=False))
+    return [tag for tag in faces if gmsh.model.getType(2, tag) == "BSpline surface"]
 
 
 def _has_seam(face: int) -> bool:

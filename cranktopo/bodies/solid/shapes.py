@@ -16,7 +16,8 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import solver_error
 from cranktopo.base.frames import about_z_deg
-from cranktopo.bodies.solid.seams import seams_closed
+from cranktopo.bodies.solid.round_hole import add_round_hole, is_round
+from cranktopo.bodies.solid.seams import has_splines, seams_closed
 from cranktopo.numerics.gmsh_session import DimTags, with_option
 from cranktopo.throw.feature import Body
 from cranktopo.throw.primitives import (
@@ -145,12 +146,18 @@ def _rounded(occ: Any, frustum: Frustum) -> int:
 
 
 def _with_round_floor(occ: Any, tag: int, frustum: Frustum) -> int:
-    """Round the edge of the floor; without round corners that along its first and its third side alone."""
+    """Round the edge of the floor; without round corners that along its first and its third side alone.
+
+    Of a round hole the kernel now and then makes a quarter of the torus a spline: its section is turned then.
+    """
     edges = _floor_edges(occ, tag, frustum.floor)
     if not any(frustum.corner_radii):
         edges = [edge for edge in edges if _along(edge, frustum.floor)]
-    ((_, rounded),) = occ.fillet([tag], edges, [frustum.floor_radius])
-    return int(rounded)
+    rounded = occ.fillet([tag], edges, [frustum.floor_radius])
+    if is_round(frustum) and has_splines(occ, rounded):
+        occ.remove(rounded, recursive=True)
+        return add_round_hole(occ, frustum)
+    return int(rounded[0][1])
 
 
 def _along(curve: int, floor: tuple[Point, ...]) -> bool:
