@@ -126,7 +126,7 @@ def rows(most_steps: int = STEPS[-1]) -> Iterator[str]:
     """Lines of the table."""
     scene = mikron()
     shaft, forces = shaft_of(scene), forces_at(scene, RPM)
-    yield "| radial play, um | steps a degree | cycles | last change over the play | largest forces, kN |"
+    yield "| radial play, µm | steps a degree | cycles | last change over the play | largest forces, kN |"
     yield "| --: | --: | --: | --: | --- |"
     for play in PLAYS_MM:
         for steps in (one for one in STEPS if one <= most_steps):
