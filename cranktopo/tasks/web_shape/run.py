@@ -242,7 +242,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         seconds = {"search": time.perf_counter() - began - judge, "judge": judge}
         bound = _bound(scene, goal, settings.cell_mm, optimum.original.values, work)
         seconds["bound"] = time.perf_counter() - began - sum(seconds.values())
-        check = shaft_check(scene, optimum.result.web.scene, goal, settings, work)
+        checked = shaft_check(scene, optimum.result.web.scene, goal, settings, work)
         seconds["shaft"] = time.perf_counter() - began - sum(seconds.values())
         note("writing the solid and the drawing")
         half = _write(run, scene, optimum)
@@ -257,7 +257,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         more = {
             "bound": bound and bound.model_copy(update=reached),
             "assumed": stored_assumptions(run.manifest().assumed),
-            "shaft_check": check,
+            "shaft_check": checked,
             "shaft_unjudged": unjudged_in_shaft(scene, goal, settings) or None,
             "undercuts": shaped_undercuts(_as_forged(half, shaped), shaped),
         }

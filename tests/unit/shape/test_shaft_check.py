@@ -130,6 +130,7 @@ def test_a_web_that_is_less_safe_in_its_shaft_says_so_first() -> None:
         (judged(1.25), ""),
         (judged(1.25, required=1.4), "below the limit of 1.400"),
         (judged(1.25, required=1.31), ""),
+        (judged(1.2, required=1.267), "the original's 1.267; effects"),
         (judged(1.25, alone=1.4), "below the 1.400 of its throw alone"),
         (judged(1.25, alone=1.31), ""),
     ],
