@@ -76,7 +76,7 @@ from cranktopo.tasks.web_shape.optimum import ShapeOptimum, ShapeSettings
 from cranktopo.tasks.web_shape.page import shape_page
 from cranktopo.tasks.web_shape.reachable import check_reachable
 from cranktopo.tasks.web_shape.result import ShapeFiles, ShapeResult
-from cranktopo.tasks.web_shape.shaft_check import shaft_check, unjudged_in_shaft
+from cranktopo.tasks.web_shape.shaft_check import judged_in_shaft
 from cranktopo.tasks.web_shape.stage import optimise_shape, stresses_in
 from cranktopo.tasks.web_shape.start import scene_start
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLimits
@@ -242,7 +242,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         seconds = {"search": time.perf_counter() - began - judge, "judge": judge}
         bound = _bound(scene, goal, settings.cell_mm, optimum.original.values, work)
         seconds["bound"] = time.perf_counter() - began - sum(seconds.values())
-        checked = shaft_check(scene, optimum.result.web.scene, goal, settings, work)
+        checked, unjudged = judged_in_shaft(scene, optimum.result.web.scene, goal, settings, work)
         seconds["shaft"] = time.perf_counter() - began - sum(seconds.values())
         note("writing the solid and the drawing")
         half = _write(run, scene, optimum)
@@ -258,7 +258,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
             "bound": bound and bound.model_copy(update=reached),
             "assumed": stored_assumptions(run.manifest().assumed),
             "shaft_check": checked,
-            "shaft_unjudged": unjudged_in_shaft(scene, goal, settings) or None,
+            "shaft_unjudged": unjudged or None,
             "undercuts": shaped_undercuts(_as_forged(half, shaped), shaped),
         }
         found = found.model_copy(update=more)

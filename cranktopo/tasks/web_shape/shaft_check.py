@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note, silent
 from cranktopo.base.progress import Json, StageMemory
 from cranktopo.design.checks.engine import speed_range_rpm
@@ -43,20 +44,38 @@ def unjudged_in_shaft(scene: Scene, goal: Goal, settings: ShapeSettings) -> str:
     return without_shaft(scene) if "fatigue_safety" in goal.quantities else STRESS_ALONE
 
 
+def judged_in_shaft(
+    scene: Scene, web: Scene, goal: Goal, settings: ShapeSettings, work: StageMemory
+) -> tuple[ShaftCheck | None, str]:
+    """Return `shaft_check`, and why the web is not judged in its shaft; a shaft that fails costs no search.
+
+    Raises:
+        CranktopoError: interruption.
+    """
+    if why := unjudged_in_shaft(scene, goal, settings):
+        return None, why
+    try:
+        return shaft_check(scene, web, goal, settings, work), ""
+    except CranktopoError as error:
+        if error.code == ExitCode.INTERRUPTED:
+            raise
+        return None, error.message
+
+
 def shaft_check(
     scene: Scene, web: Scene, goal: Goal, settings: ShapeSettings, work: StageMemory
 ) -> ShaftCheck | None:
     """Return the safety of all webs in their shaft with the web that was found, and with the original.
 
-    None where the search has the loads of the shaft itself, the goal asks for no safety, or there is a reason
-    by `unjudged_in_shaft`.
+    None where the search has the loads of the shaft itself, the goal asks for no safety, or a single throw is
+    its shaft.
 
     Raises:
         CranktopoError: a failed solve.
     """
     if isinstance(settings.loads, WebLoads) or "fatigue_safety" not in goal.quantities:
         return None
-    if scene.engine is None or scene.engine.throws == 1 or unjudged_in_shaft(scene, goal, settings):
+    if scene.engine is None or scene.engine.throws == 1:
         return None
     note(f"{scene.name}: original and result in their shaft, where the search did not have them")
     fraction = max(FILLET_FRACTION, settings.fillet_fraction)

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import StageMemory
 from cranktopo.design.goal.scene_goal import with_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
@@ -17,7 +18,7 @@ from cranktopo.tasks.web_shape.optimum import ShapeSettings
 from cranktopo.tasks.web_shape.page import page_headline
 from cranktopo.tasks.web_shape.result import ShaftCheck, ShapeResult
 from cranktopo.tasks.web_shape.run import shape_goal
-from cranktopo.tasks.web_shape.shaft_check import shaft_check, unjudged_in_shaft
+from cranktopo.tasks.web_shape.shaft_check import judged_in_shaft
 from cranktopo.tasks.web_shape.text import shape_summary
 from tests.shaft_stand_in import told_shaft
 from tests.shape_stand_in import LESS_SAFE_IN_SHAFT
@@ -47,10 +48,9 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Scene, float]]:
     return asked
 
 
-def checked(scene: Scene, loads: Any = "extremes", fraction: float = 0.17) -> ShaftCheck | None:
+def checked(scene: Scene, loads: Any = "extremes") -> tuple[ShaftCheck | None, str]:
     web = scene.model_copy(update={"web": scene.web.model_copy(update={"thickness_mm": 20.0})})
-    settings = ShapeSettings(loads=loads, fillet_fraction=fraction)
-    return shaft_check(scene, web, shape_goal(scene), settings, StageMemory())
+    return judged_in_shaft(scene, web, shape_goal(scene), ShapeSettings(loads=loads), StageMemory())
 
 
 @pytest.mark.parametrize(
@@ -59,8 +59,9 @@ def checked(scene: Scene, loads: Any = "extremes", fraction: float = 0.17) -> Sh
 def test_both_webs_are_judged_in_the_shaft_on_meshes_alike(
     limit: str, required: float, solved: list[tuple[Scene, float]]
 ) -> None:
-    found = checked(scene_of(limit, engine={"misfire": [2]}))
+    found, why = checked(scene_of(limit, engine={"misfire": [2]}))
     assert found is not None
+    assert not why
     assert (found.original, found.result, found.web, found.part) == (1.45, 1.4, 1, "pin_fillet")
     assert found.required == pytest.approx(required)
     assert found.speeds_rpm == (700.0, 2800.0)
@@ -83,10 +84,9 @@ def test_where_nothing_of_the_shaft_is_solved_it_is_said_why(
     changes: dict[str, Any], loads: Any, why: str, solved: list[tuple[Scene, float]]
 ) -> None:
     """A single throw has no shaft, and a search with the loads of the shaft has its own word."""
-    scene = scene_of(**changes)
-    assert checked(scene, loads) is None
+    found, said = checked(scene_of(**changes), loads)
+    assert found is None
     assert not solved
-    said = unjudged_in_shaft(scene, shape_goal(scene), ShapeSettings(loads=loads))
     assert said.startswith(why)
     assert bool(said) is bool(why)
 
@@ -98,11 +98,20 @@ def test_where_nothing_of_the_shaft_is_solved_it_is_said_why(
 def test_a_search_without_a_safety_solves_nothing(
     limits: tuple[str, ...], why: str, solved: list[tuple[Scene, float]]
 ) -> None:
-    scene = scene_of("fatigue_safety none", *limits)
-    goal = shape_goal(scene)
-    assert shaft_check(scene, scene, goal, ShapeSettings(), StageMemory()) is None
+    assert checked(scene_of("fatigue_safety none", *limits)) == (None, why)
     assert not solved
-    assert unjudged_in_shaft(scene, goal, ShapeSettings()) == why
+
+
+def test_a_shaft_that_fails_costs_no_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(*_: Any) -> None:
+        raise CranktopoError("no mesh", code=code)
+
+    monkeypatch.setattr(module, "loaded_shaft", failing)
+    code = ExitCode.NOT_CONVERGED
+    assert checked(scene_of()) == (None, "no mesh")
+    code = ExitCode.INTERRUPTED
+    with pytest.raises(CranktopoError, match="no mesh"):
+        checked(scene_of())
 
 
 def judged(result: float, required: float | None = None, alone: float = 1.0) -> ShapeResult:
