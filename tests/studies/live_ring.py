@@ -204,20 +204,21 @@ def main(path: str, first: int, last: int, *throws: str) -> None:
         found = list(rows_of(drawn_move(number, throws or THROWS), known))
         print(*(row.line for row in found), sep="\n", flush=True)
         rows += found
-    for names in (STIFFNESSES, SAFETIES):
+    for names in (STIFFNESSES[:2], STIFFNESSES[2:], SAFETIES):
         print(summary([row for row in rows if row.quantity in names], names), file=sys.stderr)
 
 
 def summary(rows: Sequence[Row], names: Sequence[str]) -> str:
     """Return how many values were told, how many of these are within their stated error, and the worst."""
-    told = [(abs(row.error), row.stated) for row in rows if row.error is not None and row.stated is not None]
-    worst, widest = (max(column) for column in zip((0.0, 0.0), *told, strict=True))
+    told = [row for row in rows if row.error is not None and row.stated is not None]
+    found = [(abs(row.error or 0.0), row.stated or 0.0, abs(row.settled or 0.0)) for row in told]
+    worst, widest, unmoved = (max(column) for column in zip((0.0, 0.0, 0.0), *found, strict=True))
     moves, throws = ({getattr(row.move, name) for row in rows} for name in ("number", "throw"))
     return (
-        f"{', '.join(names)}: {len(moves)} moves of {len(throws)} throws; told {len(told)} of {len(rows)}; "
-        f"within what is stated {sum(error <= stated for error, stated in told)}; "
-        f"worst {worst:.2f} %; largest stated {widest:.2f} %; refused by elements "
-        f"{sum(row.stated is not None and row.settled is None for row in rows)}"
+        f"{', '.join(names)}: {len(moves)} moves of {len(throws)} throws; told {len(told)} of {len(rows)}, "
+        f"within what is stated {sum(error <= stated for error, stated, _ in found)}; worst {worst:.2f} %, "
+        f"largest stated {widest:.2f} %, the last settled value off by up to {unmoved:.1f} %; refused by "
+        f"elements {sum(row.stated is not None and row.settled is None for row in rows)}"
     )
 
 

@@ -36,7 +36,7 @@ def test_a_change_is_that_of_the_rule_by_the_gain_of_its_dimension() -> None:
     width, fillet = told({"web.width_mm": 52}, 2.0, 2.0), told({"throw.crankpin.fillet_mm": 2.6}, 2.0, 0.0)
     assert width["gauges"]["pin_fillet_safety"] == pytest.approx(1.12 * 1.02)
     assert 1.12 < fillet["gauges"]["pin_fillet_safety"] < width["gauges"]["pin_fillet_safety"]
-    assert fillet["gauges"]["journal_fillet_safety"] == 1.35
+    assert 1.35 < fillet["gauges"]["journal_fillet_safety"] < 1.01 * 1.35, "which the rule does not know"
     assert fillet["gauges"]["fatigue_safety"] == fillet["gauges"]["pin_fillet_safety"], "the least of both"
 
 
