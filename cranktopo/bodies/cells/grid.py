@@ -150,12 +150,23 @@ def plan_grid(
     )
 
 
-def stretch_grid(grid: CellGrid, before: Reach, after: Reach) -> CellGrid:
-    """Return the grid of a body, with as many cells, for what the body has become."""
+def follow_grid(grid: CellGrid, before: Reach, after: Reach) -> CellGrid:
+    """Return the grid of a body for what the body has become, so that both are in the same cells.
+
+    Along the throw the cells stay where they are, and there are more of them where the body needs some.
+    Sideways and along the crank axis they are stretched: a web keeps its edges and faces in theirs.
+    """
     (x, y, planes), (new_x, new_y, new_planes) = before, after
-    wider = max(new / old for new, old in zip(new_x, x, strict=True))
-    along = new_y[0] + (grid.y_mm - y[0]) * (new_y[1] - new_y[0]) / (y[1] - y[0])
-    return replace(grid, x_mm=wider * grid.x_mm, y_mm=along, z_mm=np.interp(grid.z_mm, planes, new_planes))
+    dy, factor = float(grid.y_mm[1] - grid.y_mm[0]), 1 << grid.levels
+    below = max(0, math.ceil((y[0] - new_y[0]) / dy - 1e-9))
+    above = max(len(grid.y_mm) - 1, math.ceil((new_y[1] - y[0]) / dy - 1e-9))
+    above += -(above + below) % factor
+    return replace(
+        grid,
+        x_mm=max(new / old for new, old in zip(new_x, x, strict=True)) * grid.x_mm,
+        y_mm=y[0] + dy * np.arange(-below, above + 1),
+        z_mm=np.interp(grid.z_mm, planes, new_planes),
+    )
 
 
 def _axial_nodes(planes: tuple[float, ...], counts: list[int], mirrored: bool) -> NDArray[np.float64]:

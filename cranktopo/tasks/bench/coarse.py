@@ -6,7 +6,7 @@ from typing import Any
 
 from cranktopo.bodies.cells.domain import build_domain, laterally_symmetric, throw_reach
 from cranktopo.bodies.cells.fractions import QUICK
-from cranktopo.bodies.cells.grid import Extent, plan_grid, stretch_grid
+from cranktopo.bodies.cells.grid import Extent, follow_grid, plan_grid
 from cranktopo.design.halves import difference, usual_scale
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
@@ -33,8 +33,8 @@ def coarse_stiffness(data: dict[str, Any], settled: dict[str, Any]) -> dict[str,
     Nothing where the halves of the throw differ: the cells hold one half.
 
     Args:
-        settled: design that this one is compared with, whose cells are stretched to it: with other counts
-            of cells both would differ by a percent for this alone.
+        settled: design that this one is compared with, whose cells it has: with others both would differ by
+            a percent for this alone.
     """
     scene, first = (scene_from_dict(one, "design", whole=True) for one in (data, settled))
     return {} if difference(scene) or difference(first) else _on_cells(scene, first)
@@ -45,7 +45,7 @@ def _on_cells(scene: Scene, first: Scene) -> dict[str, float]:
         size = _CELL_MM / usual_scale(first)
         extent: Extent = "quarter" if laterally_symmetric(scene, "web") else "half"
         reach = throw_reach(first, "web")
-        grid = stretch_grid(plan_grid(*reach, size, extent), reach, throw_reach(scene, "web"))
+        grid = follow_grid(plan_grid(*reach, size, extent), reach, throw_reach(scene, "web"))
         domain = build_domain(scene, size, "web", extent, grid, QUICK)
         model = build_model(scene, domain, main_load_cases(scene, plan(scene).enabled))
         known = quantities_of(scene, model)

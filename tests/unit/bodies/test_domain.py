@@ -11,7 +11,7 @@ import trimesh
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import Domain, build_domain, laterally_symmetric
-from cranktopo.bodies.cells.grid import plan_grid, stretch_grid
+from cranktopo.bodies.cells.grid import follow_grid, plan_grid
 from cranktopo.bodies.memory import finest_resolution_mm, thinnest_wall_mm
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.optimise.metrics import is_connected
@@ -124,17 +124,21 @@ def test_grid_meets_the_faces_and_halves(mikron: Scene) -> None:
     assert np.isclose(prime.x_mm, 0.0).any()
 
 
-def test_a_stretched_grid_has_its_cells_and_holds_the_new_body() -> None:
+def test_a_body_that_moves_keeps_its_cells() -> None:
     before = (-48.0, 48.0), (-34.0, 82.0), (0.0, 20.0, 39.0, 57.0)
-    after = (-47.0, 51.0), (-36.0, 80.0), (0.0, 22.0, 38.0, 60.0)
-    grid = plan_grid(*before, 4.0)
-    found = stretch_grid(grid, before, after)
-    assert (found.cells, found.levels, found.padding) == (grid.cells, grid.levels, grid.padding)
-    assert found.x_mm[0] <= -47 and found.x_mm[-1] >= 51 and 0.0 in found.x_mm
-    assert found.y_mm[0] == -36 and np.isclose(found.y_mm, 80).any()
+    after = (-50.0, 50.0), (-36.0, 90.0), (0.0, 22.0, 38.0, 60.0)
+    grid = plan_grid(*before, 4.0, "quarter")
+    found = follow_grid(grid, before, after)
+    assert (found.levels, len(found.x_mm), len(found.z_mm)) == (grid.levels, len(grid.x_mm), len(grid.z_mm))
+    assert np.isclose(found.x_mm, 50.0).any(), "the web's edge"
+    assert found.y_mm[0] <= -36
+    assert found.y_mm[-1] >= 90
+    assert np.isclose(found.y_mm[:, None], grid.y_mm).any(axis=0).all(), "those along the throw stand"
+    assert all(n % 2**found.levels == 0 for n in found.cells)
     for old, new in zip(before[2], after[2], strict=True):
         assert found.z_mm[np.isclose(grid.z_mm, old)] == pytest.approx(new)
-    assert stretch_grid(grid, before, before).z_mm == pytest.approx(grid.z_mm)
+    same = follow_grid(grid, before, before)
+    assert (same.y_mm, same.z_mm) == (pytest.approx(grid.y_mm), pytest.approx(grid.z_mm))
 
 
 def test_resolution_limits(mikron: Scene) -> None:
