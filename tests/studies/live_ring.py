@@ -22,6 +22,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import silent
 from cranktopo.design.edits import changed_data
@@ -40,6 +42,7 @@ THROWS = (*DESIGNS, *map(str, range(1, 10)))
 """Designs that are built in, and random engines by their seeds."""
 STIFFNESSES = ("torsion", "bending", "torsion_per_mass", "bending_per_mass")
 SAFETIES = ("pin_fillet_safety", "journal_fillet_safety", "fatigue_safety")
+BY_RULE = {"pin_fillet_safety": "m53_pin", "journal_fillet_safety": "m53_journal"}
 _MOST_MM, _MOST_DEG = 5.0, 10.0
 _PARTS: Mapping[str, Callable[[dict[str, Any], dict[str, Any]], dict[str, Any]]] = {
     "cells": coarse_stiffness,
@@ -65,25 +68,31 @@ class Move:
 
 @dataclass(frozen=True)
 class Row:
-    """What is said of one quantity after a move, in percent; None where it waits or elements refuse it."""
+    """What is said of one quantity after a move, in percent; None where it waits or elements refuse it.
+
+    Attributes:
+        settled: change by elements.
+        rule: change that the polynomials of the rule say, of a fillet.
+        told: change that the bench tells.
+        stated: its error, as the bench states it.
+    """
 
     move: Move
     quantity: str
     settled: float | None = None
+    rule: float | None = None
     told: float | None = None
     stated: float | None = None
 
     @property
     def error(self) -> float | None:
         """Of the told value."""
-        if self.told is None or self.settled is None:
-            return None
-        return 100 * ((100 + self.told) / (100 + self.settled) - 1)
+        return None if self.told is None or self.settled is None else _error(self.told, self.settled)
 
     @property
     def line(self) -> str:
         """As comma-separated values."""
-        move, found = self.move, (self.settled, self.told, self.error, self.stated)
+        move, found = self.move, (self.settled, self.rule, self.told, self.error, self.stated)
         texts = ("" if value is None else f"{value:.3f}" for value in found)
         return ",".join(
             [f"{move.number},{move.throw},{move.key},{move.before},{move.after}", self.quantity, *texts]
@@ -168,8 +177,8 @@ def _stiffness_rows(move: Move, known: Known) -> Iterator[Row]:
             move,
             name,
             _percent(after[name], before[name]) if after and before else None,
-            changes[name] if name in stated else None,
-            stated.get(name),
+            told=changes[name] if name in stated else None,
+            stated=stated.get(name),
         )
 
 
@@ -190,6 +199,7 @@ def _safety_rows(move: Move, known: Known) -> Iterator[Row]:
             move,
             name,
             _percent(after[name], settled.safety[name]) if name in after else None,
+            _percent(rule[BY_RULE[name]], first_rule[BY_RULE[name]]) if BY_RULE.get(name) in rule else None,
             _percent(told[name], settled.safety[name]) if name in told else None,
             stated.get(name),
         )
@@ -198,7 +208,7 @@ def _safety_rows(move: Move, known: Known) -> Iterator[Row]:
 def main(path: str, first: int, last: int, *throws: str) -> None:
     """Print a table of moves, and how many of the told values are within their stated error."""
     known, rows = Known(Path(path)), list[Row]()
-    percents = ",".join(f"{name}_percent" for name in ("settled", "told", "error", "stated"))
+    percents = ",".join(f"{name}_percent" for name in ("settled", "rule", "told", "error", "stated"))
     print(f"move,throw,key,from,to,quantity,{percents}", flush=True)
     for number in range(first, last):
         found = list(rows_of(drawn_move(number, throws or THROWS), known))
@@ -210,16 +220,31 @@ def main(path: str, first: int, last: int, *throws: str) -> None:
 
 def summary(rows: Sequence[Row], names: Sequence[str]) -> str:
     """Return how many values were told, how many of these are within their stated error, and the worst."""
-    told = [row for row in rows if row.error is not None and row.stated is not None]
-    found = [(abs(row.error or 0.0), row.stated or 0.0, abs(row.settled or 0.0)) for row in told]
-    worst, widest, unmoved = (max(column) for column in zip((0.0, 0.0, 0.0), *found, strict=True))
+    told = [row for row in rows if row.error is not None]
+    within = sum(abs(row.error or 0.0) <= (row.stated or 0.0) for row in told)
+    widest = max((row.stated or 0.0 for row in told), default=0.0)
     moves, throws = ({getattr(row.move, name) for row in rows} for name in ("number", "throw"))
+    errors = {
+        "told": [row.error or 0.0 for row in told],
+        "the last settled": [_error(0.0, row.settled or 0.0) for row in told],
+        "the rule": [_error(row.rule, row.settled or 0.0) for row in told if row.rule is not None],
+    }
     return (
         f"{', '.join(names)}: {len(moves)} moves of {len(throws)} throws; told {len(told)} of {len(rows)}, "
-        f"within what is stated {sum(error <= stated for error, stated, _ in found)}; worst {worst:.2f} %, "
-        f"largest stated {widest:.2f} %, the last settled value off by up to {unmoved:.1f} %; refused by "
-        f"elements {sum(row.stated is not None and row.settled is None for row in rows)}"
+        f"within what is stated {within}; largest stated {widest:.2f} %; refused by elements "
+        f"{sum(row.stated is not None and row.settled is None for row in rows)}; error, mean, 95 of 100, "
+        f"largest: {'; '.join(f'{name} {_spread(found)}' for name, found in errors.items() if found)}"
     )
+
+
+def _spread(errors: Sequence[float]) -> str:
+    """Return mean, 95th percentile and maximum of errors in percent as text."""
+    sizes = np.abs(errors)
+    return " ".join(f"{value:.2f}" for value in (sizes.mean(), np.percentile(sizes, 95), sizes.max()))
+
+
+def _error(told: float, settled: float) -> float:
+    return 100 * ((100 + told) / (100 + settled) - 1)
 
 
 def _percent(one: float, other: float) -> float:

@@ -164,7 +164,7 @@ def follow_grid(grid: CellGrid, before: Reach, after: Reach) -> CellGrid:
     return replace(
         grid,
         x_mm=max(new / old for new, old in zip(new_x, x, strict=True)) * grid.x_mm,
-        y_mm=y[0] + dy * np.arange(-below, above + 1),
+        y_mm=(y[0] + dy * np.arange(-below, above + 1)).astype(np.float64),
         z_mm=np.interp(grid.z_mm, planes, new_planes),
     )
 

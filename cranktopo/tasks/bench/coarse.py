@@ -22,7 +22,7 @@ from cranktopo.tasks.web_shape.web_model import solved_design
 _CELL_MM = 4.0
 _TOLERANCE = 1e-4
 _FILLETS = {"torsion": 1.85, "bending": 1.1}
-"""What fillets do to the logarithm of a stiffness, over what the closed form says: from 15 moves of a fillet
+"""Effect of fillets on the logarithm of a stiffness, over that by the closed form: from 15 moves of a fillet
 (`tests.studies.live_ring`, 10000 to 10067)."""
 _OF_FILLET = ("fillet_mm", "fillet_axial_mm")
 

@@ -11,7 +11,7 @@ _MOST_MM, _MOST_DEG = 5.0, 10.0
 """Largest way of a dimension from the settled web, in proportion on smaller journals than usual: beyond it
 no error is known."""
 _LEAST = {"torsion": 0.3, "bending": 0.35}
-"""Percent: what edges of journals and bores do that move through the cells."""
+"""Percent: edges of journals and bores that move through the cells."""
 _SHARES = {
     "length_mm": (0.03, 0.04),
     "bore_diameter_mm": (0.06, 0.18),
@@ -30,7 +30,7 @@ _BY_WAY = {"radius_mm": (0.2, 0.8)}
 """The same per percent of the dimension's own way: cells found a third of what a throw's radius does to the
 bending of a hollow throw."""
 _NOT_MEASURED = ("fillet_axial_mm", "recess_mm")
-"""What neither cells nor the closed form of a fillet were compared in."""
+"""Dimensions of a fillet that were not compared."""
 MOST_PERCENT = 1.0
 """Error beyond which nothing is told."""
 
