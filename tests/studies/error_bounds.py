@@ -7,16 +7,18 @@ tests.benchmarks.error_estimates --make`).
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from itertools import combinations
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.numerics.tetrahedra.mesh import RATIO
 from cranktopo.tasks.throw_fea.error_bound import difference_bound_percent
@@ -79,10 +81,27 @@ def held_text(rows: Sequence[Bounded]) -> str:
 
 def target_of(name: str) -> Target:
     """A built-in design, random-SEED, or random-SEED-NUMBER of `random_variant`."""
+    scene = _scene_of(name)
+    return Target(scene.name, planned_scene(scene))
+
+
+def _scene_of(name: str) -> Scene:
     kind, *numbers = name.split("-") if name.startswith("random-") else (name,)
     seed, variant, *_ = (*(int(number) for number in numbers), 0, 0)
-    scene = random_variant(seed, variant) if kind == "random" else load_scene(name)
-    return Target(scene.name, planned_scene(scene))
+    return random_variant(seed, variant) if kind == "random" else load_scene(name)
+
+
+def body_digest(name: str) -> str:
+    """A digest of what a design's stiffness rests on, to nine digits: a truth is one of that body."""
+    tables = {"throw", "web", "material"}
+    text = _scene_of(name).model_dump_json(include=tables, exclude_defaults=True)
+    rounded = json.loads(text, parse_float=lambda number: f"{float(number):.9g}")
+    return hashlib.sha256(json.dumps(rounded, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def stored_digests() -> dict[str, str]:
+    """Digests of the bodies whose truth is stored."""
+    return {name: found["body"] for name, found in _stored().items()}
 
 
 def size_mm(target: Target, steps: int) -> float:
@@ -95,7 +114,8 @@ def make_truth(name: str) -> None:
     target, stored = target_of(name), _stored()
     if name in stored:
         return
-    stored[name] = {kind: asdict(both) for kind, both in both_orders(target, size_mm(target, 0)).items()}
+    both = both_orders(target, size_mm(target, 0))
+    stored[name] = {"body": body_digest(name), **{kind: asdict(one) for kind, one in both.items()}}
     STORED.write_text(json.dumps(stored, indent=1, sort_keys=True) + "\n", encoding="utf-8")
 
 
@@ -119,7 +139,7 @@ def family(seed: int) -> list[str]:
 def truth(name: str) -> dict[str, float]:
     """True torsional (free) and bending stiffness (pinned) by what is stored."""
     fillet = target_of(name).scene.throw.main_journal.fillet_mm
-    found = {}
+    found = dict[str, float]()
     for kind in STIFFNESSES:
         both = Both(**_stored()[name][kind])
         beyond = BEYOND_CUBIC[kind]["fillets" if fillet else "sharp"]
@@ -152,8 +172,8 @@ def pair_errors(seed: int, steps: int = 1) -> Iterator[Difference]:
             )
 
 
-def _stored() -> dict[str, dict[str, dict[str, float]]]:
-    found: dict[str, dict[str, dict[str, float]]] = (
+def _stored() -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = (
         json.loads(STORED.read_text(encoding="utf-8")) if STORED.exists() else {}
     )
     return found
