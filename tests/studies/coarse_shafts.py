@@ -16,15 +16,10 @@ from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.web_shape.each_web.loaded_shaft import loaded_shaft
 from cranktopo.tasks.web_shape.in_shaft import in_its_shaft
 from cranktopo.tasks.web_shape.shaft_check import FILLET_FRACTION
+from tests.studies.own_webs import DESIGNS
 
-DESIGNS = (
-    "mikron-iiic",
-    "mikron-iiic-plain",
-    "mikron-iiic-hollow",
-    "mikron-iiic-rounded",
-    "car-diesel",
-    "industrial-gas",
-)
+SHAFTS = tuple(name for name in DESIGNS if not name.startswith("opposed-piston"))
+"""Built-in designs of several throws."""
 HEAD = ("design", "coarse", "s", "fine", "s", "coarse over fine")
 
 
@@ -42,7 +37,7 @@ def row(name: str) -> str:
 def main(*designs: str) -> None:
     """Print the table as Markdown."""
     print(f"| {' | '.join(HEAD)} |\n|{'---|' * len(HEAD)}", flush=True)
-    for name in designs or DESIGNS:
+    for name in designs or SHAFTS:
         print(row(name), flush=True)
 
 

@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 
 from cranktopo.base.frames import about_z_deg
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.bearing_film.whirl import viscous_loss
+from cranktopo.numerics.bearing_film.whirl import ShaftSteps
 from cranktopo.numerics.harmonic_balance import DampedBody
 from cranktopo.numerics.tetrahedra.rigid_motions import RZ, UX, UY, UZ
 from cranktopo.tasks.dynamics.assembled import assembled
 from cranktopo.tasks.dynamics.moving_shaft import MovingShaft
+from cranktopo.tasks.dynamics.on_film import of_unknowns
 from cranktopo.tasks.shaft.cycle import CycleForces, load_shares
 from tests.physics.dynamics.shafts import forces_at, mikron, shaft_of
 
@@ -31,8 +32,6 @@ RPM, WALL_N_PER_MM = 2100.0, 1e6
 PLAYS_MM, STEPS, CYCLES = (0.005, 0.01, 0.025), (1, 2, 4, 8), 40
 _REPEATS = 1e-4
 """Change of the journals' places from cycle to cycle over the play, below which they repeat."""
-_LATE = 0.51
-"""Part of a step at which forces are equal."""
 _NEWTON, _WITHIN = 30, 1e-10
 
 
@@ -63,20 +62,11 @@ class Marching:
     ) -> None:
         """Take so many steps for each state of the forces."""
         body, load, journals = _held(shaft, scene, forces)
-        speed = about_z_deg(1.0) * forces.angular_speed_rad_s
-        still = body.body.stiffness - speed**2 * (body.body.lateral - body.body.stiffening)
-        damping = body.viscous + 2 * speed * body.body.coriolis + viscous_loss(body)
-        self._step_s = math.radians(1.0) / forces.angular_speed_rad_s / steps
-        self._late_s, self._walls, self._steps = _LATE * self._step_s, walls, steps
-        scale = 1 / np.sqrt(np.diag(body.body.mass))
-        mass, damping, still = (one * np.outer(scale, scale) for one in (body.body.mass, damping, still))
-        inverse = np.linalg.inv(mass / self._late_s + damping + self._late_s * still)
-        joined = np.zeros((len(mass), len(journals)))
-        joined[journals, np.arange(len(journals))] = scale[journals]
-        self._by_speed, self._by_place = inverse @ mass / self._late_s, inverse @ still
-        self._by_load, self._joined = inverse @ joined, joined
-        self._pushed = inverse @ (load * scale[:, None])
-        self._moved, self._velocity = np.zeros((2, len(mass)))
+        speed, step_s = forces.angular_speed_rad_s, math.radians(1.0) / forces.angular_speed_rad_s / steps
+        self._shaft = ShaftSteps.of(body, about_z_deg(1.0) * speed, journals, step_s)
+        self._walls, self._steps = walls, steps
+        self._pushed = self._shaft.inverse @ (load * self._shaft.scale[:, None])
+        self._moved, self._velocity = np.zeros((2, len(load)))
         self._place = np.zeros(len(journals))
 
     def cycle(self) -> tuple[Array, Array]:
@@ -87,22 +77,23 @@ class Marching:
     def _state(self, number: int) -> tuple[Array, Array]:
         now, then = self._pushed[:, number], self._pushed[:, (number + 1) % self._pushed.shape[1]]
         for one in range(self._steps):
-            force = self._by(now + (one + _LATE) / self._steps * (then - now))
-        return self._joined.T @ self._moved, force
+            force = self._by(
+                now + (one + self._shaft.late_s / self._shaft.step_s) / self._steps * (then - now)
+            )
+        return self._shaft.joined.T @ self._moved, force
 
     def _by(self, pushed: Array) -> Array:
-        free = self._by_speed @ self._velocity - self._by_place @ self._moved + pushed
-        alone = self._joined.T @ (self._moved + self._late_s * free)
-        seen = self._late_s * self._joined.T @ self._by_load
+        shaft = self._shaft
+        free = shaft.free(self._moved, self._velocity) + pushed
+        alone, seen = shaft.joined.T @ (self._moved + shaft.late_s * free), shaft.late_s * shaft.seen
         for _ in range(_NEWTON):
             force, slope = self._walls.push(self._place)
             left = self._place + seen @ force - alone
             if np.abs(left).max() < _WITHIN * self._walls.play_mm:
                 break
             self._place = self._place - np.linalg.solve(np.eye(len(left)) + seen @ slope, left)
-        now = free - self._by_load @ force
-        self._moved = self._moved + self._step_s * now
-        self._velocity = (now - (1 - _LATE) * self._velocity) / _LATE
+        late = free - shaft.by_load @ force
+        self._moved, self._velocity = shaft.after(self._moved, self._velocity, late)
         return force
 
 
@@ -116,8 +107,7 @@ def _held(
         whole.own[number].T @ throw.loads @ load_shares(throw.still, forces, number)
         for number, throw in enumerate(shaft.throws)
     )
-    block, chosen = np.ix_(kept, kept), np.eye(len(whole.coordinates))[:, kept]
-    body = DampedBody(whole.damped.body.over(chosen), whole.damped.loss[block], whole.damped.viscous[block])
+    body = of_unknowns(whole.damped, kept, np.zeros_like(whole.damped.loss))
     journals = np.searchsorted(kept, [6 * one + motion for one in shaft.borne_by for motion in (UY, UX)])
     return body, np.asarray(load)[kept], journals
 

@@ -31,9 +31,9 @@ from cranktopo.design.halves import usual_scale
 from cranktopo.design.loading import design_text, scene_from_dict
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.tasks.bench.coarse import coarse_stiffness
-from cranktopo.tasks.bench.coarse_error import stated_errors
+from cranktopo.tasks.bench.coarse_error import MOST_DEG, MOST_MM, stated_errors
 from cranktopo.tasks.bench.live import live_numbers
-from cranktopo.tasks.bench.live_safety import SettledSafety, estimated_safety
+from cranktopo.tasks.bench.live_safety import BY_RULE, SettledSafety, estimated_safety
 from cranktopo.tasks.bench.settled import settled_safety, settled_stiffness
 from tests.random_engines import random_engine
 from tests.studies.own_webs import DESIGNS
@@ -41,9 +41,7 @@ from tests.studies.own_webs import DESIGNS
 THROWS = (*DESIGNS, *map(str, range(1, 10)))
 """Designs that are built in, and random engines by their seeds."""
 STIFFNESSES = ("torsion", "bending", "torsion_per_mass", "bending_per_mass")
-SAFETIES = ("pin_fillet_safety", "journal_fillet_safety", "fatigue_safety")
-BY_RULE = {"pin_fillet_safety": "m53_pin", "journal_fillet_safety": "m53_journal"}
-_MOST_MM, _MOST_DEG = 5.0, 10.0
+SAFETIES = (*BY_RULE, "fatigue_safety")
 _PARTS: Mapping[str, Callable[[dict[str, Any], dict[str, Any]], dict[str, Any]]] = {
     "cells": coarse_stiffness,
     "rule": lambda data, _: dict(live_numbers(data)["gauges"]),
@@ -130,8 +128,8 @@ def drawn_move(number: int, throws: Sequence[str] = THROWS) -> Move:
         throw = dice.choice(throws)
         data = throw_data(throw)
         key, value = dice.choice(list(_dimensions(data)))
-        far_mm = _MOST_MM / max(usual_scale(scene_from_dict(data)), 1.0)
-        most = _MOST_DEG if key.endswith("_deg") else min(far_mm, abs(value) / 2)
+        far_mm = MOST_MM / max(usual_scale(scene_from_dict(data)), 1.0)
+        most = MOST_DEG if key.endswith("_deg") else min(far_mm, abs(value) / 2)
         new = round(value + dice.uniform(-most, most), 3)
         moved = changed_data(data, {key: new})
         if new != value and "broken" not in live_numbers(moved):

@@ -51,7 +51,7 @@ def drill_cells(
         slabs = list(_slabs(grid, found, layer.z_mm))
         if not slabs:
             continue
-        x, y = _around([slab.x for slab in slabs]), _around([slab.y for slab in slabs])
+        x, y = _window(grid, found, (slabs[0].z_mm[0], slabs[-1].z_mm[1]))
         for kind, gained in _gains((grid.x_mm[x], grid.y_mm[y]), slabs, found, layer).items():
             for number, slab in enumerate(slabs):
                 drilled[kind][x.start : x.stop - 1, y.start : y.stop - 1, slab.cells] += gained[..., number]
@@ -84,17 +84,11 @@ def _tool_of_hole(hole: DrilledBody) -> _Tool:
 
 
 class _Slab(NamedTuple):
-    """Part of a layer of cells between two heights: share of their height, nodes around what is reached."""
+    """Part of a layer of cells between two heights: share of their height."""
 
     z_mm: tuple[float, float]
     share: float
-    x: slice
-    y: slice
     cells: int
-
-
-def _around(nodes: Sequence[slice]) -> slice:
-    return slice(min(part.start for part in nodes), max(part.stop for part in nodes))
 
 
 def _gains(
@@ -126,10 +120,15 @@ def _slabs(grid: CellGrid, found: Sequence[_Tool], z_mm: tuple[float, float]) ->
     for start, end in pairwise(planes if low < high else ()):
         cells = int(np.searchsorted(grid.z_mm, (start + end) / 2)) - 1
         share = (end - start) / float(grid.z_mm[cells + 1] - grid.z_mm[cells])
-        corners = np.array([box((start, end)) for box in boxes])
-        first, last = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
-        x, y = (_nodes(nodes, first[i], last[i]) for i, nodes in enumerate((grid.x_mm, grid.y_mm)))
-        yield _Slab((start, end), share, x, y, cells)
+        yield _Slab((start, end), share, cells)
+
+
+def _window(grid: CellGrid, found: Sequence[_Tool], z_mm: tuple[float, float]) -> tuple[slice, slice]:
+    """Return the nodes along x and y around what tools reach between two heights."""
+    corners = np.array([box(z_mm) for tool in found for box in tool.boxes])
+    first, last = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
+    x, y = (_nodes(nodes, first[i], last[i]) for i, nodes in enumerate((grid.x_mm, grid.y_mm)))
+    return x, y
 
 
 def _nodes(nodes: Array, low: float, high: float) -> slice:

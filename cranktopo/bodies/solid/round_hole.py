@@ -10,14 +10,14 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.throw.primitives import Frustum
 
-_ROUND_MM = 1e-9
+ROUND_MM = 1e-9
 """Length of a straight side below which corners make a circle."""
 
 
 def is_round(frustum: Frustum) -> bool:
     """Tell whether the corners of floor and mouth leave no straight side."""
     rings = zip((frustum.floor, frustum.mouth), frustum.corner_radii, strict=True)
-    return all(np.abs(_sides(np.array(ring)) - 2 * radius).max() < _ROUND_MM for ring, radius in rings)
+    return all(straight_sides_mm(np.array(ring), radius).max() < ROUND_MM for ring, radius in rings)
 
 
 def add_round_hole(occ: Any, frustum: Frustum) -> int:
@@ -43,5 +43,6 @@ def add_round_hole(occ: Any, frustum: Frustum) -> int:
     return int(tag)
 
 
-def _sides(ring: Array) -> Array:
-    return np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1)
+def straight_sides_mm(ring: Array, radius: float) -> Array:
+    """Return what round corners leave of the side behind each corner of a ring (n, 3), (n,)."""
+    return np.asarray(np.abs(np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1) - 2 * radius))

@@ -16,7 +16,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import solver_error
 from cranktopo.base.frames import about_z_deg
-from cranktopo.bodies.solid.round_hole import add_round_hole, is_round
+from cranktopo.bodies.solid.round_hole import ROUND_MM, add_round_hole, is_round, straight_sides_mm
 from cranktopo.bodies.solid.seams import has_splines, seams_closed
 from cranktopo.numerics.gmsh_session import DimTags, with_option
 from cranktopo.throw.feature import Body
@@ -43,8 +43,6 @@ _TURNS = (0.0, 0.7, 1.4)
 """Of the seam of a hole whose rounding the kernel leaves open, radians."""
 _ON_EDGE_MM = 1e-3
 _UNIFY = "Geometry.OCCUnionUnify"
-_ROUND_MM = 1e-9
-"""Sides of a rounded rectangle that are shorter are none."""
 
 
 def add_solid(occ: Any, solid: Solid) -> DimTags:
@@ -203,7 +201,7 @@ def _rounded_loop(occ: Any, ring: Array, radius: float) -> int:
     before, after = (np.roll(ring, shift, axis=0) - ring for shift in (1, -1))
     start, end = (ring + radius * way / np.linalg.norm(way, axis=1)[:, None] for way in (before, after))
     points = [[occ.addPoint(*p) for p in arc] for arc in zip(start, start + end - ring, end, strict=True)]
-    straight = np.linalg.norm(np.roll(start, -1, axis=0) - end, axis=1) > _ROUND_MM
+    straight = straight_sides_mm(ring, radius) > ROUND_MM
     curves = []
     for k, arc in enumerate(points):
         curves.append(occ.addCircleArc(*arc))

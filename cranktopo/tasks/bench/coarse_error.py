@@ -7,7 +7,7 @@ from typing import Any
 
 from cranktopo.design.halves import scale_to_usual
 
-_MOST_MM, _MOST_DEG = 5.0, 10.0
+MOST_MM, MOST_DEG = 5.0, 10.0
 """Largest way of a dimension from the settled web, in proportion on smaller journals than usual: beyond it
 no error is known."""
 _LEAST = {"torsion": 0.3, "bending": 0.35}
@@ -78,9 +78,9 @@ def moved_dimensions(
 
 
 def _too_far(moved: Mapping[str, tuple[float, float]], scale: float) -> bool:
-    most_mm = _MOST_MM / max(scale, 1.0)
+    most_mm = MOST_MM / max(scale, 1.0)
     return any(
-        abs(new - old) > (_MOST_DEG if key.endswith("_deg") else most_mm) for key, (old, new) in moved.items()
+        abs(new - old) > (MOST_DEG if key.endswith("_deg") else most_mm) for key, (old, new) in moved.items()
     )
 
 

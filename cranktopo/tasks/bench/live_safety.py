@@ -15,7 +15,8 @@ from typing import Any
 
 from cranktopo.tasks.bench.coarse_error import moved_dimensions
 
-_BY_RULE = {"pin_fillet_safety": "m53_pin", "journal_fillet_safety": "m53_journal"}
+BY_RULE = {"pin_fillet_safety": "m53_pin", "journal_fillet_safety": "m53_journal"}
+"""Gauge of the rule for each fillet."""
 _OF_SHAPE = {"throw", "web"}
 _NO_MATTER = {"name", "description", "goal", "optimise", "shape", "envelope", "drawing"}
 """Tables that no stress follows from."""
@@ -118,15 +119,15 @@ def estimated_safety(
         data: tables of the moved design.
         by_rule: its gauges of the rule.
     """
-    fillets = [settled.safety.get(name, inf) for name in _BY_RULE]
+    fillets = [settled.safety.get(name, inf) for name in BY_RULE]
     moved = None if settled.elsewhere < min(fillets) else _moved(settled.data, data)
     found = dict[str, tuple[float, float]]()
-    for name, rule in _BY_RULE.items():
+    for name, rule in BY_RULE.items():
         told = name in settled.safety and rule in by_rule and rule in settled.by_rule
         if moved is not None and told:
             change, error = _change(_EFFECTS[name], moved, log(by_rule[rule] / settled.by_rule[rule]))
             found[name] = settled.safety[name] * exp(change), error
-    if found.keys() == _BY_RULE.keys():
+    if found.keys() == BY_RULE.keys():
         found |= _least(found, settled.elsewhere)
     kept = {name: pair for name, pair in found.items() if pair[1] <= MOST_PERCENT}
     return {

@@ -105,7 +105,7 @@ def check_steady(shaft: MovingShaft, scene: Scene, films: FilmSlopes) -> None:
     journals = [6 * section + motion for section in shaft.borne_by for motion in (UY, UX)]
     step_s = math.radians(engine.cycle_deg) / speed / len(films.by_load)
     grown = multipliers(
-        _of_unknowns(body, free, np.diag(springs)),
+        of_unknowns(body, free, np.diag(springs)),
         about_z_deg(1.0) * speed,
         np.searchsorted(free, journals),
         films,
@@ -120,7 +120,7 @@ def check_steady(shaft: MovingShaft, scene: Scene, films: FilmSlopes) -> None:
         )
 
 
-def _of_unknowns(body: DampedBody, kept: NDArray[np.intp], stiffness: Array) -> DampedBody:
+def of_unknowns(body: DampedBody, kept: NDArray[np.intp], stiffness: Array) -> DampedBody:
     """Return a body on more stiffness, of whose unknowns some are left."""
     chosen = np.eye(len(stiffness))[:, kept]
     own = body.body + replace(TurningBody.of_nothing(len(stiffness)), stiffness=stiffness)

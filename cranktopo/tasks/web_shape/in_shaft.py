@@ -18,10 +18,10 @@ from cranktopo.engine.judged_histories import histories_of
 from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.tasks.throw_fatigue.needs import load_kinds
 from cranktopo.tasks.web_shape.each_web.groups import WebGroup
-from cranktopo.tasks.web_shape.each_web.loaded_shaft import LoadedShaft, loaded_shaft
+from cranktopo.tasks.web_shape.each_web.loaded_shaft import LoadedShaft, ShaftFigures, loaded_shaft
 from cranktopo.tasks.web_shape.evaluated_web import Judging, kept_safety
 from cranktopo.tasks.web_shape.optimum import ShapeSettings
-from cranktopo.tasks.web_shape.result import SafetyInShaft
+from cranktopo.tasks.web_shape.result import LeastInShaft, SafetyInShaft
 from cranktopo.tasks.web_shape.stage import stresses_in
 
 EFFECT = "continuous_shaft"
@@ -65,14 +65,7 @@ class SearchInShaft:
         """Return the safety of the shaft with the best web beside what the goal asks for."""
         original = self.shaft.figures
         found = _shaft(in_its_shaft(web), "shaft-result", self.fillet_fraction, work).figures
-        worst = min(found.webs, key=lambda one: one.safety)
-        return SafetyInShaft(
-            original=original.safety,
-            result=found.safety,
-            required=least_required(goal, original.safety),
-            web=worst.web,
-            part=worst.part,
-        )
+        return SafetyInShaft(**vars(least_in_shaft(goal, original, found)))
 
 
 def search_in_shaft(
@@ -106,11 +99,18 @@ def search_in_shaft(
     return SearchInShaft(scene, shaft, WebLoads(histories), fraction)
 
 
-def least_required(goal: Goal, original: float) -> float | None:
-    """Return the least fatigue safety that the limits of a goal ask for beside that of the original."""
+def least_in_shaft(goal: Goal, original: ShaftFigures, result: ShaftFigures) -> LeastInShaft:
+    """Return the safety of a shaft with a web that was found beside what a goal asks for."""
     limits = [limit for limit in goal.limits_of("fatigue_safety") if limit.sense == ">="]
-    required = [least for limit in limits if (least := limit.required(original)) is not None]
-    return max(required, default=None)
+    required = [least for limit in limits if (least := limit.required(original.safety)) is not None]
+    worst = min(result.webs, key=lambda one: one.safety)
+    return LeastInShaft(
+        original=original.safety,
+        result=result.safety,
+        required=max(required, default=None),
+        web=worst.web,
+        part=worst.part,
+    )
 
 
 def in_its_shaft(scene: Scene) -> Scene:

@@ -145,7 +145,7 @@ class RoundValues(Result):
     """Violation of each limit by the evaluation, %; 0 or less is kept."""
 
 
-class SafetyInShaft(Result):
+class LeastInShaft(Result):
     """Least fatigue safety of all webs of the shaft on all its bearings, over its range of speeds."""
 
     original: float
@@ -159,28 +159,22 @@ class SafetyInShaft(Result):
     part: str
     """Its place: pin_fillet, journal_fillet, outlets or elsewhere."""
 
+
+class SafetyInShaft(LeastInShaft):
+    """The same under the loads that the search had, which its limits are about."""
+
     @property
     def held(self) -> bool:
         """True where the shaft is as safe as is required, within what counts as kept."""
         return self.required is None or self.result >= self.required * (1 - TOLERANCE)
 
 
-class ShaftCheck(Result):
-    """Least fatigue safety of all webs of the shaft, where the search judged a throw alone.
+class ShaftCheck(LeastInShaft):
+    """The same where the search judged a throw alone, both webs on meshes as coarse.
 
     The limits are those of the throw alone: none of them is missed by this.
     """
 
-    original: float
-    """With the design's own web."""
-    result: float
-    """With the best web, on a mesh as coarse."""
-    required: float | None
-    """Least one that the limits would ask for there."""
-    web: int
-    """Web of the result that has it, from the free end, 1 first."""
-    part: str
-    """Its place: pin_fillet, journal_fillet, outlets or elsewhere."""
     speeds_rpm: tuple[float, float]
     """Lowest and highest speed of its range."""
     fillet_fraction: float

@@ -15,7 +15,7 @@ from cranktopo.tasks.web_shape.in_shaft import (
     EFFECT,
     STRESS_ALONE,
     in_its_shaft,
-    least_required,
+    least_in_shaft,
     without_shaft,
 )
 from cranktopo.tasks.web_shape.optimum import ShapeSettings
@@ -27,15 +27,33 @@ FILLET_FRACTION = 0.5
 an evaluation, what the result has over the original 0.2 % off, in a third of the time."""
 
 
-def unjudged_in_shaft(scene: Scene, goal: Goal, settings: ShapeSettings) -> str:
-    """Return why the web of a search is judged as a throw alone only; empty where it is not, or has no shaft.
+def judged_in_shaft(
+    scene: Scene, web: Scene, goal: Goal, settings: ShapeSettings, work: StageMemory
+) -> tuple[ShaftCheck | None, str]:
+    """Return the safety of all webs in their shaft with the web that was found, and with the original.
 
-    Nothing is said where the goal asks for no stress.
+    Else why there is none, in words; empty where the search has the loads of the shaft itself, the goal asks
+    for no stress, or a single throw is its shaft. A shaft that fails costs no search.
+
+    Raises:
+        CranktopoError: interruption.
     """
     if isinstance(settings.loads, WebLoads) or not stresses_in(goal.quantities):
-        return ""
+        return None, ""
     if scene.engine is None or scene.engine.throws == 1:
-        return ""
+        return None, ""
+    if why := _unjudged(scene, goal):
+        return None, why
+    try:
+        return _shaft_check(scene, web, goal, settings, work), ""
+    except CranktopoError as error:
+        if error.code == ExitCode.INTERRUPTED:
+            raise
+        return None, error.message
+
+
+def _unjudged(scene: Scene, goal: Goal) -> str:
+    """Return why a web is judged as a throw alone only; empty where it is not."""
     effect = plan_for_stress(scene)[EFFECT]
     if effect.estimate_percent is None:
         return effect.reason
@@ -44,55 +62,17 @@ def unjudged_in_shaft(scene: Scene, goal: Goal, settings: ShapeSettings) -> str:
     return without_shaft(scene) if "fatigue_safety" in goal.quantities else STRESS_ALONE
 
 
-def judged_in_shaft(
+def _shaft_check(
     scene: Scene, web: Scene, goal: Goal, settings: ShapeSettings, work: StageMemory
-) -> tuple[ShaftCheck | None, str]:
-    """Return `shaft_check`, and why the web is not judged in its shaft; a shaft that fails costs no search.
-
-    Raises:
-        CranktopoError: interruption.
-    """
-    if why := unjudged_in_shaft(scene, goal, settings):
-        return None, why
-    try:
-        return shaft_check(scene, web, goal, settings, work), ""
-    except CranktopoError as error:
-        if error.code == ExitCode.INTERRUPTED:
-            raise
-        return None, error.message
-
-
-def shaft_check(
-    scene: Scene, web: Scene, goal: Goal, settings: ShapeSettings, work: StageMemory
-) -> ShaftCheck | None:
-    """Return the safety of all webs in their shaft with the web that was found, and with the original.
-
-    None where the search has the loads of the shaft itself, the goal asks for no safety, or a single throw is
-    its shaft.
-
-    Raises:
-        CranktopoError: a failed solve.
-    """
-    if isinstance(settings.loads, WebLoads) or "fatigue_safety" not in goal.quantities:
-        return None
-    if scene.engine is None or scene.engine.throws == 1:
-        return None
+) -> ShaftCheck:
     note(f"{scene.name}: original and result in their shaft, where the search did not have them")
     fraction = max(FILLET_FRACTION, settings.fillet_fraction)
     original, result = (
         _figures(own, name, fraction, work)
         for name, own in (("shaft-check-original", scene), ("shaft-check-result", web))
     )
-    worst = min(result.webs, key=lambda one: one.safety)
-    return ShaftCheck(
-        original=original.safety,
-        result=result.safety,
-        required=least_required(goal, original.safety),
-        web=worst.web,
-        part=worst.part,
-        speeds_rpm=speed_range_rpm(scene),
-        fillet_fraction=fraction,
-    )
+    least = least_in_shaft(goal, original, result)
+    return ShaftCheck(**vars(least), speeds_rpm=speed_range_rpm(scene), fillet_fraction=fraction)
 
 
 def _figures(scene: Scene, name: str, fillet_fraction: float, work: StageMemory) -> ShaftFigures:
