@@ -9,8 +9,10 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import note
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import HistoryKind
+from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.tasks.throw_fatigue.assessment import FatigueAssessment, FatigueMethod
 from cranktopo.tasks.throw_fatigue.needs import check_inputs
+from cranktopo.tasks.throw_fatigue.result import FieldFatigue
 from cranktopo.tasks.throw_fatigue.stage import assess_by_methods
 from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.throw_fatigue.text import FatigueComparison
@@ -79,9 +81,25 @@ def _compared(
         found,
         safeties=tuple(None if row in refused else next(safeties) for row in rows),
         summaries=tuple(None if row in refused else next(summaries) for row in rows),
-        verdicts=(*found.verdicts, *_lines(targets, refused, baseline)),
+        verdicts=(*found.verdicts, *_lines(targets, refused, baseline), *_alone(found, targets)),
         not_judged={targets[row].name: error.message for row, error in refused.items()},
     )
+
+
+def _alone(found: FatigueComparison, targets: Sequence[Target]) -> list[str]:
+    """Return that safeties are those of throws alone; nothing where all are known in their shaft, too."""
+    fields = [one for one in found.result.fatigue if isinstance(one, FieldFatigue)]
+    alone = {one.target for one in fields if one.judged_as == "throw_alone" and not one.safety_as}
+    if not any(one.name in alone and _has_shaft(one.scene) for one in targets):
+        return []
+    return [
+        "Safety is that of a throw alone. A web that is as safe there can be less safe in its shaft: "
+        "effects.continuous_shaft = 'on' in the designs tells both."
+    ]
+
+
+def _has_shaft(scene: Scene) -> bool:
+    return plan_for_stress(scene)["continuous_shaft"].estimate_percent is not None
 
 
 def _lines(targets: Sequence[Target], refused: _Refusals, baseline: int) -> list[str]:

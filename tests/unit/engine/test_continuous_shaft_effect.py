@@ -14,9 +14,12 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.continuous_beam import PinLoads, Spans, bend_spans, span_bending
 from cranktopo.engine.plan.planning import left_off, plan, plan_for_stress
+from cranktopo.tasks.compare import judged
 from cranktopo.tasks.compare.judged import judge
 from cranktopo.tasks.throw_fatigue import stage
+from cranktopo.tasks.throw_fatigue.result import FatigueResult, FieldFatigue, JudgedAs
 from cranktopo.tasks.throw_fatigue.stage import assess_by_methods
+from cranktopo.tasks.throw_fatigue.text import FatigueComparison
 from cranktopo.tasks.throw_fea.targets import Target, resolve_target
 from tests.engine_arrangements import VEE, arranged
 
@@ -243,3 +246,36 @@ def test_compare_asks_for_both_worlds(monkeypatch: pytest.MonkeyPatch) -> None:
         with pytest.raises(CranktopoError, match="alone"):
             judge([resolve_target(scene, fillets=True)], ["lsa"], 0, "extremes")
         assert begun == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "judged_as", "safety_as", "told"),
+    [
+        ("mikron-iiic", "throw_alone", None, True),
+        ("mikron-iiic", "throw_alone", BOTH, False),
+        ("mikron-iiic", "continuous_shaft", None, False),
+        ("opposed-piston", "throw_alone", None, False),
+    ],
+)
+def test_compare_says_where_it_knows_a_throw_alone_only(
+    name: str,
+    judged_as: JudgedAs,
+    safety_as: dict[str, float] | None,
+    told: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A web that kept its safety as a throw alone had lost 14 % in its shaft."""
+    one = FieldFatigue.model_construct(target=name, judged_as=judged_as, safety_as=safety_as)
+    result = FatigueResult.model_construct(fatigue=(one,))
+    found = FatigueComparison((1.0,), (), result, summaries=(None,))
+    assessed = SimpleNamespace(method="lsa", baseline=None, compared=lambda: found)
+    monkeypatch.setattr(judged, "assess_by_methods", lambda *_, **__: [assessed])
+    (compared,), _ = judge([resolve_target(name, fillets=True)], ["lsa"], 0, "extremes")
+    assert [line for line in compared.verdicts if "continuous_shaft = 'on'" in line] == (
+        [
+            "Safety is that of a throw alone. A web that is as safe there can be less safe in its shaft: "
+            "effects.continuous_shaft = 'on' in the designs tells both."
+        ]
+        if told
+        else []
+    )
