@@ -51,6 +51,7 @@ class Examined:
         disguised: number of splines and swept faces that are elementary surfaces, by what they are.
         tolerance_mm: largest of all sub-shapes.
         mesh_error: relative difference of the volume inside its triangles.
+        thinnest_mm: least width of a face, twice its area over its circumference.
     """
 
     faults: tuple[str, ...]
@@ -60,6 +61,7 @@ class Examined:
     disguised: dict[str, int]
     tolerance_mm: float
     mesh_error: float
+    thinnest_mm: float
 
 
 def examined(path: Path, bodies: int = 1) -> Examined:
@@ -76,7 +78,17 @@ def examined(path: Path, bodies: int = 1) -> Examined:
         disguised=disguises(shape),
         tolerance_mm=tolerance_mm,
         mesh_error=meshed / volume - 1,
+        thinnest_mm=min(map(width_mm, faces)),
     )
+
+
+def width_mm(face: Any) -> float:
+    """Twice the area of a face over its circumference."""
+    area, around = (ocp("GProp").GProp_GProps() for _ in range(2))
+    properties = ocp("BRepGProp").BRepGProp
+    properties.SurfaceProperties_s(face, area)
+    properties.LinearProperties_s(face, around)
+    return float(2 * area.Mass() / around.Mass())
 
 
 def read_shape(path: Path) -> Any:

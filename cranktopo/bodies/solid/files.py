@@ -14,7 +14,7 @@ from cranktopo.base.arrays import Int64
 from cranktopo.base.errors import solver_error
 from cranktopo.base.files import as_path, replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
-from cranktopo.base.notes import note
+from cranktopo.base.notes import note, warn
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.bodies.raw_crankshaft import raw_crank_end
 from cranktopo.bodies.solid.balancer import add_balancer
@@ -35,6 +35,7 @@ from cranktopo.bodies.solid.raw_part import add_raw_throw
 from cranktopo.bodies.solid.rod import add_rod
 from cranktopo.bodies.solid.shapes import turned_half
 from cranktopo.bodies.solid.step import StepLabel, closed_surface, kernel_surface, label_step
+from cranktopo.bodies.solid.thin_faces import thin_face_words, thin_faces
 from cranktopo.bodies.solid.throw import add_full_throw, add_half_throw, add_web, built
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.checks.scene import check_solid
@@ -162,6 +163,8 @@ def export_solid(
                 name = f"{part} of {scene.name}"
                 _write_facets(gmsh, body, part, facet_mm or _usual_facet_mm(scene), temporary, name)
             else:
+                if thin := thin_faces(gmsh.model.occ, body, usual_scale(scene)):
+                    warn(f"{part} of {scene.name}: {thin_face_words(thin)}")
                 with quiet_stdout():
                     gmsh.write(str(temporary))
         if suffix != ".stl":
