@@ -1,7 +1,8 @@
 """Drillings cut out of a body, and their outlets rounded.
 
 Where the edge of an outlet is whole the kernel rounds it on the body itself. That takes a thirtieth of the
-time of a tool, whose surfaces touch those of the journal all around, where cuts are slow.
+time of a tool, whose surfaces touch those of the journal all around, where cuts are slow. Where the body ends
+within the rounding it does so, too, but takes 8 % too little.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from cranktopo.bodies.solid.seams import seams_closed
 from cranktopo.bodies.solid.shapes import add_solid, cut, outlet_edges, turned
 from cranktopo.numerics.gmsh_session import DimTags
 from cranktopo.throw.drilling.bore import DrillBore
+from cranktopo.throw.drilling.checks import rim_z_mm
 from cranktopo.throw.primitives import RoundedOutlet, Solid
 
 Heights = tuple[float, float]
@@ -59,7 +61,8 @@ def drilled(
     solids = [(bore, solid) for bore in bores for solid in bore.solids()]
     outlets = {solid: bore for bore, solid in solids if isinstance(solid, RoundedOutlet)}
     body = cut(occ, body, tools([one for one in solids if not isinstance(one[1], RoundedOutlet)]))
-    edges = _whole_edges(occ, body, list(outlets)) if outlets and not by_tools else {}
+    within = [one for one, bore in outlets.items() if not by_tools and _within(occ, body, bore, one)]
+    edges = _whole_edges(occ, body, within) if within else {}
     body, done = _rounded(occ, body, edges)
     rest = [(bore, solid) for solid, bore in outlets.items() if solid not in done]
     return _without_inverted(occ, cut(occ, body, tools(rest)))
@@ -122,6 +125,13 @@ def to_middle(bores: Sequence[DrillBore], middle_mm: float) -> dict[DrillBore, H
         if not bore.alone:
             found[bore] = (-math.inf, middle_mm) if first else (middle_mm, math.inf)
     return found
+
+
+def _within(occ: Any, body: DimTags, bore: DrillBore, rounded: RoundedOutlet) -> bool:
+    """Tell whether a body goes on along the crank beyond the rim of a rounded outlet."""
+    (outlet,) = (one for one in bore.outlets if one.rounding_mm and one.point_mm == rounded.at)
+    boxes, rim = [occ.getBoundingBox(*pair) for pair in body], rim_z_mm(bore, outlet)
+    return bool(min(box[2] for box in boxes) < rim.min() and rim.max() < max(box[5] for box in boxes))
 
 
 def _whole_edges(occ: Any, body: DimTags, outlets: Sequence[RoundedOutlet]) -> dict[RoundedOutlet, list[int]]:
