@@ -14,7 +14,8 @@ import pytest
 
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.volume import half_throw_volume_mm3
-from tests.cad_check.second_kernel import read_shape, volume_mm3
+from tests.cad_check.second_kernel import examined, read_shape, volume_mm3
+from tests.featured_throws import featured_throw
 from tests.physics.throw.test_drillings import LEANING, STRAIGHT, mikron
 
 pytestmark = pytest.mark.slow
@@ -34,3 +35,10 @@ def test_volume(drilling: dict[str, Any], bore: float, rounding: float, error: f
         assert 0.10 < exact - closed < 0.14
     else:
         assert 3e-7 < abs(by_default / exact - 1) < 3e-6
+
+
+@pytest.mark.parametrize("seed", [74, 179, 254])
+def test_unlike_mouths_have_sound_triangles(seed: int, tmp_path: Path) -> None:
+    """Crescents between their mouths gave 15 and 30 open edges, and a face without triangles."""
+    export_solid(featured_throw(seed), "throw", tmp_path / "throw.step")
+    assert examined(tmp_path / "throw.step").faults == ()

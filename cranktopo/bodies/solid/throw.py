@@ -15,6 +15,7 @@ from cranktopo.bodies.solid.checked import ClosedForm, check_body, misfit, witho
 from cranktopo.bodies.solid.culprit import culprit
 from cranktopo.bodies.solid.drilled import drilled, drilled_at, to_middle
 from cranktopo.bodies.solid.joined import with_joined_edges
+from cranktopo.bodies.solid.mouths import drilled_in_one_piece, heights_beyond
 from cranktopo.bodies.solid.shapes import add_bodies, add_solid, cut, turned, turned_half
 from cranktopo.bodies.volume import half_throw_volume_mm3, outlet_roundings_mm3, throw_volume_mm3
 from cranktopo.design.checks.scene import check_solid
@@ -168,6 +169,12 @@ def _full(occ: Any, scene: Scene, form: ClosedForm, by_tools: bool) -> DimTags:
     late = _late_bores(first, scene), [b.in_second_half(scene.pitch_mm) for b in _late_bores(second, scene)]
     placed = [(turn, bore) for turn, own in zip(turns, late, strict=True) for bore in own]
     heights = to_middle([bore for _, bore in placed], first.pitch_mm / 2)
+    beyond = heights_beyond(first, *late, form.volume_mm3) if turns[0] == turns[1] and not by_tools else {}
+    if beyond:
+        found = drilled_in_one_piece(occ, body, first, placed, heights | beyond, form)
+        if found:
+            occ.remove(body, recursive=True)
+            return found
     body = drilled_at(occ, list(body), placed, between_mm=heights, by_tools=by_tools)
     return list(without_crumbs(occ, body, form))
 

@@ -17,8 +17,10 @@ from cranktopo.bodies.drill_tool import drill_tool
 from cranktopo.bodies.solid.checked import ROUNDING_TOLERANCE
 from cranktopo.bodies.solid.drilled import drilled
 from cranktopo.bodies.solid.files import export_solid, surface_of
-from cranktopo.bodies.solid.throw import throw_form
+from cranktopo.bodies.solid.mouths import heights_beyond
+from cranktopo.bodies.solid.throw import add_full_throw, throw_form
 from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.halves import halves
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.crank import drawn_crank_mass
@@ -27,6 +29,7 @@ from cranktopo.numerics.surfaces.files import read_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.throw.drilling.moments import drilled as drilled_moments
 from cranktopo.throw.drilling.table import drill_bores
+from tests.featured_throws import featured_throw
 from tests.physics.throw.test_crossing_drillings import drilled_twin
 
 SIX = [1, 5, 3, 6, 2, 4]
@@ -199,3 +202,36 @@ def test_halves_that_differ(tmp_path: Path) -> None:
     one = drilled_twin(3.0, 1.0, "both", MIDDLE)
     second = one.web.model_dump(mode="json", exclude_none=True) | {"pin_radius_mm": 33.0}
     check_step_file(crank_of(one, [1], second_web=second), tmp_path / "crank.step")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [83, 186])
+def test_unlike_mouths_leave_no_crescents(seed: int) -> None:
+    """Faces in the middle of the pin, up to 4 mm long and 4 um wide, where tools ended in one plane."""
+    scene = featured_throw(seed)
+    middle = halves(scene)[0].pitch_mm / 2
+    with cad_session("throw") as gmsh:
+        body = add_full_throw(gmsh.model.occ, scene)
+        gmsh.model.occ.synchronize()
+        faces = gmsh.model.getBoundary(body, oriented=False)
+        heights = np.array([np.array(gmsh.model.occ.getBoundingBox(*face))[[2, 5]] for face in faces])
+    assert len(heights) > 50
+    assert np.abs(heights - middle).max(axis=1).min() > 1e-2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("on_pin", "rounding_mm", "thickness_mm", "beyond"),
+    [((0.0, 1.0), 1.0, 26.0, 2), ((50.0, 0.0), 0.0, 26.0, 0), ((0.0, 1.0), 1.0, 24.0, 0)],
+)
+def test_tools_that_go_on_beyond_the_middle(
+    on_pin: tuple[float, float], rounding_mm: float, thickness_mm: float, beyond: int
+) -> None:
+    """Two that lean differently and overlap; not beside a ridge, nor where they are mirror images."""
+    one = drilled_twin(5.0, rounding_mm, "both", on_pin)
+    second = one.web.model_dump(mode="json", exclude_none=True)
+    second |= {"thickness_mm": thickness_mm, "pin_radius_mm": 33.0}
+    scene = crank_of(one, [1], second_web=second)
+    first, other = halves(scene)
+    bores = drill_bores(first), [bore.in_second_half(scene.pitch_mm) for bore in drill_bores(other)]
+    assert len(heights_beyond(first, *bores, throw_form(scene).volume_mm3)) == beyond
