@@ -45,8 +45,12 @@ _ON_EDGE_MM = 1e-3
 _UNIFY = "Geometry.OCCUnionUnify"
 
 
-def add_solid(occ: Any, solid: Solid) -> DimTags:
-    """Add one primitive body; return its gmsh (dimension, tag) pairs."""
+def add_solid(occ: Any, solid: Solid, *, in_arcs: bool = False) -> DimTags:
+    """Add one primitive body; return its gmsh (dimension, tag) pairs.
+
+    Args:
+        in_arcs: make an ellipse of two arcs, which meet on its axis in x, where its seam would be in the way.
+    """
     match solid:
         case Cylinder(start, axis, radius):
             return [(3, occ.addCylinder(*start, *axis, radius))]
@@ -56,7 +60,7 @@ def add_solid(occ: Any, solid: Solid) -> DimTags:
             tag = _rounded(occ, solid) if any(corner_radii) else _frustum(occ, floor, mouth)
             return [(3, _with_round_floor(occ, tag, solid) if solid.floor_radius else tag)]
         case Extrusion(contour, path):
-            solid_tags = occ.extrude([(2, _Contour(occ).face(contour))], *path)
+            solid_tags = occ.extrude([(2, _Contour(occ, in_arcs=in_arcs).face(contour))], *path)
             return [(dim, tag) for dim, tag in solid_tags if dim == 3]
         case Revolution(contour, on_axis):
             section = (2, _Contour(occ).face(contour))
@@ -212,8 +216,8 @@ def _rounded_loop(occ: Any, ring: Array, radius: float) -> int:
 
 
 class _Contour:
-    def __init__(self, occ: Any) -> None:
-        self._occ = occ
+    def __init__(self, occ: Any, *, in_arcs: bool = False) -> None:
+        self._occ, self._in_arcs = occ, in_arcs
         self._points: dict[Point, int] = {}
 
     def face(self, curves: tuple[Any, ...]) -> int:
@@ -225,24 +229,29 @@ class _Contour:
         """Return the loop of curves, each of which begins where the last ends."""
         if isinstance(curves[0], Rectangle):
             return _rectangle(self._occ, curves[0])
-        tag: int = self._occ.addCurveLoop([self._curve(curve) for curve in curves])
+        tag: int = self._occ.addCurveLoop([tag for curve in curves for tag in self._curve(curve)])
         return tag
 
-    def _curve(self, curve: LineSegment | Arc | Bezier | EllipseCurve) -> int:
-        tag: int
+    def _curve(self, curve: LineSegment | Arc | Bezier | EllipseCurve) -> list[int]:
         match curve:
             case LineSegment(start, end):
-                tag = self._occ.addLine(self._point(start), self._point(end))
+                return [self._occ.addLine(self._point(start), self._point(end))]
             case Arc(start, centre, end):
-                tag = self._occ.addCircleArc(self._point(start), self._point(centre), self._point(end))
+                return [self._occ.addCircleArc(self._point(start), self._point(centre), self._point(end))]
             case Bezier(points):
-                tag = self._occ.addBezier([self._point(point) for point in points])
-            case EllipseCurve(centre, half_x, half_y):
-                # gmsh wants the longer axis first; the local x axis follows it.
-                axis = [1.0, 0.0, 0.0] if half_x > half_y else [0.0, 1.0, 0.0]
-                long, short = max(half_x, half_y), min(half_x, half_y)
-                tag = self._occ.addEllipse(*centre, long, short, -1, 0, 2 * math.pi, [0, 0, 1], axis)
-        return tag
+                return [self._occ.addBezier([self._point(point) for point in points])]
+            case EllipseCurve():
+                return self._ellipse(curve)
+
+    def _ellipse(self, ellipse: EllipseCurve) -> list[int]:
+        """Add an ellipse; gmsh wants the longer axis first, which angles are counted from."""
+        half_x, half_y = ellipse.half_x, ellipse.half_y
+        axis = [1.0, 0.0, 0.0] if half_x > half_y else [0.0, 1.0, 0.0]
+        sizes = *ellipse.centre, max(half_x, half_y), min(half_x, half_y), -1
+        start = math.pi / 2 if self._in_arcs and half_x <= half_y else 0.0
+        turns = (0, 0.5, 1) if self._in_arcs else (0, 1)
+        ends = [start + 2 * math.pi * turn for turn in turns]
+        return [self._occ.addEllipse(*sizes, low, high, [0, 0, 1], axis) for low, high in pairwise(ends)]
 
     def _point(self, point: Point) -> int:
         if point not in self._points:
@@ -251,8 +260,13 @@ class _Contour:
 
 
 def add_bodies(occ: Any, bodies: Sequence[Body]) -> DimTags:
-    """Add the material that bodies leave; return (dimension, tag) pairs."""
-    web, *more = add_all(occ, [body for body in bodies if body.adds])
+    """Add the material that bodies leave; return (dimension, tag) pairs.
+
+    The sides of a drafted bevel meet in x = 0, where one curve around an ellipse has its seam: the kernel now
+    and then cuts nothing on one side then.
+    """
+    in_arcs = any(body.oblique for body in bodies)
+    web, *more = add_all(occ, [body for body in bodies if body.adds], in_arcs=in_arcs)
     material = [web] if not more else list(occ.fuse([web], more)[0])
     return cut(occ, material, add_all(occ, [body for body in bodies if not body.adds]))
 
@@ -291,6 +305,7 @@ def fused(occ: Any, bodies: Sequence[DimTags], *, one_face: bool = True) -> DimT
         return list(occ.fuse(first, [pair for body in more for pair in body])[0])
 
 
-def add_all(occ: Any, bodies: Sequence[Body]) -> DimTags:
-    """Add the exact solids of bodies, whether material or tools."""
-    return [pair for body in bodies for solid in body.solids() for pair in add_solid(occ, solid)]
+def add_all(occ: Any, bodies: Sequence[Body], *, in_arcs: bool = False) -> DimTags:
+    """Add the exact solids of bodies, whether material or tools; `in_arcs` as of `add_solid`."""
+    solids = [solid for body in bodies for solid in body.solids()]
+    return [pair for solid in solids for pair in add_solid(occ, solid, in_arcs=in_arcs)]
