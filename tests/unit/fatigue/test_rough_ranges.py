@@ -62,8 +62,9 @@ def test_mirrored_nodes_have_fields_of_other_signs() -> None:
         stress.jump_MPa,
     )
     found = rough_stress(stress, EACH * np.stack([np.ones(FIELDS), signs])[:, None]).extremes(cycles())
-    assert np.array_equal(found[:, :, :NODES], rough_stress(stress, EACH).extremes(cycles()))
-    assert np.array_equal(found[:, :, NODES:], rough_stress(mirrored, EACH).extremes(cycles()))
+    for own, image in zip(np.split(found, 2, axis=2), (stress, mirrored), strict=True):
+        alone = rough_stress(image, EACH).extremes(cycles())  # the last digit depends on the nodes beside it
+        assert own == pytest.approx(alone, rel=1e-4, abs=1e-2)
 
 
 def test_fields_that_move_together_are_summed() -> None:
