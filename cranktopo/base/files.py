@@ -18,7 +18,7 @@ import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path, PurePath
-from typing import Any, overload
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -168,16 +168,13 @@ def unwritable(path: Path, error: OSError) -> UnwritableError:
     )
 
 
-@overload
-def as_path(path: Path | str) -> Path: ...
-@overload
-def as_path(path: None) -> None: ...
-@overload
-def as_path(path: Path | str | None) -> Path | None: ...
-
-
-def as_path(path: Path | str | None) -> Path | None:
+def as_path(path: Path | str) -> Path:
     """Return a path that a script gives as text or path."""
+    return Path(path)
+
+
+def as_path_if_any(path: Path | str | None) -> Path | None:
+    """Return a path that a script gives as text or path, or not at all."""
     return None if path is None else Path(path)
 
 

@@ -15,7 +15,7 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError, quoted, suggest
 from cranktopo.base.files import (
-    as_path,
+    as_path_if_any,
     no_link,
     read_json,
     read_text_file,
@@ -175,7 +175,7 @@ def check_destination(out: Path | str | None, root: Path = RUNS) -> Path | None:
 
     Writes nothing. Raises CranktopoError where `out` is a file or holds files, or its parent is not writable.
     """
-    out = as_path(out)
+    out = as_path_if_any(out)
     if out is not None and out.exists():
         _check_empty(out)
     check_folder(out or root)

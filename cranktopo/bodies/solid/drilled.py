@@ -16,10 +16,11 @@ from typing import Any
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.bodies.solid.checked import volume_mm3
 from cranktopo.bodies.solid.seams import seams_closed
 from cranktopo.bodies.solid.shapes import add_solid, cut, outlet_edges, turned
-from cranktopo.numerics.gmsh_session import DimTags
+from cranktopo.numerics.gmsh_session import DimTags, unless_it_fails
 from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.checks import rim_z_mm
 from cranktopo.throw.primitives import RoundedOutlet, Solid
@@ -61,7 +62,7 @@ def drilled(
     solids = [(bore, solid) for bore in bores for solid in bore.solids()]
     outlets = {solid: bore for bore, solid in solids if isinstance(solid, RoundedOutlet)}
     body = cut(occ, body, tools([one for one in solids if not isinstance(one[1], RoundedOutlet)]))
-    within = [one for one, bore in outlets.items() if not by_tools and _within(occ, body, bore, one)]
+    within = _within(occ, body, outlets) if outlets and not by_tools else []
     edges = _whole_edges(occ, body, within) if within else {}
     body, done = _rounded(occ, body, edges)
     rest = [(bore, solid) for solid, bore in outlets.items() if solid not in done]
@@ -127,11 +128,17 @@ def to_middle(bores: Sequence[DrillBore], middle_mm: float) -> dict[DrillBore, H
     return found
 
 
-def _within(occ: Any, body: DimTags, bore: DrillBore, rounded: RoundedOutlet) -> bool:
-    """Tell whether a body goes on along the crank beyond the rim of a rounded outlet."""
-    (outlet,) = (one for one in bore.outlets if one.rounding_mm and one.point_mm == rounded.at)
-    boxes, rim = [occ.getBoundingBox(*pair) for pair in body], rim_z_mm(bore, outlet)
-    return bool(min(box[2] for box in boxes) < rim.min() and rim.max() < max(box[5] for box in boxes))
+def _within(occ: Any, body: DimTags, rounded: Mapping[RoundedOutlet, DrillBore]) -> Sequence[RoundedOutlet]:
+    """Return the rounded outlets beyond whose rim a body goes on along the crank."""
+    boxes = [occ.getBoundingBox(*pair) for pair in body]
+    low, high = min(box[2] for box in boxes), max(box[5] for box in boxes)
+    rims = {one: _rim_z_mm(bore, one) for one, bore in rounded.items()}
+    return [one for one, rim in rims.items() if low < rim.min() and rim.max() < high]
+
+
+def _rim_z_mm(bore: DrillBore, rounded: RoundedOutlet) -> Array:
+    outlets = (one for one in bore.outlets if one.rounding_mm and one.point_mm == rounded.at)
+    return rim_z_mm(bore, next(outlets))
 
 
 def _whole_edges(occ: Any, body: DimTags, outlets: Sequence[RoundedOutlet]) -> dict[RoundedOutlet, list[int]]:
@@ -169,10 +176,5 @@ def _rounded(
 
 def _filleted(occ: Any, body: DimTags, radii: Mapping[int, float]) -> DimTags:
     """Return a body with edges rounded by radii, mm; nothing where the kernel fails."""
-    try:
-        found = occ.fillet([tag for _, tag in body], list(radii), list(radii.values()), removeVolume=False)
-    except Exception as error:
-        if type(error) is not Exception:  # gmsh raises the bare class; anything else is a defect
-            raise
-        return []
-    return list(found)
+    tags, edges, sizes = [tag for _, tag in body], list(radii), list(radii.values())
+    return unless_it_fails(lambda: list(occ.fillet(tags, edges, sizes, removeVolume=False)))

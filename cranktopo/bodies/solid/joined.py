@@ -8,9 +8,10 @@ that length, on which triangles do not close, or loses the body.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
+from cranktopo.bodies.solid.boundaries import edges_of, faces_of
 from cranktopo.bodies.solid.checked import ClosedForm, misfit
 from cranktopo.numerics.gmsh_session import DimTags, points_joined
 
@@ -39,10 +40,6 @@ def with_joined_edges(occ: Any, build: Callable[[], DimTags], form: ClosedForm, 
 
 def shortest_edge_mm(occ: Any, body: DimTags) -> float:
     """Return the length of the shortest edge of a body, mm; a pole, which is a point, does not count."""
-    lengths = (float(occ.getMass(1, edge)) for edge in _edges(occ, body))
+    edges = (edge for face in faces_of(occ, body) for edge in edges_of(occ, face))
+    lengths = (float(occ.getMass(1, edge)) for edge in edges)
     return min((length for length in lengths if length > _POINT_MM), default=math.inf)
-
-
-def _edges(occ: Any, body: DimTags) -> Iterator[int]:
-    faces = (face for dim, tag in body if dim == 3 for shell in occ.getSurfaceLoops(tag)[1] for face in shell)
-    return (int(edge) for face in faces for loop in occ.getCurveLoops(face)[1] for edge in loop)

@@ -14,12 +14,11 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.bodies.drill_tool import drill_tool
 from cranktopo.bodies.solid.checked import ClosedForm, misfit, without_crumbs
 from cranktopo.bodies.solid.drilled import Heights, drilled_at
 from cranktopo.bodies.solid.shapes import cut, fused
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.gmsh_session import DimTags
+from cranktopo.numerics.gmsh_session import DimTags, unless_it_fails
 from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.table import drill_bores
 
@@ -44,7 +43,7 @@ def heights_beyond(
         first, second: bores of each half that reach beyond the middle, in the frame of the throw.
     """
     middle = half.pitch_mm / 2
-    if any(_top_mm(bore) > middle - _reach_mm(half) for bore in set(drill_bores(half)) - set(first)):
+    if any(bore.heights_mm[1] > middle - _reach_mm(half) for bore in set(drill_bores(half)) - set(first)):
         return {}  # the new piece of the pin would fill it
     others, found = {bore.key: bore for bore in second}, dict[DrillBore, Heights]()
     for one in first:
@@ -70,16 +69,15 @@ def drilled_in_one_piece(
     One bore after the other, those of the second half first: the kernel then finds where two roundings meet
     to 1e-3 mm. In one call it misses that by up to 2.3e-3 mm.
     """
-    before = set(occ.getEntities(3))
-    try:
-        found = _with_piece(occ, occ.copy(body), half)
+
+    def made() -> DimTags:
+        whole = _with_piece(occ, occ.copy(body), half)
         for bore in reversed(bores):
-            found = drilled_at(occ, found, [bore], between_mm=heights)
-        found = without_crumbs(occ, found, form)
-    except Exception as error:
-        if type(error) is not Exception:  # gmsh raises the bare class; anything else is a defect
-            raise
-        found = []
+            whole = drilled_at(occ, whole, [bore], between_mm=heights)
+        return without_crumbs(occ, whole, form)
+
+    before = set(occ.getEntities(3))
+    found = unless_it_fails(made)
     if found and misfit(occ, found, form) <= 1:
         return found
     occ.remove([pair for pair in occ.getEntities(3) if pair not in before], recursive=True)
@@ -107,11 +105,6 @@ def _reach_mm(half: Scene) -> float:
     return _PIECE * (pin.length_mm / 2 - (pin.fillet.reach_mm if pin.fillet_mm else 0.0))
 
 
-def _top_mm(bore: DrillBore) -> float:
-    _, high = bore.box_mm(bore.reach_mm)
-    return float(high[2])
-
-
 def _are_images(one: DrillBore, other: DrillBore) -> bool:
     return bool(np.allclose(_ends(one), _ends(other), rtol=0, atol=_SAME))
 
@@ -123,6 +116,8 @@ def _ends(bore: DrillBore) -> Array:
 def _ridge_mm3(half: Scene, one: DrillBore, other: DrillBore, ends: tuple[float, float]) -> float:
     """Return what two tools take of the pin beyond its middle, each outside of the other, in triangles."""
     from manifold3d import Manifold
+
+    from cranktopo.bodies.drill_tool import drill_tool  # as manifold3d, which most throws need not load
 
     middle, pin = half.pitch_mm / 2, half.throw.crankpin
     bar = Manifold.cylinder(pin.length_mm, pin.radius_mm, pin.radius_mm, _CHORDS)

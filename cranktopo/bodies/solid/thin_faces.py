@@ -7,11 +7,11 @@ valid, but triangles of another kernel may not close there (`python -m tests.stu
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 from cranktopo.base.units import plain_number
+from cranktopo.bodies.solid.boundaries import edges_of, faces_of
 from cranktopo.numerics.gmsh_session import DimTags
 
 _THIN_MM = 0.01
@@ -32,7 +32,7 @@ def thin_faces(occ: Any, body: DimTags, scale: float) -> list[ThinFace]:
     Args:
         scale: factor that brings the throw to usual size.
     """
-    found = (_measured(occ, face) for face in _faces(occ, body))
+    found = (_measured(occ, face) for face in faces_of(occ, body))
     return sorted((one for one in found if one.width_mm < _THIN_MM / scale), key=lambda one: one.width_mm)
 
 
@@ -47,12 +47,7 @@ def thin_face_words(thin: list[ThinFace]) -> str:
     )
 
 
-def _faces(occ: Any, body: DimTags) -> Iterator[int]:
-    shells = (shell for dim, tag in body if dim == 3 for shell in occ.getSurfaceLoops(tag)[1])
-    return (int(face) for shell in shells for face in shell)
-
-
 def _measured(occ: Any, face: int) -> ThinFace:
-    around = sum(float(occ.getMass(1, int(edge))) for loop in occ.getCurveLoops(face)[1] for edge in loop)
+    around = sum(float(occ.getMass(1, edge)) for edge in edges_of(occ, face))
     x, y, z = map(float, occ.getCenterOfMass(2, face))
     return ThinFace(2 * float(occ.getMass(2, face)) / around, (x, y, z))

@@ -205,8 +205,7 @@ def _late_bores(half: Scene, scene: Scene) -> list[DrillBore]:
 
 def _late(bore: DrillBore, half: Scene, scene: Scene) -> bool:
     """Tell whether a drilling has no mirror image in the other half, or another one, and reaches into it."""
-    _, (_, _, high) = bore.box_mm(bore.reach_mm)
-    return bore.alone or bool(difference(scene) and high > half.pitch_mm / 2)
+    return bore.alone or bool(difference(scene) and bore.heights_mm[1] > half.pitch_mm / 2)
 
 
 def add_web(occ: Any, scene: Scene) -> DimTags:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from cranktopo.base.files import as_path, json_file_text
+from cranktopo.base.files import as_path_if_any, json_file_text
 from cranktopo.design.assumed import EVALUATED, filter_by_table
 from cranktopo.numerics.extrapolation import Extrapolation, extrapolate, observed_order
 from cranktopo.report.report_file import write_report
@@ -176,7 +176,7 @@ def study_accuracy(
     Raises:
         CranktopoError: no such target, or a folder that cannot be written.
     """
-    out = as_path(out)
+    out = as_path_if_any(out)
     (resolved,) = resolve_targets([target], design, whole=True, throw=throw)
     folder = out or _folder(resolved)
     check_folder(folder)

@@ -9,7 +9,7 @@ from typing import Any
 
 from cranktopo.base.child import in_child
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import as_path, write_json
+from cranktopo.base.files import as_path, as_path_if_any, write_json
 from cranktopo.base.notes import note
 from cranktopo.bodies.solid.step import KERNEL_SUFFIXES, in_cad_kernel
 from cranktopo.design.schema import Scene
@@ -55,7 +55,7 @@ def import_crank(
         CranktopoError: no body from CAD, no crank in it, or a web that no design can say.
     """
     path = as_path(path)
-    out = as_path(out)
+    out = as_path_if_any(out)
     suffix = path.suffix.lower()
     if suffix not in (*KERNEL_SUFFIXES, *MESH_SUFFIXES):
         raise CranktopoError(

@@ -8,7 +8,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.files import as_path
+from cranktopo.base.files import as_path_if_any
 from cranktopo.base.formats import SurfaceFormat
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain, build_domain
@@ -52,7 +52,7 @@ def extract_surface(
         CranktopoError: a loop, no density of that iteration, a surface that fails a check, or a file that
             cannot be written.
     """
-    out = as_path(out)
+    out = as_path_if_any(out)
     run = open_run(reference)
     require_kind(run, "optimise")
     with double_precision():

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.files import as_path
+from cranktopo.base.files import as_path_if_any
 from cranktopo.base.notes import note
 from cranktopo.bodies.memory import check_element_size
 from cranktopo.design.assumed import CARRIED, filter_by_table
@@ -69,7 +69,7 @@ def shaft_modes(
         CranktopoError: no engine, no bearing spring for "spring", a failed solve, or a file that cannot be
             written.
     """
-    report = as_path(report)
+    report = as_path_if_any(report)
     if report is not None:
         check_report_path(report)
     resolved = resolve_target(target, whole=True, crank=True)

@@ -8,7 +8,7 @@ from datetime import datetime
 from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.files import as_path, write_json, write_text
+from cranktopo.base.files import as_path_if_any, write_json, write_text
 from cranktopo.base.notes import note
 from cranktopo.bodies.prisms import thread_holes, with_bolted
 from cranktopo.bodies.seat import warn_of_cut_seat
@@ -69,7 +69,7 @@ def remodel_run(
     Raises:
         CranktopoError: not a finished run, a surface that is not sound, or no web within the limits.
     """
-    out = as_path(out)
+    out = as_path_if_any(out)
     began = time.perf_counter()
     run = open_run(reference)
     target = resolve_target(str(run.path))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import as_path
+from cranktopo.base.files import as_path_if_any
 from cranktopo.report.page import Page
 from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.runs.directories import RunStore, open_run
@@ -22,7 +22,7 @@ def report_run(run: RunStore | str | Path, path: Path | str | None = None, stres
     Raises:
         CranktopoError: the run is not finished, a file of it is damaged, or the report cannot be written.
     """
-    path = as_path(path)
+    path = as_path_if_any(path)
     store = run if isinstance(run, RunStore) else open_run(run)
     target = path or store.path / REPORT
     with reading_results(store):

@@ -18,7 +18,7 @@ from typing_extensions import override
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import as_path
+from cranktopo.base.files import as_path_if_any
 from cranktopo.base.notes import note
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.rod import Eye
@@ -68,7 +68,7 @@ def lighten_rod_by_elements(
     Raises:
         CranktopoError: as `check_rod_elements`, or no lighter rod was found.
     """
-    scene, out = as_scene(design), as_path(out)
+    scene, out = as_scene(design), as_path_if_any(out)
     if out is not None:
         check_folder(out)
     search = rod_search(scene, method, least_wall_mm)

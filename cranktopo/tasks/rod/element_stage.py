@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.files import as_path, write_json
+from cranktopo.base.files import as_path_if_any, write_json
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.rod_forces import RodMotion
@@ -58,7 +58,7 @@ def check_rod_elements(
     Raises:
         CranktopoError: as `check_rod_strength`, no valid mesh, a failed solve, or a folder that holds files.
     """
-    scene, out = as_scene(design), as_path(out)
+    scene, out = as_scene(design), as_path_if_any(out)
     if out is not None:
         check_folder(out)
     found = rod_on_elements(scene, method, element_size_mm, contact)

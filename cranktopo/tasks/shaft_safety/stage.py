@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from cranktopo.base.files import as_path
+from cranktopo.base.files import as_path, as_path_if_any
 from cranktopo.base.notes import note
 from cranktopo.design.misfire import with_misfire
 from cranktopo.design.strength import note_strength
@@ -62,7 +62,7 @@ def assess_shaft(
         CranktopoError: a cylinder that the engine does not have, no engine, no loads or no bearings to judge
             by, missing strength, or a failed solve.
     """
-    report = as_path(report)
+    report = as_path_if_any(report)
     resolved = resolve_target(target, fillets=method is not None, whole=True, crank=True)
     resolved = replace(resolved, scene=with_misfire(resolved.scene, misfire))
     if csv is not None:

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import as_path, json_file_text
+from cranktopo.base.files import as_path_if_any, json_file_text
 from cranktopo.base.notes import Pace, note
 from cranktopo.design.assumed import Assumption, filter_by_table
 from cranktopo.design.opened_fillets import bore_remarks
@@ -69,7 +69,7 @@ def assess_fatigue(
     Raises:
         CranktopoError: a target without fillets or strength, a failed solve, or files asked of M53.
     """
-    out = as_path(out)
+    out = as_path_if_any(out)
     if out is not None:
         _check_files(method, out)
     resolved = resolve_targets(targets, design, fillets=True, align=align, whole=True, throw=throw)

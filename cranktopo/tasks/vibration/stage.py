@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import as_path, replacing
+from cranktopo.base.files import as_path_if_any, replacing
 from cranktopo.base.notes import note, warn
 from cranktopo.design.assumed import LOADS, VIBRATION
 from cranktopo.design.crank_throws import throw_scenes
@@ -66,8 +66,8 @@ def shaft_vibration(
         CranktopoError: no engine or gas, bearings or elements beside a given stiffness, a cylinder that the
             engine does not have, a failed solve, or a file that cannot be written.
     """
-    report = as_path(report)
-    csv = as_path(csv)
+    report = as_path_if_any(report)
+    csv = as_path_if_any(csv)
     if report is not None:
         check_report_path(report)
     if csv is not None:

@@ -70,6 +70,12 @@ class DrillBore(Body):
         """Radius with the larger rounding: what it needs of a surface."""
         return self.radius_mm + max(outlet.rounding_mm for outlet in self.outlets)
 
+    @property
+    def heights_mm(self) -> tuple[float, float]:
+        """Least and largest z of what it needs, the roundings of its outlets with it."""
+        low, high = self.box_mm(self.reach_mm)
+        return float(low[2]), float(high[2])
+
     @cached_property
     def around(self) -> Array:
         """Unit vectors (n, 3) all around its axis."""

@@ -10,8 +10,9 @@ from cranktopo.tasks.fatigue.rough_ranges import fewer_fields, rough_local, roug
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_ranges
 
 Array = np.ndarray
-NODES, STATES, FIELDS = 5000, 48, 5
-"""More nodes than forms are made of at a time."""
+NODES, STATES, FIELDS = 4 * (2**16 // 48), 48, 5
+"""More nodes than forms are made of at a time, and as many as extremes are found of in four times: the last
+digit of a product of matrices depends on how many rows it has, on some processors."""
 EACH = np.eye(FIELDS)[None]
 """Every field by itself, in one image."""
 
@@ -62,9 +63,8 @@ def test_mirrored_nodes_have_fields_of_other_signs() -> None:
         stress.jump_MPa,
     )
     found = rough_stress(stress, EACH * np.stack([np.ones(FIELDS), signs])[:, None]).extremes(cycles())
-    for own, image in zip(np.split(found, 2, axis=2), (stress, mirrored), strict=True):
-        alone = rough_stress(image, EACH).extremes(cycles())  # the last digit depends on the nodes beside it
-        assert own == pytest.approx(alone, rel=1e-4, abs=1e-2)
+    assert np.array_equal(found[:, :, :NODES], rough_stress(stress, EACH).extremes(cycles()))
+    assert np.array_equal(found[:, :, NODES:], rough_stress(mirrored, EACH).extremes(cycles()))
 
 
 def test_fields_that_move_together_are_summed() -> None:
