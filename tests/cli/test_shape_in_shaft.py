@@ -23,7 +23,7 @@ from cranktopo.tasks.web_shape.optimum import ShapeSettings
 from cranktopo.tasks.web_shape.result import SafetyInShaft, ShapeResult
 from cranktopo.tasks.web_shape.run import shape_design, shape_goal, shape_settings
 from cranktopo.tasks.web_shape.text import shape_summary
-from tests.shaft_stand_in import told_shaft
+from tests.shaft_stand_in import told_shaft, told_webs
 
 SAFETIES = (1.5, 1.9, 1.6, 1.9, 1.9, 1.9, 1.9, 1.45)
 """Of eight webs: the first and the third have less than a tenth more than the last, which has least."""
@@ -163,9 +163,9 @@ def test_a_search_of_a_throw_alone_ends_with_its_web_in_the_shaft(
 ) -> None:
     """A whole search on coarse meshes; only the shaft is told, in which the web that was found is unsafe."""
     own = with_goal(load_scene("mikron-iiic-plain"), minimise="mass")
-    told = {own.web: told_shaft((1.5, 1.45))}
+    told = {own.web: told_webs((1.5, 1.45))}
     monkeypatch.setattr(
-        shaft_check, "loaded_shaft", lambda scene, _: told.get(scene.web, told_shaft((1.5, 0.9)))
+        shaft_check, "webs_in_shaft", lambda scene, _: told.get(scene.web, told_webs((1.5, 0.9)))
     )
     settings = ShapeSettings(
         cell_mm=9.0, mesh_mm=16.0, rounds=1, element_size_mm=14.0, fillet_fraction=0.5, features=False

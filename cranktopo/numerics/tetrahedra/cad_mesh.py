@@ -110,8 +110,9 @@ def extract_mesh(gmsh: Any, *, mirrored: bool) -> TetMesh:
     """Return the quadratic mesh of the open session, folded elements straightened."""
     coordinates, nodes = tetrahedra(gmsh, _TET10, 10)
     cells = nodes[:, _GMSH_TO_STANDARD]
-    used, compact = np.unique(cells, return_inverse=True)
-    compact = np.ascontiguousarray(compact.reshape(cells.shape).T)
+    present = np.zeros(len(coordinates), dtype=bool)
+    present[cells] = True
+    used, compact = np.flatnonzero(present), np.ascontiguousarray((np.cumsum(present) - 1)[cells].T)
     curved = np.ascontiguousarray(coordinates[used].T)
     points, _ = straighten_folded(curved, compact)
     return TetMesh(points, compact, mirrored, curved - points)

@@ -15,6 +15,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import solver_error
 from cranktopo.base.notes import at_work
 from cranktopo.numerics.tetrahedra.mesh import TRIANGLE_EDGES, TetMesh, shape_gradients, shape_values
+from cranktopo.numerics.tetrahedra.numbered_mesh import numbered_mesh
 from cranktopo.numerics.tetrahedra.solver import Equations
 from cranktopo.numerics.tetrahedra.symmetric_blocks import Pattern, SymmetricBlocks, neighbourly
 
@@ -59,9 +60,7 @@ class Elasticity:
 @at_work("stiffness matrix")
 def assemble(mesh: TetMesh, youngs_MPa: float, poisson: float, order: Order = 2) -> Elasticity:
     """Assemble the isotropic stiffness matrix; order 1 is only for comparison with quadratic elements."""
-    from skfem import MeshTet2
-
-    body = MeshTet2(mesh.points_mm, mesh.cells)
+    body = numbered_mesh(mesh.points_mm, mesh.cells)
     rank, prolongation = neighbourly(body.t, body.nvertices), _prolongation(body)
     parts = [Pattern(body.t, rank)]
     if order == 2:

@@ -19,6 +19,7 @@ from cranktopo.base.arrays import Array, Index
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.numerics.tetrahedra.mesh import EDGES, TetMesh, least_jacobian_ratio
 from cranktopo.numerics.tetrahedra.moving_faces import Contact, LeadingFace, MovingFace
+from cranktopo.numerics.tetrahedra.numbered_mesh import numbered_mesh, row_keys
 from cranktopo.numerics.tetrahedra.solver import solve_directly
 from cranktopo.numerics.tetrahedra.stress import boundary_faces
 
@@ -184,7 +185,8 @@ class _Net:
 
     def __init__(self, points_mm: Array, cells: Index) -> None:
         sides = [cells[list(pair)].T for pair in combinations(range(len(cells)), 2)]
-        a, b = np.unique(np.sort(np.concatenate(sides), axis=1), axis=0).T
+        ends = np.sort(np.concatenate(sides), axis=1).T
+        a, b = ends[:, np.unique(row_keys(ends), return_index=True)[1]]
         weight = 1 / ((points_mm[:, a] - points_mm[:, b]) ** 2).sum(axis=0)
         count = int(cells.max()) + 1
         off = sp.coo_matrix((weight, (a, b)), shape=(count, count)).tocsr()
@@ -220,9 +222,7 @@ class _Net:
 
 def _numbered(mesh: TetMesh) -> TetMesh:
     """Return the mesh with its nodes numbered as scikit-fem numbers them, corners first."""
-    from skfem import MeshTet2
-
-    body = MeshTet2(mesh.points_mm, mesh.cells)
+    body = numbered_mesh(mesh.points_mm, mesh.cells)
     return TetMesh(body.doflocs, body.dofs.element_dofs, mesh.mirrored)
 
 

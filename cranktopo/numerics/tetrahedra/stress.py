@@ -19,6 +19,7 @@ from cranktopo.numerics.tetrahedra.elasticity import (
     quadrature,
 )
 from cranktopo.numerics.tetrahedra.mesh import EDGES, TRIANGLE_EDGES, node_points, shape_gradients
+from cranktopo.numerics.tetrahedra.numbered_mesh import row_keys
 
 DEVIATOR = np.zeros((6, 6))
 DEVIATOR[:3, :3] = 1.5 * np.eye(3) - 0.5
@@ -259,8 +260,8 @@ def boundary_faces(elements: Index) -> tuple[Index, Index]:
     """Return local node numbers (6, f) and owners (f,) of the faces that occur once in elements (10, n)."""
     count = elements.shape[1]
     corners = np.sort(np.stack([elements[list(face)] for face in _CORNERS]), axis=1)  # (4, 3, elements)
-    keys = corners.transpose(0, 2, 1).reshape(-1, 3)
-    _, first, times = np.unique(keys, axis=0, return_index=True, return_counts=True)
+    keys = row_keys(corners.transpose(1, 0, 2).reshape(3, -1))
+    _, first, times = np.unique(keys, return_index=True, return_counts=True)
     alone = first[times == 1]
     side, owners = alone // count, alone % count
     edge = {tuple(sorted(pair)): 4 + i for i, pair in enumerate(EDGES)}

@@ -75,6 +75,11 @@ def _condensed(meshed: MeshedThrow, scene: Scene, loaded: bool) -> CondensedThro
     return _with_errors(meshed, model, blocks, scene)
 
 
+def matrix_of(body: ThrowBody) -> Array:
+    """Return the matrix of a throw that is condensed already, without what its mesh misses."""
+    return throw_matrix([(part.span, part.block) for part in body.blocks])
+
+
 def of_body(body: ThrowBody, scene: Scene) -> CondensedThrow:
     """Return a throw that is meshed and condensed already."""
     blocks = [(part.span, part.block) for part in body.blocks]

@@ -18,6 +18,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.section_shapes import WARPS, WarpShapes
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, mean_displacement, swing_force
 from cranktopo.numerics.tetrahedra.rigid_motions import RX, RZ, UY, plane_nodes
+from cranktopo.numerics.tetrahedra.solver import RESIDUAL_LIMIT
 from cranktopo.numerics.tetrahedra.superelement import Superelement
 from cranktopo.tasks.shaft.assembly import SECTIONS, SPLITS, WARP_SPLITS, symmetries
 from cranktopo.tasks.throw_fea.condense import Lateral, condense, loaded_mm
@@ -159,19 +160,24 @@ class ThrowBody:
     blocks: tuple[LoadedBlock, ...]
 
 
-def throw_body(meshed: MeshedThrow, scene: Scene) -> ThrowBody:
-    """Condense a meshed throw with its loads.
+def throw_body(meshed: MeshedThrow, scene: Scene, residual: float = RESIDUAL_LIMIT) -> ThrowBody:
+    """Condense a meshed throw with its loads, to a relative residual.
 
     Raises:
         CranktopoError: a failed solve.
     """
     model = assemble(meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
-    blocks = loaded_blocks(model, scene, meshed.mesh.mirrored, whole=meshed.whole)
+    blocks = loaded_blocks(model, scene, meshed.mesh.mirrored, whole=meshed.whole, residual=residual)
     return ThrowBody(meshed, model, tuple(blocks))
 
 
 def loaded_blocks(
-    model: Elasticity, scene: Scene, mirrored: bool, *, whole: bool = False
+    model: Elasticity,
+    scene: Scene,
+    mirrored: bool,
+    *,
+    whole: bool = False,
+    residual: float = RESIDUAL_LIMIT,
 ) -> list[LoadedBlock]:
     """Return the throw condensed as by `throw_blocks`, with the unit loads of each symmetry.
 
@@ -182,18 +188,19 @@ def loaded_blocks(
     middle = (len(found) + 1) // 2
 
     def condensed(some: Sequence[tuple[Span, Lateral]]) -> list[LoadedBlock]:
-        return [_condensed(model, scene, span, lateral) for span, lateral in some]
+        return [_condensed(model, scene, span, lateral, residual) for span, lateral in some]
 
     first, second = side_by_side(lambda: condensed(found[:middle]), lambda: condensed(found[middle:]))
     return first + second
 
 
-def _condensed(model: Elasticity, scene: Scene, span: Span, lateral: Lateral) -> LoadedBlock:
+def _condensed(model: Elasticity, scene: Scene, span: Span, lateral: Lateral, residual: float) -> LoadedBlock:
     forces = _unit_loads(model, scene, span, lateral)
     nodal = np.column_stack(list(forces.values()))
     warps, bent = _warps(model, scene, span, lateral)
     # Solved with the loads: a product with the matrix takes hardly longer for eight columns than for four.
-    found = condense(model, scene, span, lateral, np.hstack([nodal, -(model.stiffness @ bent)]))
+    others = np.hstack([nodal, -(model.stiffness @ bent)])
+    found = condense(model, scene, span, lateral, others, residual)
     fields = bent + found.displacement[:, -len(warps) :]
     block = found.without_last(len(warps))
     every = np.hstack([block.displacement[:, : len(block.motions)], fields])

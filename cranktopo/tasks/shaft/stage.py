@@ -30,6 +30,7 @@ from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings, ShaftStiffne
 from cranktopo.tasks.shaft.condensed_throw import (
     CondensedThrow,
     condensed_throws,
+    matrix_of,
     of_body,
     once_each,
     stiffness_and_error,
@@ -223,6 +224,19 @@ def of_stiffness(scene: Scene, throws_Nm_per_rad: Sequence[float]) -> Scene:
         return scene
     shaft = scene.shaft.model_copy(update={"throw_stiffnesses_Nm_per_rad": tuple(throws_Nm_per_rad)})
     return scene.model_copy(update={"shaft": shaft})
+
+
+def with_stiffness_of(target: Target, bearings: Bearings, bodies: Mapping[str, ThrowBody]) -> Scene:
+    """Return the scene of a shaft with the stiffness of its throws, which are condensed, by their names.
+
+    Only a shaft table that has none needs it; any other scene is returned as it is.
+    """
+    scene = target.scene
+    if scene.shaft is None or scene.shaft.gives_stiffness:
+        return scene
+    matrices = [matrix_of(bodies[throw.name]) for throw in throw_targets(target)]
+    spring = required_bearing_spring_N_per_mm(scene) if bearings == "spring" else 0.0
+    return of_stiffness(scene, stiffness_of(matrices, scene, bearings, spring).throws_Nm_per_rad)
 
 
 def shaft_tables(scene: Scene, bearings: ShaftBearings, *, loaded: bool = False) -> tuple[str, ...]:

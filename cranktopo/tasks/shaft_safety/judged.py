@@ -15,11 +15,12 @@ from cranktopo.design.assumed import filter_by_table
 from cranktopo.design.crank_throws import carried
 from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.engine.histories import WebHistory
+from cranktopo.numerics.tetrahedra.solver import RESIDUAL_LIMIT
 from cranktopo.tasks.dynamics.stage import DynamicShaft
 from cranktopo.tasks.dynamics.stress import moving_factors
 from cranktopo.tasks.fatigue.criteria import check_method, criterion
 from cranktopo.tasks.fatigue.taken_keys import assumed_by
-from cranktopo.tasks.shaft.assembly import ShaftBearings
+from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings
 from cranktopo.tasks.shaft.cycle import loads_on_bearings_N
 from cranktopo.tasks.shaft.on_film import Support
 from cranktopo.tasks.shaft.result import ShaftEvaluation
@@ -32,6 +33,7 @@ from cranktopo.tasks.shaft.stage import (
     stands_on_bearings,
     support_of,
     throw_targets,
+    with_stiffness_of,
 )
 from cranktopo.tasks.shaft.web_loads import web_histories
 from cranktopo.tasks.shaft_safety.plots import BearingPolar
@@ -63,6 +65,9 @@ from cranktopo.tasks.throw_fatigue.shaft_stress import (
 from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION, check_fillets
 from cranktopo.tasks.throw_fea.targets import USED, Target
 
+_RESIDUAL = 1e-4
+"""Accepted where safeties alone are asked for; solves aim at a hundredth, which changes these by 1e-7."""
+
 
 def judged_shaft(
     target: Target,
@@ -81,13 +86,31 @@ def judged_shaft(
     return judged_by_stresses(target, bearings, method, stresses, speeds_rpm, add_worst_speed=add_worst_speed)
 
 
+def judged_webs(
+    target: Target, bearings: Bearings, method: str, speeds_rpm: Sequence[float], fillet_fraction: float
+) -> tuple[WebSafety, ...]:
+    """Return the least safety of every part of every web alone, without what else is told of a shaft.
+
+    Arguments and errors as of `judged_shaft`.
+    """
+    stresses = stresses_of_throws(target, bearings, method, fillet_fraction, _RESIDUAL)
+    bodies = {name: stress.body for name, stress in stresses.items()}
+    own = [stresses[throw.name] for throw in throw_targets(target)]
+    scene = with_stiffness_of(target, bearings, bodies)
+    return JudgedShaft(replace(target, scene=scene), bearings, own, speeds_rpm, method).webs()
+
+
 def stresses_of_throws(
-    target: Target, bearings: ShaftBearings, method: str, fillet_fraction: float
+    target: Target,
+    bearings: ShaftBearings,
+    method: str,
+    fillet_fraction: float,
+    residual: float = RESIDUAL_LIMIT,
 ) -> dict[str, ShaftStress]:
     """Return the stresses of all fields of each different throw by its name; all is checked before."""
     check_judged(target, bearings, method)
     throws = dict.fromkeys(throw_targets(target))
-    return {throw.name: solve_shaft_stress(throw, fillet_fraction) for throw in throws}
+    return {throw.name: solve_shaft_stress(throw, fillet_fraction, residual) for throw in throws}
 
 
 def judged_by_stresses(
@@ -138,13 +161,16 @@ class JudgedShaft:
     method: str
     moving: DynamicShaft | None = None
 
+    def webs(self) -> tuple[WebSafety, ...]:
+        """Return the least safety of every part of every web."""
+        return _webs(self._least(self._loads()[1]), self._judged_rpm)
+
     def safety(self) -> ShaftSafety:
         """Return the least safety of every part, and the worst point in full."""
         begin = time.perf_counter()
         angle_deg, loads = self._loads()
         solved = time.perf_counter()
-        speeds = [engine_of(at).speed_rpm for at in speed_scenes(self.target.scene, self.speeds_rpm)]
-        least = self._least(loads)
+        speeds, least = self._judged_rpm, self._least(loads)
         table = np.stack([least[key] for key in least])  # (parts, speeds)
         where, when = np.unravel_index(int(table.argmin()), table.shape)
         throw, side, _ = list(least)[int(where)]
@@ -196,6 +222,11 @@ class JudgedShaft:
     @property
     def _support(self) -> Support:
         return support_of(self.target.scene, self.bearings)
+
+    @property
+    def _judged_rpm(self) -> list[float]:
+        """Speeds that are judged, the engine's own where none is given."""
+        return [engine_of(at).speed_rpm for at in speed_scenes(self.target.scene, self.speeds_rpm)]
 
     @cached_property
     def _cycles(self) -> list[SolvedCycle]:

@@ -16,6 +16,7 @@ from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
 from cranktopo.engine.histories import speed_words
 from cranktopo.engine.judged_speeds import speeds_of_range
+from cranktopo.numerics.tetrahedra.solver import RESIDUAL_LIMIT
 from cranktopo.tasks.fatigue.criteria import LOCAL_METHODS
 from cranktopo.tasks.shaft.cycle import CycleForces, ShaftCycle, cycle_forces, throw_states
 from cranktopo.tasks.shaft.loaded_throw import LoadedBlock, LoadedThrow, ThrowBody, loaded_throw, throw_body
@@ -52,8 +53,13 @@ class ShaftStress:
         return np.ascontiguousarray((self.shares @ states).T)
 
 
-def solve_shaft_stress(target: Target, fillet_fraction: float = RULE_FRACTION) -> ShaftStress:
+def solve_shaft_stress(
+    target: Target, fillet_fraction: float = RULE_FRACTION, residual: float = RESIDUAL_LIMIT
+) -> ShaftStress:
     """Mesh a throw for stresses, condense it with its loads, and return the stresses of all its fields.
+
+    Args:
+        residual: relative one of the fields.
 
     Raises:
         CranktopoError: a surface file, a fillet of radius 0, or a failed mesh or solve.
@@ -62,7 +68,7 @@ def solve_shaft_stress(target: Target, fillet_fraction: float = RULE_FRACTION) -
     times = [time.perf_counter()]
     meshed, scene = mesh_for_stress(target, fillet_fraction)
     times.append(time.perf_counter())
-    body = throw_body(meshed, scene)
+    body = throw_body(meshed, scene, residual)
     times.append(time.perf_counter())
     fields, shares = zip(*(_fields(block) for block in body.blocks), strict=True)
     every = [field for of_block in fields for field in of_block]

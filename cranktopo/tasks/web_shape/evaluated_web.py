@@ -101,11 +101,13 @@ def evaluated_original(
     work: StageMemory,
     file: Path | None = None,
     judging: Judging = _USUAL,
+    then: Callable[[], None] = lambda: None,
 ) -> tuple[EvaluatedWeb, Callable[[], EvaluatedWeb]]:
     """Evaluate a scene's own web, or the body of a file, and find its stresses while others go on.
 
     Args:
         stressed, judging: as of `evaluated_web`.
+        then: called in the thread of the stresses, if any are asked for, once they are known.
 
     Returns:
         The web without `stressed` quantities, and what waits for those and returns the web with them; that
@@ -121,10 +123,15 @@ def evaluated_original(
         with silent():
             return _evaluated(target, element_size_mm)
 
+    def solved() -> Json:
+        stresses = _stressed(target, stressed, judging)
+        then()
+        return stresses
+
     found = EvaluationResult.of_json(work.once("original", make), "evaluation 'original'")
     web, safety = EvaluatedWeb(scene, found, time.perf_counter() - began), "original-fatigue"
     with silent():
-        ahead = LazyFuture(lambda: _stressed(target, stressed, judging))
+        ahead = LazyFuture(solved)
         if stressed and safety not in work.kept:
             _check(target, stressed, judging)
             ahead.begin()

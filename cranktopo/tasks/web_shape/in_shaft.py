@@ -16,9 +16,16 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import HistoryKind, LoadHistory, WebHistory, WebLoads
 from cranktopo.engine.judged_histories import histories_of
 from cranktopo.engine.plan.planning import plan_for_stress
+from cranktopo.tasks.shaft_safety.result import WebSafety
 from cranktopo.tasks.throw_fatigue.needs import load_kinds
 from cranktopo.tasks.web_shape.each_web.groups import WebGroup
-from cranktopo.tasks.web_shape.each_web.loaded_shaft import LoadedShaft, ShaftFigures, loaded_shaft
+from cranktopo.tasks.web_shape.each_web.loaded_shaft import (
+    LoadedShaft,
+    ShaftFigures,
+    WebInShaft,
+    WebsInShaft,
+    loaded_shaft,
+)
 from cranktopo.tasks.web_shape.evaluated_web import Judging, kept_safety
 from cranktopo.tasks.web_shape.optimum import ShapeSettings
 from cranktopo.tasks.web_shape.result import LeastInShaft, SafetyInShaft
@@ -99,11 +106,14 @@ def search_in_shaft(
     return SearchInShaft(scene, shaft, WebLoads(histories), fraction)
 
 
-def least_in_shaft(goal: Goal, original: ShaftFigures, result: ShaftFigures) -> LeastInShaft:
+def least_in_shaft(
+    goal: Goal, original: ShaftFigures | WebsInShaft, result: ShaftFigures | WebsInShaft
+) -> LeastInShaft:
     """Return the safety of a shaft with a web that was found beside what a goal asks for."""
     limits = [limit for limit in goal.limits_of("fatigue_safety") if limit.sense == ">="]
     required = [least for limit in limits if (least := limit.required(original.safety)) is not None]
-    worst = min(result.webs, key=lambda one: one.safety)
+    webs: Sequence[WebInShaft | WebSafety] = result.webs
+    worst = min(webs, key=lambda one: one.safety)
     return LeastInShaft(
         original=original.safety,
         result=result.safety,

@@ -76,7 +76,7 @@ from cranktopo.tasks.web_shape.optimum import ShapeOptimum, ShapeSettings
 from cranktopo.tasks.web_shape.page import shape_page
 from cranktopo.tasks.web_shape.reachable import check_reachable
 from cranktopo.tasks.web_shape.result import ShapeFiles, ShapeResult
-from cranktopo.tasks.web_shape.shaft_check import judged_in_shaft
+from cranktopo.tasks.web_shape.shaft_check import ShaftsBeside
 from cranktopo.tasks.web_shape.stage import optimise_shape, stresses_in
 from cranktopo.tasks.web_shape.start import scene_start
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLimits
@@ -237,15 +237,18 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         work = resumable_memory(run.path / WORK, check)
         if shaft := search_in_shaft(scene, goal, settings, work):
             settings = replace(settings, loads=shaft.loads)
-        optimum = optimise_shape(scene, goal, settings, work, start)
+        shafts = ShaftsBeside(scene, goal, settings, work)
+        optimum = optimise_shape(scene, goal, settings, work, start, shafts.begin_original)
         judge = sum(web.seconds for web in (optimum.original, *(one.web for one in optimum.rounds)))
         seconds = {"search": time.perf_counter() - began - judge, "judge": judge}
+        shafts.begin(optimum.result.web.scene)
         bound = _bound(scene, goal, settings.cell_mm, optimum.original.values, work)
         seconds["bound"] = time.perf_counter() - began - sum(seconds.values())
-        checked, unjudged = judged_in_shaft(scene, optimum.result.web.scene, goal, settings, work)
-        seconds["shaft"] = time.perf_counter() - began - sum(seconds.values())
         note("writing the solid and the drawing")
         half = _write(run, scene, optimum)
+        written = time.perf_counter()
+        checked, unjudged = shafts.judged()
+        seconds["shaft"] = time.perf_counter() - written
         seconds["total"] = time.perf_counter() - began
         layout, values = with_free(start.layout, start.values, scene, free_dimensions(scene), start.sizes)
         begin = dict(zip(layout.names, map(float, values), strict=True))

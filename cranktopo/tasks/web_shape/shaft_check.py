@@ -5,12 +5,13 @@ from __future__ import annotations
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note, silent
 from cranktopo.base.progress import Json, StageMemory
+from cranktopo.base.side_by_side import LazyFuture
 from cranktopo.design.checks.engine import speed_range_rpm
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import WebLoads
 from cranktopo.engine.plan.planning import plan_for_stress
-from cranktopo.tasks.web_shape.each_web.loaded_shaft import ShaftFigures, loaded_shaft
+from cranktopo.tasks.web_shape.each_web.loaded_shaft import WebsInShaft, webs_in_shaft
 from cranktopo.tasks.web_shape.in_shaft import (
     EFFECT,
     STRESS_ALONE,
@@ -27,29 +28,75 @@ FILLET_FRACTION = 0.5
 an evaluation, what the result has over the original 0.2 % off, in a third of the time."""
 
 
-def judged_in_shaft(
-    scene: Scene, web: Scene, goal: Goal, settings: ShapeSettings, work: StageMemory
-) -> tuple[ShaftCheck | None, str]:
-    """Return the safety of all webs in their shaft with the web that was found, and with the original.
+_ORIGINAL, _RESULT = "webs-in-shaft-original", "webs-in-shaft-result"
 
-    Else why there is none, in words; empty where the search has the loads of the shaft itself, the goal asks
-    for no stress, or a single throw is its shaft. A shaft that fails costs no search.
 
-    Raises:
-        CranktopoError: interruption.
+class ShaftsBeside:
+    """The shafts with the original and with the web that was found, solved beside what else is to be done.
+
+    Neither is solved where the search has the loads of the shaft itself, the goal asks for no stress, a
+    single throw is its shaft, or a web cannot be judged there.
     """
+
+    def __init__(self, scene: Scene, goal: Goal, settings: ShapeSettings, work: StageMemory) -> None:
+        self._scene, self._goal, self._work = scene, goal, work
+        self._fraction = max(FILLET_FRACTION, settings.fillet_fraction)
+        self._asked = _asks(scene, goal, settings)
+        self._why = _unjudged(scene, goal) if self._asked else ""
+        self._begun: dict[str, LazyFuture[Json]] = {}
+
+    def begin_original(self) -> None:
+        """Begin with the original."""
+        self._begin(_ORIGINAL, self._scene)
+
+    def begin(self, web: Scene) -> None:
+        """Begin with the web that was found, and with the original unless it has begun."""
+        self.begin_original()
+        self._begin(_RESULT, web)
+
+    def judged(self) -> tuple[ShaftCheck | None, str]:
+        """Return the safety of all webs in their shaft with the web that was found, and with the original.
+
+        Both have begun. Else why there is none, in words; empty where nothing asks for it. A shaft that fails
+        costs no search.
+
+        Raises:
+            CranktopoError: interruption.
+        """
+        if not self._asked or self._why:
+            return None, self._why
+        note(f"{self._scene.name}: original and result in their shaft, where the search did not have them")
+        try:
+            return self._check(), ""
+        except CranktopoError as error:
+            if error.code == ExitCode.INTERRUPTED:
+                raise
+            return None, error.message
+
+    def _check(self) -> ShaftCheck:
+        original, result = (self._webs(name) for name in (_ORIGINAL, _RESULT))
+        least = least_in_shaft(self._goal, original, result)
+        speeds = speed_range_rpm(self._scene)
+        return ShaftCheck(**vars(least), speeds_rpm=speeds, fillet_fraction=self._fraction)
+
+    def _begin(self, name: str, scene: Scene) -> None:
+        def solved() -> Json:
+            with silent():
+                return webs_in_shaft(in_its_shaft(scene), self._fraction).as_json()
+
+        if self._asked and not self._why and name not in self._work.kept:
+            self._begun.setdefault(name, LazyFuture(solved)).begin()
+
+    def _webs(self, name: str) -> WebsInShaft:
+        kept = self._work.once(name, lambda: self._begun[name].result())
+        return WebsInShaft.of_json(kept, "shaft of the run")
+
+
+def _asks(scene: Scene, goal: Goal, settings: ShapeSettings) -> bool:
+    """Tell whether a search of throws alone asks for a stress, of a shaft of several throws."""
     if isinstance(settings.loads, WebLoads) or not stresses_in(goal.quantities):
-        return None, ""
-    if scene.engine is None or scene.engine.throws == 1:
-        return None, ""
-    if why := _unjudged(scene, goal):
-        return None, why
-    try:
-        return _shaft_check(scene, web, goal, settings, work), ""
-    except CranktopoError as error:
-        if error.code == ExitCode.INTERRUPTED:
-            raise
-        return None, error.message
+        return False
+    return scene.engine is not None and scene.engine.throws > 1
 
 
 def _unjudged(scene: Scene, goal: Goal) -> str:
@@ -60,24 +107,3 @@ def _unjudged(scene: Scene, goal: Goal) -> str:
     if scene.effects.continuous_shaft == "off":
         return f"effects.{EFFECT} is off, 'auto' judges it there; {effect.reason.split('; ')[-1]}"
     return without_shaft(scene) if "fatigue_safety" in goal.quantities else STRESS_ALONE
-
-
-def _shaft_check(
-    scene: Scene, web: Scene, goal: Goal, settings: ShapeSettings, work: StageMemory
-) -> ShaftCheck:
-    note(f"{scene.name}: original and result in their shaft, where the search did not have them")
-    fraction = max(FILLET_FRACTION, settings.fillet_fraction)
-    original, result = (
-        _figures(own, name, fraction, work)
-        for name, own in (("shaft-check-original", scene), ("shaft-check-result", web))
-    )
-    least = least_in_shaft(goal, original, result)
-    return ShaftCheck(**vars(least), speeds_rpm=speed_range_rpm(scene), fillet_fraction=fraction)
-
-
-def _figures(scene: Scene, name: str, fillet_fraction: float, work: StageMemory) -> ShaftFigures:
-    def solved() -> Json:
-        with silent():
-            return loaded_shaft(in_its_shaft(scene), fillet_fraction).figures.as_json()
-
-    return ShaftFigures.of_json(work.once(name, solved), "shaft of the run")

@@ -7,7 +7,7 @@ limits, and each finish is a short search beside the evaluated web, by the gradi
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -77,8 +77,12 @@ def optimise_shape(
     settings: ShapeSettings | None = None,
     work: StageMemory | None = None,
     start: WebRead | None = None,
+    then: Callable[[], None] = lambda: None,
 ) -> ShapeOptimum:
     """Return the best web of the family for a goal; call inside `double_precision()`.
+
+    Args:
+        then: begins what may run beside the search once the stresses of the original web are known.
 
     Raises:
         CranktopoError: no envelope, no web that keeps limits and rules, or a failed solve.
@@ -87,7 +91,7 @@ def optimise_shape(
     stressed = stresses_in(goal.quantities)
     own = None if scene.original is None else Path(scene.original.file)
     before, judged = evaluated_original(
-        scene, stressed, settings.element_size_mm, work, own, settings.judging
+        scene, stressed, settings.element_size_mm, work, own, settings.judging, then
     )
     cells = web_model(scene, settings.limits, settings.cell_mm)
     start = start or scene_start(scene, settings.limits)

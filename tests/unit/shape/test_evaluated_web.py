@@ -31,7 +31,7 @@ def evaluation(scene: Scene) -> Any:
 def test_the_search_need_not_wait_for_the_safety(
     scene: Scene, evaluation: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    begun, let, found = Event(), Event(), []
+    begun, let, found, after = Event(), Event(), [], list[list[int]]()
 
     def safety(*_: Any) -> Any:
         begun.set()
@@ -43,16 +43,20 @@ def test_the_search_need_not_wait_for_the_safety(
     monkeypatch.setattr(module, "fatigue_field", safety)
     monkeypatch.setattr(module, "safety_remarks", lambda _: ["decided at the overspeed"])
     work = StageMemory()
-    web, judged = evaluated_original(scene, {"fatigue_safety"}, None, work)
+    web, judged = evaluated_original(
+        scene, {"fatigue_safety"}, None, work, then=lambda: after.append(found.copy())
+    )
     assert begun.wait(600.0)
     assert web.values["torsion"] > 0
     assert "fatigue_safety" not in web.values
+    assert not after
     let.set()
     assert judged().values == {**web.values, "fatigue_safety": 1.25}
     _, again = evaluated_original(scene, {"fatigue_safety"}, None, work)
     assert again().values["fatigue_safety"] == 1.25
     assert again().evaluation.fatigue_remarks == ("decided at the overspeed",), "as a file of it is read"
     assert len(found) == 1
+    assert after == [[1]], "what may run beside the search waits for it"
 
 
 def test_what_the_safety_needs_is_told_before_the_search(

@@ -18,9 +18,9 @@ from cranktopo.tasks.web_shape.optimum import ShapeSettings
 from cranktopo.tasks.web_shape.page import page_headline
 from cranktopo.tasks.web_shape.result import ShaftCheck, ShapeResult
 from cranktopo.tasks.web_shape.run import shape_goal
-from cranktopo.tasks.web_shape.shaft_check import judged_in_shaft
+from cranktopo.tasks.web_shape.shaft_check import ShaftsBeside
 from cranktopo.tasks.web_shape.text import shape_summary
-from tests.shaft_stand_in import told_shaft
+from tests.shaft_stand_in import told_webs
 from tests.shape_stand_in import LESS_SAFE_IN_SHAFT
 from tests.unit.shape.test_least_place import shaped
 
@@ -42,15 +42,17 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Scene, float]]:
 
     def shaft(scene: Scene, fraction: float) -> Any:
         asked.append((scene, fraction))
-        return told_shaft((1.5, 1.45) if scene.web.thickness_mm == 19.0 else (1.4, 1.6))
+        return told_webs((1.5, 1.45) if scene.web.thickness_mm == 19.0 else (1.4, 1.6))
 
-    monkeypatch.setattr(module, "loaded_shaft", shaft)
+    monkeypatch.setattr(module, "webs_in_shaft", shaft)
     return asked
 
 
 def checked(scene: Scene, loads: Any = "extremes") -> tuple[ShaftCheck | None, str]:
     web = scene.model_copy(update={"web": scene.web.model_copy(update={"thickness_mm": 20.0})})
-    return judged_in_shaft(scene, web, shape_goal(scene), ShapeSettings(loads=loads), StageMemory())
+    shafts = ShaftsBeside(scene, shape_goal(scene), ShapeSettings(loads=loads), StageMemory())
+    shafts.begin(web)
+    return shafts.judged()
 
 
 @pytest.mark.parametrize(
@@ -68,6 +70,25 @@ def test_both_webs_are_judged_in_the_shaft_on_meshes_alike(
     assert [fraction for _, fraction in solved] == [found.fillet_fraction] * 2
     assert all(one.effects.continuous_shaft == "on" for one, _ in solved)
     assert not any(one.engine and one.engine.misfire for one, _ in solved)
+
+
+def test_the_shaft_with_the_original_may_be_solved_beside_the_search(
+    solved: list[tuple[Scene, float]],
+) -> None:
+    """Once, and not at all by a work that was continued; nothing waits for it before it is asked for."""
+    scene = scene_of()
+    web = scene.model_copy(update={"web": scene.web.model_copy(update={"thickness_mm": 20.0})})
+    work = StageMemory()
+    shafts = ShaftsBeside(scene, shape_goal(scene), ShapeSettings(), work)
+    shafts.begin_original()
+    shafts.begin(web)
+    found, _ = shafts.judged()
+    assert sorted(one.web.thickness_mm for one, _ in solved) == [19.0, 20.0]
+    again = ShaftsBeside(scene, shape_goal(scene), ShapeSettings(), work)
+    again.begin_original()
+    again.begin(web)
+    assert again.judged() == (found, "")
+    assert len(solved) == 2
 
 
 NOTHING: list[tuple[dict[str, Any], Any, str]] = [
@@ -106,7 +127,7 @@ def test_a_shaft_that_fails_costs_no_search(monkeypatch: pytest.MonkeyPatch) -> 
     def failing(*_: Any) -> None:
         raise CranktopoError("no mesh", code=code)
 
-    monkeypatch.setattr(module, "loaded_shaft", failing)
+    monkeypatch.setattr(module, "webs_in_shaft", failing)
     code = ExitCode.NOT_CONVERGED
     assert checked(scene_of()) == (None, "no mesh")
     code = ExitCode.INTERRUPTED

@@ -106,7 +106,7 @@ def shaped(monkeypatch: pytest.MonkeyPatch) -> Shaped:
         original = told.evaluated(scene, {"fatigue_safety"}, None, "original")
 
         def told_original(*given: Any) -> Any:
-            told.loads.append(("original", given[-1].loads))
+            told.loads.append(("original", given[-2].loads))
             return original, lambda: original
 
         def meshes(*given: Any, **more: Any) -> Meshes:

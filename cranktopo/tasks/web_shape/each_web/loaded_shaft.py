@@ -19,7 +19,7 @@ from cranktopo.engine.judged_speeds import rated_speeds, speeds_of_range
 from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.tasks.shaft.assembly import Bearings
 from cranktopo.tasks.shaft.stage import shaft_effects
-from cranktopo.tasks.shaft_safety.judged import judged_shaft
+from cranktopo.tasks.shaft_safety.judged import judged_shaft, judged_webs
 from cranktopo.tasks.shaft_safety.result import WebSafety
 from cranktopo.tasks.throw_fea.targets import resolve_target
 from cranktopo.tasks.web_shape.each_web.groups import WebGroup
@@ -64,6 +64,17 @@ class ShaftFigures(Result):
         return tuple(web.safety for web in self.webs)
 
 
+class WebsInShaft(Result):
+    """Least safety of every web of a whole crank, judged on all its main bearings."""
+
+    webs: tuple[WebSafety, ...]
+
+    @property
+    def safety(self) -> float:
+        """Least of all webs."""
+        return min(web.safety for web in self.webs)
+
+
 @dataclass(frozen=True)
 class LoadedShaft:
     """A judged shaft with the load histories of each web, one for each speed that may decide."""
@@ -100,11 +111,7 @@ def loaded_shaft(design: Scene | str, fillet_fraction: float) -> LoadedShaft:
         CranktopoError: missing loads or strengths, sharp fillets, or a failed solve.
     """
     target = resolve_target(design, fillets=True, whole=True, crank=True)
-    effects = shaft_effects(target.scene)
-    on = "continuous_shaft" in plan_for_stress(target.scene).enabled
-    at = (speeds_of_range if on else rated_speeds)(target.scene, effects)
-    bearings: Bearings = "rigid" if bearing_spring_N_per_mm(target.scene) is None else "spring"
-    speeds = [engine_of(scene).speed_rpm for scene in at]
+    bearings, speeds = _asked(target.scene)
     found, judged = judged_shaft(target, bearings, _METHOD, speeds, fillet_fraction)
     safety, histories = judged.safety(), list(zip(*judged.web_histories(), strict=True))
     webs = tuple(
@@ -123,6 +130,24 @@ def loaded_shaft(design: Scene | str, fillet_fraction: float) -> LoadedShaft:
     )
     deciding = tuple(_deciding(web, histories[web.web - 1]) for web in safety.webs)
     return LoadedShaft(figures, deciding)
+
+
+def webs_in_shaft(design: Scene, fillet_fraction: float) -> WebsInShaft:
+    """Return the safety of every web of that shaft alone, at the same speeds.
+
+    Arguments and errors as of `loaded_shaft`.
+    """
+    target = resolve_target(design, fillets=True, whole=True, crank=True)
+    bearings, speeds = _asked(target.scene)
+    return WebsInShaft(webs=judged_webs(target, bearings, _METHOD, speeds, fillet_fraction))
+
+
+def _asked(scene: Scene) -> tuple[Bearings, list[float]]:
+    """Return the bearings and the speeds at which a shaft is judged, rpm."""
+    on = "continuous_shaft" in plan_for_stress(scene).enabled
+    at = (speeds_of_range if on else rated_speeds)(scene, shaft_effects(scene))
+    bearings: Bearings = "rigid" if bearing_spring_N_per_mm(scene) is None else "spring"
+    return bearings, [engine_of(one).speed_rpm for one in at]
 
 
 def _deciding(web: WebSafety, histories: Sequence[WebHistory]) -> tuple[WebHistory, ...]:
