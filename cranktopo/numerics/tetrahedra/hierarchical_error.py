@@ -34,7 +34,6 @@ from cranktopo.numerics.tetrahedra.node_gradients import (
     chunks,
     displacement_slopes,
     full_tensor,
-    shape_slopes,
 )
 from cranktopo.numerics.tetrahedra.rigid_motions import section_turns
 from cranktopo.numerics.tetrahedra.stress import hooke, tensor_strain
@@ -215,7 +214,7 @@ def _added(
     count = fields.shape[1]
     form = np.zeros((count, count))
     for basis in chunks(model, STIFFNESS_ORDER, moved):
-        shapes = shape_slopes(basis)
+        shapes = basis.slopes
         slopes = np.stack([displacement_slopes(basis, shapes, field) for field in fields.T])
         way = displacement_slopes(basis, shapes, away.T.ravel())
         stress = full_tensor(hooke(tensor_strain(slopes), *elastic)) * basis.dx[..., None, None]
@@ -242,7 +241,7 @@ def _volume(model: Elasticity, away: Array, moved: NDArray[np.intp]) -> float:
     taken = 0.0
     for basis in chunks(model, STIFFNESS_ORDER, moved):
         way = away[:, basis.element_dofs]
-        taken -= float(np.einsum("jne,njeq,eq->", way, shape_slopes(basis), basis.dx, optimize=True))
+        taken -= float(np.einsum("jne,njeq,eq->", way, basis.slopes, basis.dx, optimize=True))
     return taken
 
 
