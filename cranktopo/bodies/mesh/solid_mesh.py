@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,10 @@ from cranktopo.throw.element_size import GROWTH, tube_term
 from cranktopo.throw.journal import FilletSection
 from cranktopo.throw.side_slots import SideSlots
 from cranktopo.throw.web import web_bodies
+
+if TYPE_CHECKING:
+    from cranktopo.numerics.tetrahedra.earlier_fields import EarlierFields
+    from cranktopo.numerics.tetrahedra.followed_mesh import FollowedMesh
 
 _R = TypeVar("_R")
 FITTED_FRACTION = 0.2
@@ -54,6 +58,12 @@ class MeshedThrow:
     note: str = ""
     whole: bool = False
     element_size_mm: float | None = None
+    followed: FollowedBody | None = None
+
+    @property
+    def earlier(self) -> EarlierFields | None:
+        """Fields that were solved on its elements, if others follow it."""
+        return self.followed.earlier if self.followed else None
 
     @property
     def copies(self) -> int:
@@ -74,6 +84,7 @@ def mesh_throw(
     graded: bool = True,
     fillet_fraction: float | None = None,
     regular: bool = False,
+    to_follow: bool = False,
 ) -> MeshedThrow:
     """Return the mesh of the half throw, of the whole one where its halves differ; of x >= 0 where symmetric.
 
@@ -82,6 +93,7 @@ def mesh_throw(
         full: mesh the whole throw although its halves are alike (to check the condensation).
         fillet_fraction: element size on a fillet over its least radius; by default what stiffness needs.
         regular: with Netgen's optimiser, for stresses that are not those of fitted polynomials.
+        to_follow: keep where its nodes lie, for `follow_throw`.
     """
     refuse_flying_web(scene)
     refuse_split_pins(scene)
@@ -89,13 +101,14 @@ def mesh_throw(
     mirrored = quarter and may_mirror(scene, web_asymmetry(scene))
 
     def make(size: float, adapt: bool, by_tools: bool = False) -> MeshedThrow:
-        body_of = _Body(scene.model_copy(update={"shaft": None}), whole, mirrored, by_tools)
+        body_of = _Body(_solid_scene(scene), whole, mirrored, by_tools)
         with body_session(f"solid of {scene.name}", body_of, body_of.build) as (gmsh, body):
             _set_sizes(gmsh, scene, size, graded=graded, full=whole, fillet_fraction=fillet_fraction)
             stresses, regular_too = _for_stress(fillet_fraction, regular=regular)
             mesh = generate(gmsh, mirrored, stresses=stresses, regular=regular_too, adapt=adapt)
+            kept = _followed(gmsh, body_of, mesh) if to_follow else None
         web = web_volume_mm3(halves(scene)[0])
-        return MeshedThrow(mesh, body, web, whole=whole, element_size_mm=size)
+        return MeshedThrow(mesh, body, web, whole=whole, element_size_mm=size, followed=kept)
 
     return drilled_mesh(f"solid of {scene.name}", element_size_mm, make, drilled=bool(scene.throw.drilling))
 
@@ -112,6 +125,47 @@ def drilled_mesh(what: str, element_size_mm: float, make: Callable[..., _R], *, 
         if error.code != ExitCode.SOLVER or not drilled:
             raise
         return by_smaller_elements(what, element_size_mm, partial(make, by_tools=True))
+
+
+def follow_throw(meshed: MeshedThrow, scene: Scene) -> MeshedThrow | None:
+    """Return a mesh that was made `to_follow` on the body of other dimensions; None where it needs another.
+
+    Raises:
+        CranktopoError: impossible geometry.
+    """
+    kept = meshed.followed
+    mirrored = may_mirror(scene, web_asymmetry(scene))
+    if kept is None or (bool(difference(scene)), mirrored) != (kept.body.whole, kept.body.mirrored):
+        return None
+    body_of = replace(kept.body, scene=_solid_scene(scene))
+    with body_session(f"solid of {scene.name}", body_of, body_of.build) as (gmsh, body):
+        gmsh.model.occ.synchronize()
+        mesh = kept.mesh.at(gmsh)
+    if mesh is None:
+        return None
+    return replace(meshed, mesh=mesh, body=body, web_volume_mm3=web_volume_mm3(halves(scene)[0]))
+
+
+def _solid_scene(scene: Scene) -> Scene:
+    """Return what of a scene its solid is built from."""
+    return scene.model_copy(update={"shaft": None})
+
+
+@dataclass(frozen=True)
+class FollowedBody:
+    """The body that a mesh was made on, and where the nodes lie on it."""
+
+    body: _Body
+    mesh: FollowedMesh
+    earlier: EarlierFields
+
+
+def _followed(gmsh: Any, body: _Body, mesh: TetMesh) -> FollowedBody:
+    """Return where the nodes of a new mesh lie; its libraries are loaded here, as `evaluate` needs none."""
+    from cranktopo.numerics.tetrahedra.earlier_fields import EarlierFields
+    from cranktopo.numerics.tetrahedra.followed_mesh import followed_mesh
+
+    return FollowedBody(body, followed_mesh(gmsh, mesh), EarlierFields())
 
 
 @dataclass(frozen=True)

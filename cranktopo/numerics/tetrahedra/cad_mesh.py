@@ -15,7 +15,7 @@ from cranktopo.numerics.gmsh_session import DimTags, tetrahedra
 from cranktopo.numerics.tetrahedra.mesh import TetMesh, reasons_of, straighten_folded
 
 _R = TypeVar("_R")
-_TET10 = 11
+TET10 = 11
 _GMSH_TO_STANDARD = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 _DELAUNAY_2D, _FRONTAL_2D, _MESH_ADAPT_2D = 5, 6, 1
 """Frontal Delaunay, gmsh's default, makes more regular triangles and cuts across a bore that has a seam.
@@ -108,7 +108,7 @@ def positive_x(occ: Any, body: DimTags, reach: float, *, quarter: bool = False) 
 
 def extract_mesh(gmsh: Any, *, mirrored: bool) -> TetMesh:
     """Return the quadratic mesh of the open session, folded elements straightened."""
-    coordinates, nodes = tetrahedra(gmsh, _TET10, 10)
+    coordinates, nodes = tetrahedra(gmsh, TET10, 10)
     cells = nodes[:, _GMSH_TO_STANDARD]
     present = np.zeros(len(coordinates), dtype=bool)
     present[cells] = True

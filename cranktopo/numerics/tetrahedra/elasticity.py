@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import solver_error
 from cranktopo.base.notes import at_work
+from cranktopo.numerics.tetrahedra.earlier_fields import EarlierFields
 from cranktopo.numerics.tetrahedra.mesh import TRIANGLE_EDGES, TetMesh, shape_gradients, shape_values
 from cranktopo.numerics.tetrahedra.numbered_mesh import numbered_mesh
 from cranktopo.numerics.tetrahedra.solver import Equations
@@ -58,8 +59,18 @@ class Elasticity:
 
 
 @at_work("stiffness matrix")
-def assemble(mesh: TetMesh, youngs_MPa: float, poisson: float, order: Order = 2) -> Elasticity:
-    """Assemble the isotropic stiffness matrix; order 1 is only for comparison with quadratic elements."""
+def assemble(
+    mesh: TetMesh,
+    youngs_MPa: float,
+    poisson: float,
+    order: Order = 2,
+    earlier: EarlierFields | None = None,
+) -> Elasticity:
+    """Assemble the isotropic stiffness matrix; order 1 is only for comparison with quadratic elements.
+
+    Args:
+        earlier: what was solved on the same elements before they moved; solves begin there and are added.
+    """
     body = numbered_mesh(mesh.points_mm, mesh.cells)
     rank, prolongation = neighbourly(body.t, body.nvertices), _prolongation(body)
     parts = [Pattern(body.t, rank)]
@@ -67,7 +78,7 @@ def assemble(mesh: TetMesh, youngs_MPa: float, poisson: float, order: Order = 2)
         parts.append(Pattern(body.dofs.element_dofs, prolongation @ rank))
     volume = _add_elements(body, parts, lame_constants_MPa(youngs_MPa, poisson))
     matrices = [part.matrix() for part in parts]
-    equations = Equations(matrices[-1], matrices[0].tocsr() if order == 2 else None, prolongation)
+    equations = Equations(matrices[-1], matrices[0].tocsr() if order == 2 else None, prolongation, earlier)
     nodes = body.doflocs if order == 2 else body.doflocs[:, : body.nvertices]
     return Elasticity(nodes, equations, body, volume, order)
 

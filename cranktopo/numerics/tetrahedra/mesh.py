@@ -72,6 +72,12 @@ def least_jacobian_ratio(points_mm: Array, before_mm: Array, cells: NDArray[np.i
     return float((now / was).min())
 
 
+def volume_ratios(points_mm: Array, before_mm: Array, cells: NDArray[np.int64]) -> Array:
+    """Return the volumes of moved elements, their edges taken as straight, over those before, (elements,)."""
+    now, was = (_determinant(at[:, cells[1:4]] - at[:, cells[:1]]) for at in (points_mm, before_mm))
+    return np.asarray(now / was)
+
+
 def _straight(points: Array, cells: NDArray[np.int64]) -> Array:
     nodes = points[:, cells]
     for k, (a, b) in enumerate(EDGES):

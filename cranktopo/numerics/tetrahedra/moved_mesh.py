@@ -8,51 +8,23 @@ shorter they are.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import combinations
+from dataclasses import replace
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array, Index
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.numerics.tetrahedra.mesh import EDGES, TetMesh, least_jacobian_ratio
 from cranktopo.numerics.tetrahedra.moving_faces import Contact, LeadingFace, MovingFace
-from cranktopo.numerics.tetrahedra.numbered_mesh import numbered_mesh, row_keys
-from cranktopo.numerics.tetrahedra.solver import solve_directly
+from cranktopo.numerics.tetrahedra.numbered_mesh import numbered_mesh
+from cranktopo.numerics.tetrahedra.spring_net import MotionRules, SpringNet
 from cranktopo.numerics.tetrahedra.stress import boundary_faces
 
 _ON_FACE_MM = 1e-3
 """Nodes of a mesh lie on the exact surface to the accuracy of the CAD kernel's edges."""
 _SETTLED_MM = 1e-9
 _ROUNDS = 12
-_PARALLEL = 1e-3
-"""Least eigenvalue of the sum of n n' of a node's unit normals: below, two faces count as one (2.5 deg)."""
-
-
-@dataclass(frozen=True)
-class _Rules:
-    """Constraints of surface nodes: sum of n n', (n, 3, 3), and of n times their normal motion, (n, 3, k)."""
-
-    matrix: Array
-    prescribed: Array
-
-    def minimum_motion(self, guess: Array) -> Array:
-        """Return the motion nearest to a guess, (n, 3, k), that keeps the rules."""
-        return np.asarray(guess + self._inverse @ (self.prescribed - self.matrix @ guess))
-
-    @property
-    def free(self) -> tuple[Array, NDArray[np.bool_]]:
-        """Directions of each node in columns, (n, 3, 3), and which of them are free, (n, 3)."""
-        values, vectors = np.linalg.eigh(self.matrix)
-        return vectors, values < _PARALLEL
-
-    @property
-    def _inverse(self) -> Array:
-        values, vectors = np.linalg.eigh(self.matrix)
-        inverse = np.where(values < _PARALLEL, 0.0, 1 / np.maximum(values, _PARALLEL))
-        return np.asarray((vectors * inverse[:, None]) @ vectors.swapaxes(1, 2))
 
 
 Stands = Callable[[Array], NDArray[np.bool_]]
@@ -81,8 +53,10 @@ class MovedMesh:
         )
         self._ends = _edge_ends(self.mesh.cells)
         self._corners = int(self.mesh.cells[:4].max()) + 1
-        self._skin = _Net(self.mesh.points_mm, self._triangles)
-        self._body = _Net(self.mesh.points_mm, self.mesh.cells[:4])
+        corners = self.mesh.points_mm[:, : self._corners]
+        self._skin, self._body = (
+            SpringNet(corners, cells) for cells in (self._triangles, self.mesh.cells[:4])
+        )
 
     def distances_mm(self, points_mm: Array, values: Array) -> Array:
         """Return the largest distance of the surface nodes from each of their faces, mm, (faces,)."""
@@ -150,7 +124,7 @@ class MovedMesh:
 
     def _rules(
         self, contacts: list[tuple[Index, MovingFace, Contact]], normal_motions: list[Array], led: list[Array]
-    ) -> _Rules:
+    ) -> MotionRules:
         """Return the rules of motions along each face's normal, (n, k), and of leading faces, (n, 3, k)."""
         count = len(self._surface)
         matrix, motions = np.zeros((count, 3, 3)), np.zeros((count, 3, normal_motions[0].shape[1]))
@@ -161,63 +135,23 @@ class MovedMesh:
         leading = [nodes for nodes, face, _ in contacts if isinstance(face, LeadingFace)]
         for nodes, way in zip(leading, led, strict=True):
             matrix[nodes], motions[nodes] = np.eye(3), way
-        return _Rules(matrix, motions)
+        return MotionRules(matrix, motions)
 
-    def _spread(self, rules: _Rules) -> Array:
+    def _spread(self, rules: MotionRules) -> Array:
         """Return the motion of all nodes, (3, nodes, k), from what holds the surface nodes."""
         count = rules.prescribed.shape[2]
         motion = np.zeros((self.mesh.points_mm.shape[1], 3, count))
         corner = self._surface < self._corners
         corners = self._surface[corner]
-        own = _Rules(rules.matrix[corner], rules.prescribed[corner])
+        own = MotionRules(rules.matrix[corner], rules.prescribed[corner])
         motion[corners] = self._skin.slide(corners, own)
         inner = np.setdiff1d(np.arange(self._corners), corners)
         motion[: self._corners] = self._body.fill(motion[: self._corners], inner)
         motion[self._corners :] = motion[self._ends].mean(axis=0)
         middle = self._surface[~corner]
-        rest = _Rules(rules.matrix[~corner], rules.prescribed[~corner])
+        rest = MotionRules(rules.matrix[~corner], rules.prescribed[~corner])
         motion[middle] = rest.minimum_motion(motion[middle])
         return motion.transpose(1, 0, 2)
-
-
-class _Net:
-    """Springs along the edges of triangles or tetrahedra, stiffness one over the square of the length."""
-
-    def __init__(self, points_mm: Array, cells: Index) -> None:
-        sides = [cells[list(pair)].T for pair in combinations(range(len(cells)), 2)]
-        ends = np.sort(np.concatenate(sides), axis=1).T
-        a, b = ends[:, np.unique(row_keys(ends), return_index=True)[1]]
-        weight = 1 / ((points_mm[:, a] - points_mm[:, b]) ** 2).sum(axis=0)
-        count = int(cells.max()) + 1
-        off = sp.coo_matrix((weight, (a, b)), shape=(count, count)).tocsr()
-        both = off + off.T
-        self._matrix = (sp.diags(np.asarray(both.sum(axis=1)).ravel()) - both).tocsr()
-
-    def slide(self, nodes: Index, rules: _Rules) -> Array:
-        """Return the motion of nodes, (n, 3, k), that keeps the rules and stretches the springs least."""
-        first = rules.minimum_motion(np.zeros_like(rules.prescribed))
-        directions, free = rules.free
-        matrix = sp.kron(self._matrix[nodes][:, nodes], sp.eye(3)).tocsr()
-        count = len(nodes)
-        blocks = sp.bsr_matrix((directions, np.arange(count), np.arange(count + 1))).tocsc()
-        basis = blocks[:, np.flatnonzero(free.ravel())]
-        flat = first.reshape(3 * count, -1)
-        if basis.shape[1] == 0:
-            return first
-        loads = -(basis.T @ (matrix @ flat))
-        along = solve_directly(basis.T @ matrix @ basis, loads)
-        return np.asarray((flat + basis @ along).reshape(first.shape))
-
-    def fill(self, motion: Array, inner: Index) -> Array:
-        """Return the motion of all nodes, (n, 3, k), from that of all but the inner ones."""
-        result = motion.copy()
-        if len(inner):
-            held = np.setdiff1d(np.arange(len(motion)), inner)
-            rows, flat = self._matrix[inner], motion.reshape(len(motion), -1)
-            loads = -(rows[:, held] @ flat[held])
-            found = solve_directly(rows[:, inner], loads)
-            result[inner] = found.reshape(len(inner), *motion.shape[1:])
-        return result
 
 
 def _numbered(mesh: TetMesh) -> TetMesh:

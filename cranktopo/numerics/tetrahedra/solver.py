@@ -25,6 +25,7 @@ from cranktopo.base.notes import at_work
 from cranktopo.base.reproducible import SEED
 from cranktopo.base.side_by_side import LazyFuture
 from cranktopo.numerics.tetrahedra.block_code import assembly, product
+from cranktopo.numerics.tetrahedra.earlier_fields import EarlierFields
 from cranktopo.numerics.tetrahedra.symmetric_blocks import SymmetricBlocks
 
 DIRECT_LIMIT = 12_000
@@ -108,11 +109,13 @@ class Equations:
         linear: stiffness of linear elements over the unknowns of the corners, one triangle; None: there are
             no other elements.
         prolongation: from corners to all nodes, (nodes, corners).
+        earlier: fields of similar bodies on the same elements, where there are any.
     """
 
     stiffness: SymmetricBlocks
     linear: sp.csr_matrix | None
     prolongation: sp.csr_matrix
+    earlier: EarlierFields | None = None
 
     @cached_property
     def largest_eigenvalue(self) -> float:
@@ -137,15 +140,19 @@ class Equations:
         def solve(forces: Array) -> Array:
             loads = forces[matrix.unknowns] / matrix.root
             loads[fixed] = 0.0
-            found = (
-                inner(loads) if direct else _conjugate_gradients(matrix, fixed, loads, inner, _AIM * residual)
-            )
+            if direct:
+                found = inner(loads)
+            else:
+                start = self.earlier.start(matrix, held, loads) if self.earlier else None
+                found = _conjugate_gradients(matrix, fixed, loads, inner, _AIM * residual, start)
             left = loads.copy()
             matrix.add_product(found, left, -1.0)
             left[fixed] = 0.0
             _check_residual(matrix.root * loads, matrix.root * left, residual)
             result = np.empty_like(found)
             result[matrix.unknowns] = found / matrix.root
+            if self.earlier:
+                self.earlier.keep(held, result)
             return result
 
         return solve
@@ -257,11 +264,16 @@ def _conjugate_gradients(
     loads: Array,
     cycle: Callable[[Array], NDArray[Any]],
     tolerance: float,
+    start: Array | None = None,
 ) -> Array:
-    """Preconditioned CG, all right-hand sides in step."""
+    """Preconditioned CG, all right-hand sides in step, from zero or from fields near the solution."""
     solution, residual = np.zeros_like(loads), loads.copy()
     goal = tolerance * np.linalg.norm(loads, axis=0)
     held = np.flatnonzero(fixed)
+    if start is not None:
+        solution = start
+        matrix.add_product(start, residual, -1.0)
+        residual[held] = 0.0
     direction, energy = np.zeros_like(loads), np.zeros(loads.shape[1])
     for _ in range(_CG_CYCLES):
         if (np.linalg.norm(residual, axis=0) <= goal).all():

@@ -21,6 +21,7 @@ from cranktopo.numerics.surfaces.mesh import mesh_of
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, StressScale, packed
 from cranktopo.tasks.bench.colours import web_colours
 from cranktopo.tasks.bench.engine_plots import vibration_plots
+from cranktopo.tasks.bench.kept_mesh import KeptMesh
 from cranktopo.tasks.bench.live import (
     first_frequency,
     load_warnings,
@@ -43,6 +44,8 @@ from cranktopo.tasks.web_shape.start import kept_features
 _METHOD = "lsa"
 _SAFETY_ERROR_PERCENT = 1.0
 """Of a least safety on the mesh of `cranktopo fatigue`: 0.2 to 0.8 % against elements of half the size."""
+KEPT = KeptMesh()
+"""Of this process, which settles one web after another."""
 
 
 def settled_stiffness(data: dict[str, Any]) -> dict[str, Any]:
@@ -111,7 +114,7 @@ def settled_safety(data: dict[str, Any], throws_Nm_per_rad: Sequence[float] = ()
     """
     began = time.perf_counter()
     try:
-        field = _field(json.dumps(data), tuple(throws_Nm_per_rad))
+        field = solved_field(json.dumps(data), tuple(throws_Nm_per_rad))
     except CranktopoError as error:
         return {"gauges": {}, "missing": str(error)}
     critical = field.critical
@@ -146,16 +149,17 @@ def settled_colours(
     scene = _target(data).scene
     if difference(scene):
         return {"gauges": {}}
-    field = _field(json.dumps(data), tuple(throws_Nm_per_rad))
+    field = solved_field(json.dumps(data), tuple(throws_Nm_per_rad))
     return {"gauges": {}, **_picture(scene, field, stiffness)}
 
 
 @lru_cache(maxsize=1)
-def _field(text: str, throws_Nm_per_rad: tuple[float, ...]) -> FatigueField:
+def solved_field(text: str, throws_Nm_per_rad: tuple[float, ...]) -> FatigueField:
     """Return the safety of a design as JSON, solved once for the numbers and for the colours."""
     target = _target(json.loads(text))
     check_inputs(target, _METHOD, "extremes")
-    return fatigue_field(_with_stiffness(target, throws_Nm_per_rad), _METHOD)
+    meshed = None if target.file else KEPT.of(target)
+    return fatigue_field(_with_stiffness(target, throws_Nm_per_rad), _METHOD, meshed=meshed)
 
 
 def _picture(scene: Scene, field: FatigueField, stiffness: Mapping[str, float]) -> dict[str, Any]:

@@ -154,6 +154,7 @@ def solve_stresses(
     fillet_fraction: float = RULE_FRACTION,
     *,
     by_rule: bool = False,
+    meshed: MeshedThrow | None = None,
 ) -> StressModel:
     """Mesh a throw for stresses and solve the unit loads that are asked for.
 
@@ -161,6 +162,7 @@ def solve_stresses(
         fillet_fraction: element size in the fillets over their radius.
         by_rule: means over the elements at a node on a regular mesh, whose quality IACS UR M53 asks for; else
             fitted polynomials, where the elements are fine enough for them.
+        meshed: of a target without a file, where its mesh is there.
 
     Raises:
         CranktopoError: a surface file, a fillet of radius 0, or a failed mesh or solve.
@@ -169,10 +171,15 @@ def solve_stresses(
     start = time.perf_counter()
     pace = Pace(f"{target.name}: stresses", len(_STEPS))
     pace.begin(_STEPS[0])
-    meshed, scene = mesh_for_stress(target, fillet_fraction, by_rule=by_rule)
+    if meshed is None:
+        meshed, scene = mesh_for_stress(target, fillet_fraction, by_rule=by_rule)
+    else:
+        scene = target.scene
     pace.begin(_STEPS[1])
     began_solving = time.perf_counter()
-    model = assemble(meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
+    model = assemble(
+        meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson, earlier=meshed.earlier
+    )
     fields = unit_fields(model, scene, meshed.mesh.mirrored, kinds, whole=meshed.whole, residual=_RESIDUAL)
     pace.begin(_STEPS[2])
     found = stress_model(target.name, scene, meshed, model, fields, fillet_fraction, by_rule=by_rule)
@@ -299,7 +306,7 @@ def _step_of(target: Target) -> Path:
 
 
 def mesh_for_stress(
-    target: Target, fillet_fraction: float, *, by_rule: bool = False
+    target: Target, fillet_fraction: float, *, by_rule: bool = False, to_follow: bool = False
 ) -> tuple[MeshedThrow, Scene]:
     """Return the mesh of a target for stresses, and its scene with the fillets that the mesh has.
 
@@ -308,11 +315,12 @@ def mesh_for_stress(
 
     Args:
         by_rule: as in `solve_stresses`.
+        to_follow: as in `mesh_throw`; not for a body from a file.
 
     Raises:
         CranktopoError: a surface file, a fillet of radius 0, or a failed mesh.
     """
-    found = _meshed(target, fillet_fraction, by_rule=by_rule)
+    found = _meshed(target, fillet_fraction, by_rule=by_rule, to_follow=to_follow)
     if not by_rule or fillet_fraction > RULE_FRACTION:
         return found
     longest = longest_edge(*found)
@@ -323,7 +331,7 @@ def mesh_for_stress(
         f"{target.name}: longest edge in a fillet over its radius {longest:.4f}, at most {EDGE_LIMIT:g}: "
         f"meshed anew with a fillet fraction of {finer:.3f}"
     )
-    return _meshed(target, finer, by_rule=by_rule)
+    return _meshed(target, finer, by_rule=by_rule, to_follow=to_follow)
 
 
 def longest_edge(meshed: MeshedThrow, scene: Scene) -> float:
@@ -334,13 +342,16 @@ def longest_edge(meshed: MeshedThrow, scene: Scene) -> float:
     return _longest_edge(scene, points, cells[local[:3], owners], fillets)
 
 
-def _meshed(target: Target, fillet_fraction: float, *, by_rule: bool) -> tuple[MeshedThrow, Scene]:
+def _meshed(
+    target: Target, fillet_fraction: float, *, by_rule: bool, to_follow: bool
+) -> tuple[MeshedThrow, Scene]:
     scene = target.scene
     thinner = min(half.web.thickness_mm for half in halves(scene))
     size = min(default_element_size_mm(scene), thinner / _ACROSS_WEB)
     if target.file is None:
         check_fillets(target)
-        return mesh_throw(scene, size, fillet_fraction=fillet_fraction, regular=by_rule), scene
+        made = mesh_throw(scene, size, fillet_fraction=fillet_fraction, regular=by_rule, to_follow=to_follow)
+        return made, scene
     from cranktopo.tasks.importing.imported_body import mesh_step_for_stress
 
     path = _step_of(target)

@@ -10,6 +10,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array, Index
 from cranktopo.base.notes import note
+from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
 from cranktopo.engine.histories import HistoryKind, LoadHistory, WebLoads
 from cranktopo.engine.judged_histories import histories_of, states_words
 from cranktopo.tasks.fatigue.criteria import check_method, safety_method
@@ -27,13 +28,17 @@ def fatigue_field(
     method: str,
     kind: HistoryKind = "extremes",
     fillet_fraction: float = RULE_FRACTION,
+    meshed: MeshedThrow | None = None,
 ) -> FatigueField:
     """Fatigue safety of a throw by a method of local stresses, without the lives by its spectrum.
+
+    Args:
+        meshed: as in `solve_stresses`.
 
     Raises:
         CranktopoError: missing material data or loads, sharp fillets, or a failed solve.
     """
-    return _fields(target, (method,), kind, fillet_fraction, lives=False)[0]
+    return _fields(target, (method,), kind, fillet_fraction, lives=False, meshed=meshed)[0]
 
 
 def fatigue_fields(
@@ -64,7 +69,13 @@ def web_field(
 
 
 def _fields(
-    target: Target, methods: Sequence[str], kind: HistoryKind, fillet_fraction: float, *, lives: bool
+    target: Target,
+    methods: Sequence[str],
+    kind: HistoryKind,
+    fillet_fraction: float,
+    *,
+    lives: bool,
+    meshed: MeshedThrow | None = None,
 ) -> tuple[FatigueField, ...]:
     for method in methods:
         check_method(target.scene, method)
@@ -74,7 +85,7 @@ def _fields(
     speeds = speed_histories(target.scene, enabled) if lived else []
     states = sum(len(one.labels) for one in judged)
     note(f"{target.name}: unit loads {', '.join(kinds)} for {states} load states, {states_words(kind)}")
-    model = solve_stresses(target, kinds, fillet_fraction)
+    model = solve_stresses(target, kinds, fillet_fraction, meshed=meshed)
     fields = tuple(least_field(safety_field(model, method, one) for one in judged) for method in methods)
     return tuple(with_lives(one, speeds) for one in fields) if lived else fields
 

@@ -49,6 +49,13 @@ def test_of_the_radius_of_a_throw_the_way_counts() -> None:
     assert stated({"throw.radius_mm": 0.995 * first}, 0.1)["bending"] > 0.5
 
 
+def test_cells_tell_more_of_a_wider_counterweight_than_elements() -> None:
+    """Of the car-diesel's, 9.4 deg wider: 0.65 % in torsion by cells, 0.05 % by elements."""
+    first = changed_data(DATA, {"web.counterweight": {"outer_radius_mm": 60.0, "half_angle_deg": 60.0}})
+    wider = changed_data(first, {"web.counterweight.half_angle_deg": 69.4})
+    assert stated_errors(first, wider, {"torsion": 0.65})["torsion"] > 0.65 - 0.05
+
+
 @pytest.mark.parametrize("key", ["fillet_axial_mm", "recess_mm"])
 def test_of_what_was_not_measured_there_is_none(key: str) -> None:
     first = changed_data(DATA, {f"throw.crankpin.{key}": 1.0})

@@ -1,0 +1,46 @@
+"""Fields of bodies solved before on the same elements, whose best sum begins the next solve."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.arrays import Array
+from cranktopo.numerics.tetrahedra.symmetric_blocks import SymmetricBlocks
+
+_DEPENDENT = 1e-10
+"""Share of the largest energy below which a combination of the fields counts as zero."""
+_BODIES = 2
+"""Bodies whose fields are kept: two tell a straight drag, more cost as much as they save."""
+
+
+class EarlierFields:
+    """Fields of a body while its mesh moves, by what was held.
+
+    Its equations are always over the same unknowns; a mesh with other elements asks for another of these.
+    """
+
+    def __init__(self) -> None:
+        self._fields: dict[bytes, list[Array]] = {}
+
+    def start(self, matrix: SymmetricBlocks, held: NDArray[np.intp], loads: Array) -> Array | None:
+        """Return the sum of the fields with the least error in energy for scaled loads (unknowns, k), if any.
+
+        Loads and the answer are in the order of the rows of the scaled matrix.
+        """
+        known = self._fields.get(held.tobytes())
+        if known is None:
+            return None
+        basis = matrix.root * np.hstack(known)[matrix.unknowns]
+        basis /= np.linalg.norm(basis, axis=0)  # of unit loads and of moments, 1e11 apart
+        image = np.zeros_like(basis)
+        matrix.add_product(basis, image)
+        energy = basis.T @ image
+        values, ways = np.linalg.eigh((energy + energy.T) / 2)
+        kept = values > _DEPENDENT * values[-1]
+        shares = ways[:, kept] / values[kept] @ (ways[:, kept].T @ (basis.T @ loads))
+        return np.asarray(basis @ shares)
+
+    def keep(self, held: NDArray[np.intp], fields: Array) -> None:
+        """Keep fields (unknowns, k), with what was held at zero."""
+        self._fields[held.tobytes()] = [fields, *self._fields.get(held.tobytes(), [])[: _BODIES - 1]]
