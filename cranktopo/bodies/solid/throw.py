@@ -30,7 +30,7 @@ from cranktopo.design.halves import (
     usual_scale,
 )
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.gmsh_session import DimTags
+from cranktopo.numerics.gmsh_session import DimTags, points_joined
 from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.journal import Journal
@@ -216,7 +216,11 @@ def add_web(occ: Any, scene: Scene) -> DimTags:
 def _add_journal(
     occ: Any, scene: Scene, journal: Journal, y: float, z_mm: tuple[float, float], toward: int
 ) -> DimTags:
-    """Return the journal at y from its mid-plane to the web face, its upper end if `toward` is +1."""
+    """Return the journal at y from its mid-plane to the web face, its upper end if `toward` is +1.
+
+    Its points are never joined: the foot of a fillet is thinner than that where it just reaches over a
+    pocket, and the kernel left it there, on air.
+    """
     face = z_mm[1] if toward > 0 else z_mm[0]
     far = z_mm[0] if toward > 0 else z_mm[1]
     if journal.fillet_mm:
@@ -227,7 +231,8 @@ def _add_journal(
     if journal.bore_diameter_mm:
         length = z_mm[1] - z_mm[0]
         tools.append((3, occ.addCylinder(0, y, z_mm[0], 0, 0, length, journal.bore_radius_mm)))
-    return cut(occ, body, tools)
+    with points_joined(0.0):
+        return cut(occ, body, tools)
 
 
 def _revolve(occ: Any, journal: Journal, y: float, far: float, face: float, toward: int) -> tuple[int, int]:
