@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,6 +26,7 @@ from cranktopo.bodies.solid.bolted import (
     threads_mm3,
     with_threads,
 )
+from cranktopo.bodies.solid.boundaries import apart_mm
 from cranktopo.bodies.solid.checked import DOUBTFUL, VOLUME_TOLERANCE, ClosedForm
 from cranktopo.bodies.solid.crankshaft import add_crankshaft, add_end, placed_throws
 from cranktopo.bodies.solid.drilled import drilled
@@ -159,6 +161,7 @@ def export_solid(
             beside = [] if suffix == ".stl" else _bolted(gmsh.model.occ, scene, part)
             volumes = [float(gmsh.model.occ.getMass(*pair)) for pair in (*body, *beside)]
             gmsh.model.occ.synchronize()
+            apart = apart_mm(gmsh)
             if suffix == ".stl":
                 name = f"{part} of {scene.name}"
                 _write_facets(gmsh, body, part, facet_mm or _usual_facet_mm(scene), temporary, name)
@@ -168,7 +171,8 @@ def export_solid(
                 with quiet_stdout():
                     gmsh.write(str(temporary))
         if suffix != ".stl":
-            label_step(temporary, _label(scene, part, time_of_writing(started)))
+            label = _label(scene, part, time_of_writing(started))
+            label_step(temporary, replace(label, apart_mm=apart))
             read_back(temporary, volumes)
     return sum(volumes[: len(body)])
 

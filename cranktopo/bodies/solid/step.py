@@ -6,6 +6,7 @@ encoding); the schema stays as OCC writes it, AP214 (automotive_design).
 
 from __future__ import annotations
 
+import math
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator
@@ -34,6 +35,7 @@ _TEXT = r"'(?:[^']|'')*'"
 _HEADER = re.compile(r"(?s)\AISO-10303-21;\s*HEADER;.*?(FILE_SCHEMA\s*\(.*?\);)\s*ENDSEC;")
 _SYSTEM = re.compile(rf"FILE_NAME\s*\((?:[^;']|{_TEXT})*?({_TEXT})\s*,\s*{_TEXT}\s*,\s*{_TEXT}\s*\);")
 _PRODUCT = re.compile(rf"(=\s*PRODUCT\s*\(\s*){_TEXT}(\s*,\s*){_TEXT}(\s*,\s*){_TEXT}")
+_UNCERTAINTY = re.compile(r"(UNCERTAINTY_MEASURE_WITH_UNIT\s*\(\s*LENGTH_MEASURE\s*\()([^)]*)(\))")
 _SOLID = re.compile(rf"(=\s*MANIFOLD_SOLID_BREP\s*\(\s*){_TEXT}")
 
 
@@ -42,6 +44,9 @@ class StepLabel:
     """Labels that a reader shows of a STEP file: its product and its solids, in a line; written in UTC.
 
     Without names of solids there is one, which is called as the product.
+
+    Attributes:
+        apart_mm: largest distance of a curve's end from its point, which the file tells as its uncertainty.
     """
 
     product: str
@@ -50,6 +55,7 @@ class StepLabel:
     version: str
     written: datetime
     solids: tuple[str, ...] = ()
+    apart_mm: float = 0.0
 
 
 def label_step(path: Path, label: StepLabel) -> None:
@@ -87,8 +93,20 @@ def labelled(text: str, label: StepLabel) -> str:
         name = next(next_name)
         return f"{match[1]}{name}{match[2]}{name}{match[3]}{description}"
 
+    text = _UNCERTAINTY.sub(lambda match: match[1] + _no_less(match[2], label.apart_mm) + match[3], text)
     text = _PRODUCT.sub(with_name, text)
     return _SOLID.sub(lambda match: f"{match[1]}{next(next_solid)}", text)
+
+
+def _no_less(written_mm: str, least_mm: float) -> str:
+    """Return an uncertainty that OCC wrote, an average, or one that is larger, rounded up to one digit.
+
+    A reader takes edges that end farther from each other for no closed loop: of a torus it put in a seam.
+    """
+    if float(written_mm) >= least_mm:
+        return written_mm
+    power = math.floor(math.log10(least_mm))
+    return f"{math.ceil(least_mm / 10.0**power):.1f}E{power:+03d}"
 
 
 def step_string(text: str) -> str:
