@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -85,6 +86,14 @@ class BevelArc:
         normal = self._normal
         back = self.crown_mm - self.radius_mm
         return (self.depth_mm / 2 + back * normal[0], (self.start_mm + self.end_mm) / 2 + back * normal[1])
+
+    def between_mm(self, pieces: int) -> list[tuple[float, float]]:
+        """Depths and reaches of the points that part the arc into pieces of the same length."""
+        depth, reach = self.centre_mm
+        start = complex(self.start_mm - reach, -depth)
+        turn = cmath.phase(complex(self.end_mm - reach, self.depth_mm - depth) / start)
+        points = (start * cmath.rect(1.0, turn * k / pieces) for k in range(1, pieces))
+        return [(depth + point.imag, reach + point.real) for point in points]
 
     @property
     def largest_crown_mm(self) -> float:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 from typing_extensions import override
@@ -60,7 +60,9 @@ class BevelTool(Body):
         corners += [(-far, top), (-far, arc.start_mm)]
         return (Extrusion(self._contour(corners, -self.wide_mm), (2 * self.wide_mm, 0.0, 0.0)),)
 
-    def _contour(self, corners: Sequence[tuple[float, float]], x_mm: float) -> tuple[Curve, ...]:
+    def _contour(
+        self, corners: Sequence[tuple[float, float]], x_mm: float, pieces: int = 1
+    ) -> tuple[Curve, ...]:
         """Return the arc at a lateral place, closed by corners of so much depth and reach from its end on."""
 
         def point(depth_mm: float, reach_mm: float) -> Point:
@@ -68,10 +70,12 @@ class BevelTool(Body):
 
         arc = self.arc
         start, end = point(0.0, arc.start_mm), point(arc.depth_mm, arc.end_mm)
-        straight = math.isinf(arc.radius_mm)
-        curved: Curve = LineSegment(start, end) if straight else Arc(start, point(*arc.centre_mm), end)
         points = [end, *(point(*corner) for corner in corners), start]
-        return (curved, *(LineSegment(a, b) for a, b in pairwise(points)))
+        straight = [LineSegment(a, b) for a, b in pairwise(points)]
+        if math.isinf(arc.radius_mm):
+            return (LineSegment(start, end), *straight)
+        centre, between = point(*arc.centre_mm), [point(*place) for place in arc.between_mm(pieces)]
+        return (*(Arc(a, centre, b) for a, b in pairwise([start, *between, end])), *straight)
 
 
 @dataclass(frozen=True)
@@ -81,10 +85,12 @@ class DraftedBevelTool(BevelTool):
     Attributes:
         inner_mm: reach of its innermost point in the web.
         thickness_mm: that of the web.
+        pieces: number of arcs that its own is given as.
     """
 
     inner_mm: float
     thickness_mm: float
+    pieces: int = 1
     oblique: ClassVar[bool] = True
 
     @override
@@ -126,7 +132,11 @@ class DraftedBevelTool(BevelTool):
         deepest = arc.depth_mm + long * math.sin(last)
         corners = [(deepest, arc.end_mm + long * math.cos(last)), (deepest, top)]
         corners += [(-above, top), (-above, arc.start_mm - above / max(math.tan(first), _FLATTEST))]
-        contour = self._contour(corners, 0.0)
+        contour = self._contour(corners, 0.0, self.pieces)
         rise, run = arc.end_mm - arc.start_mm, arc.depth_mm
         path = -arc.outward * far * run / arc.chord_mm, self.into * far * rise / arc.chord_mm
         return tuple(Extrusion(contour, (side * self.wide_mm, *path)) for side in (1, -1))
+
+    @override
+    def in_pieces(self, count: int) -> Self:
+        return replace(self, pieces=count)

@@ -138,6 +138,10 @@ class Body(ABC):
         """Return the exact body; it may reach beyond the web, if nothing of the web is there."""
         return self.continued(self.z_mm)
 
+    def in_pieces(self, count: int) -> Self:
+        """Return the same body, arcs that a CAD kernel may cut wrong given as so many; itself for most."""
+        return self
+
     @property
     def y_breaks_mm(self) -> tuple[float, ...]:
         """Places along the throw where its section has kinks; its extent by default."""

@@ -315,8 +315,8 @@ def _web(occ: Any, half: Scene) -> DimTags:
     return built(occ, half, "web", _drilled_web, lambda part: ClosedForm(web_volume_mm3(part)))
 
 
-def _drilled_web(occ: Any, half: Scene) -> DimTags:
-    return drilled(occ, add_web(occ, half), drill_bores(half))
+def _drilled_web(occ: Any, scene: Scene, *, pieces: int = 1) -> DimTags:
+    return drilled(occ, add_web(occ, scene, pieces=pieces), drill_bores(scene))
 
 
 def _remove_loose(occ: Any) -> int:

@@ -34,16 +34,17 @@ def add_raw_half(occ: Any, scene: Scene) -> DimTags:
     return built(occ, scene, "raw half throw", _raw_half, lambda part: ClosedForm(raw_half_volume_mm3(part)))
 
 
-def _raw_half(occ: Any, scene: Scene) -> DimTags:
+def _raw_half(occ: Any, scene: Scene, *, pieces: int = 1) -> DimTags:
     half = raw_half(scene, forging_of(scene))
-    web = [_web(occ, half, cuts) for cuts in dict.fromkeys(half.cuts_of)]
+    web = [_web(occ, half, cuts, pieces) for cuts in dict.fromkeys(half.cuts_of)]
     return fused(occ, [*web, *raw_bodies(occ, half)])
 
 
-def _web(occ: Any, half: RawHalf, cuts: tuple[Body, ...]) -> DimTags:
+def _web(occ: Any, half: RawHalf, cuts: tuple[Body, ...], pieces: int) -> DimTags:
     """Return the parts of the web that have the same cuts, without those."""
     parts = [part for part, own in zip(half.web, half.cuts_of, strict=True) if own == cuts]
-    tools = [pair for tool in cuts for solid in tool.solids() for pair in add_solid(occ, solid)]
+    solids = [solid for tool in cuts for solid in tool.in_pieces(pieces).solids()]
+    tools = [pair for solid in solids for pair in add_solid(occ, solid)]
     return cut(occ, fused(occ, [_prism(occ, part) for part in parts]), tools)
 
 

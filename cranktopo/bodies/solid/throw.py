@@ -6,9 +6,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Any
+from typing import Any, Protocol
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid.checked import ClosedForm, check_body, misfit, without_crumbs
@@ -40,6 +40,15 @@ _NUDGE = 1e-6
 """Of the radius of a fillet that the kernel cannot fuse: a thousandth of the volume that is let through."""
 _GRAZING_MM = 0.01
 """Overlap of a fillet's foot and a bore, on a throw of usual size, whose crescent the kernel cannot cut."""
+_PIECES = (4, 3)
+"""Of the arc of a drafted bevel whose section with the outline the kernel loses, in the order of tries."""
+
+
+class Build(Protocol):
+    """Adds what is made of a scene to the open session, arcs of drafted bevels in so many pieces."""
+
+    def __call__(self, occ: Any, scene: Scene, *, pieces: int = 1) -> DimTags:
+        """Return (dimension, tag) pairs."""
 
 
 def add_half_throw(occ: Any, scene: Scene, *, by_tools: bool = False) -> DimTags:
@@ -64,7 +73,7 @@ def built(
     occ: Any,
     scene: Scene,
     name: str,
-    build: Callable[[Any, Scene], DimTags],
+    build: Build,
     form: Callable[[Scene], ClosedForm],
 ) -> DimTags:
     """Return what is built of a scene as one checked body; a refusal names the feature that is wrong.
@@ -76,10 +85,11 @@ def built(
 
     def fitting() -> DimTags:
         body = build(occ, scene)
-        other = _nudged(scene)
-        if other is not None and misfit(occ, body, shape) > 1:
+        for again in _other_ways(occ, scene, build):
+            if misfit(occ, body, shape) <= 1:
+                break
             occ.remove(body, recursive=True)
-            body = build(occ, other)
+            body = again()
         return body
 
     body = with_joined_edges(occ, fitting, shape, usual_scale(scene))
@@ -92,6 +102,15 @@ def built(
 
     check_body(occ, body, shape, name, lambda: culprit(scene, misfit_of))
     return body
+
+
+def _other_ways(occ: Any, scene: Scene, build: Build) -> Iterator[Callable[[], DimTags]]:
+    """Yield what builds a scene again, which the kernel made wrong, in another way each."""
+    other = _nudged(scene)
+    if other is not None:
+        yield partial(build, occ, other)
+    if any(bevel.draft_deg and bevel.crown_mm for bevel in scene.web.bevel):
+        yield from (partial(build, occ, scene, pieces=pieces) for pieces in _PIECES)
 
 
 def _nudged(scene: Scene) -> Scene | None:
@@ -133,11 +152,11 @@ def throw_form(scene: Scene) -> ClosedForm:
     return ClosedForm(throw_volume_mm3(scene), sum(of_halves(scene, outlet_roundings_mm3)))
 
 
-def _half(occ: Any, scene: Scene, by_tools: bool) -> DimTags:
+def _half(occ: Any, scene: Scene, *, pieces: int = 1, by_tools: bool = False) -> DimTags:
     throw, (start, end) = scene.throw, scene.web_z_mm
     main = _add_journal(occ, scene, throw.main_journal, 0.0, (0.0, start), 1) if start else []
     pin = _add_journal(occ, scene, throw.crankpin, throw.radius_mm, (end, scene.pitch_mm / 2), -1)
-    body, _ = occ.fuse(add_web(occ, scene), main + pin)
+    body, _ = occ.fuse(add_web(occ, scene, pieces=pieces), main + pin)
     return drilled(occ, list(body), drill_bores(scene), by_tools=by_tools)
 
 
@@ -208,9 +227,9 @@ def _late(bore: DrillBore, half: Scene, scene: Scene) -> bool:
     return bore.alone or bool(difference(scene) and bore.heights_mm[1] > half.pitch_mm / 2)
 
 
-def add_web(occ: Any, scene: Scene) -> DimTags:
+def add_web(occ: Any, scene: Scene, *, pieces: int = 1) -> DimTags:
     """Add the web between its two faces, bores and features cut out; return (dimension, tag) pairs."""
-    return add_bodies(occ, web_bodies(scene))
+    return add_bodies(occ, [body.in_pieces(pieces) for body in web_bodies(scene)])
 
 
 def _add_journal(
