@@ -17,7 +17,12 @@ from cranktopo.bodies.solid.drilled import drilled, drilled_at, to_middle
 from cranktopo.bodies.solid.joined import with_joined_edges
 from cranktopo.bodies.solid.mouths import drilled_in_one_piece, heights_beyond
 from cranktopo.bodies.solid.shapes import add_bodies, add_solid, cut, turned, turned_half
-from cranktopo.bodies.volume import half_throw_volume_mm3, outlet_roundings_mm3, throw_volume_mm3
+from cranktopo.bodies.volume import (
+    half_throw_volume_mm3,
+    outlet_roundings_mm3,
+    throw_volume_mm3,
+    web_moments,
+)
 from cranktopo.design.checks.scene import check_solid
 from cranktopo.design.crank_throws import check_half_pins_overlap, half_turns_deg, refuse_split_pins
 from cranktopo.design.halves import (
@@ -228,8 +233,17 @@ def _late(bore: DrillBore, half: Scene, scene: Scene) -> bool:
 
 
 def add_web(occ: Any, scene: Scene, *, pieces: int = 1) -> DimTags:
-    """Add the web between its two faces, bores and features cut out; return (dimension, tag) pairs."""
-    return add_bodies(occ, [body.in_pieces(pieces) for body in web_bodies(scene)])
+    """Add the web between its two faces, bores and features cut out; return (dimension, tag) pairs.
+
+    Of a bevel with a draft on an ellipse the kernel now and then cuts one side alone, by where the ellipse
+    begins: where two arcs misfit it is one curve.
+    """
+    bodies = [body.in_pieces(pieces) for body in web_bodies(scene)]
+    web, drafted = add_bodies(occ, bodies), any(body.oblique for body in bodies)
+    if drafted and misfit(occ, web, ClosedForm(web_moments(scene).volume)) > 1:
+        occ.remove(web, recursive=True)
+        web = add_bodies(occ, bodies, in_arcs=False)
+    return web
 
 
 def _add_journal(

@@ -13,15 +13,15 @@ from cranktopo.numerics.gmsh_session import cad_session
 from tests.featured_throws import featured_throw
 
 
-@pytest.mark.parametrize("seed", [455, 607])
-def test_both_sides_of_a_drafted_bevel_are_cut(seed: int) -> None:
-    """The ellipse was one curve, whose seam lies where the sides meet: one of them was not cut at all."""
+@pytest.mark.parametrize(("seed", "rel"), [(153, 1e-6), (455, 1e-7), (607, 1e-7)])
+def test_both_sides_of_a_drafted_bevel_are_cut(seed: int, rel: float) -> None:
+    """One of them was not cut at all, of an ellipse that is one curve (455, 607) or two arcs (153)."""
     scene = featured_throw(seed)
     web = scene.web.model_copy(update={"pocket": (), "counterweight": None})
     scene = scene.model_copy(update={"web": web, "second_web": None})
     with cad_session("web") as gmsh:
         built_mm3 = volume_mm3(gmsh.model.occ, add_web(gmsh.model.occ, scene))
-    assert built_mm3 == pytest.approx(web_volume_mm3(scene.with_drillings(())), rel=1e-7)
+    assert built_mm3 == pytest.approx(web_volume_mm3(scene.with_drillings(())), rel=rel)
 
 
 @pytest.mark.parametrize(("along_mm", "across_mm"), [(60.0, 40.0), (52.0, 56.0)])
