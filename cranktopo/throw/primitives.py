@@ -56,11 +56,16 @@ Curve = LineSegment | Arc | Bezier | EllipseCurve | Rectangle
 
 @dataclass(frozen=True)
 class Cylinder:
-    """A cylinder about any axis: middle of its first end, vector to that of the other, radius."""
+    """A cylinder about any axis: middle of its first end, vector to that of the other, radius.
+
+    The seam of its surface lies toward the end of the crank that `seam` is the sign of; 0 leaves it to the
+    CAD kernel.
+    """
 
     start: Point
     axis: Point
     radius: float
+    seam: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from itertools import groupby
 from operator import itemgetter
 from types import MappingProxyType
@@ -23,12 +24,14 @@ from cranktopo.bodies.solid.shapes import add_solid, cut, outlet_edges, turned
 from cranktopo.numerics.gmsh_session import DimTags, unless_it_fails
 from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.checks import rim_z_mm
-from cranktopo.throw.primitives import RoundedOutlet, Solid
+from cranktopo.throw.primitives import Cylinder, RoundedOutlet, Solid
 
 Heights = tuple[float, float]
 """Least and largest height along the crank, mm."""
 ALL_HEIGHTS: Heights = (-math.inf, math.inf)
 NO_HEIGHTS: Mapping[DrillBore, Heights] = MappingProxyType({})
+BEYOND = 0.2
+"""Length of a tool beyond the middle of the crankpin, where it goes on, over the drilling's radius."""
 _RING = 1 - math.pi / 4
 """Section of the ring that a rounding takes off a square edge, over its radius squared."""
 _FAR = 4.0
@@ -59,10 +62,12 @@ def drilled(
             for pair in _tool(occ, bore, solid, between_mm.get(bore, ALL_HEIGHTS))
         ]
 
-    solids = [(bore, solid) for bore in bores for solid in bore.solids()]
+    ends = _ends_mm(occ, body) if bores else ALL_HEIGHTS
+    seams = {bore: _seam(bore, between_mm.get(bore, ALL_HEIGHTS), ends) for bore in bores}
+    solids = [(bore, _with_seam(solid, seams[bore])) for bore in bores for solid in bore.solids()]
     outlets = {solid: bore for bore, solid in solids if isinstance(solid, RoundedOutlet)}
     body = cut(occ, body, tools([one for one in solids if not isinstance(one[1], RoundedOutlet)]))
-    within = _within(occ, body, outlets) if outlets and not by_tools else []
+    within = _within(ends, outlets) if not by_tools else []
     edges = _whole_edges(occ, body, within) if within else {}
     body, done = _rounded(occ, body, edges)
     rest = [(bore, solid) for solid, bore in outlets.items() if solid not in done]
@@ -128,10 +133,40 @@ def to_middle(bores: Sequence[DrillBore], middle_mm: float) -> dict[DrillBore, H
     return found
 
 
-def _within(occ: Any, body: DimTags, rounded: Mapping[RoundedOutlet, DrillBore]) -> Sequence[RoundedOutlet]:
-    """Return the rounded outlets beyond whose rim a body goes on along the crank."""
+def _ends_mm(occ: Any, body: DimTags) -> Heights:
+    """Return the least and the largest height of a body."""
     boxes = [occ.getBoundingBox(*pair) for pair in body]
-    low, high = min(box[2] for box in boxes), max(box[5] for box in boxes)
+    return min(box[2] for box in boxes), max(box[5] for box in boxes)
+
+
+def _seam(bore: DrillBore, between_mm: Heights, ends_mm: Heights) -> float:
+    """Return toward which end of the crank the seam of a bore lies; 0 where the kernel may lay it.
+
+    Where a hole with a rounding ends in a plane across the crank its seam lies beyond: beside that plane it
+    would leave a strip of the rounding, and in it corners that the kernel finds to micrometres.
+    """
+    rounded = [replace(outlet, rounding_mm=0.0) for outlet in bore.outlets if outlet.rounding_mm]
+    if not rounded:
+        return 0.0
+    edges, near = np.concatenate([rim_z_mm(bore, outlet) for outlet in rounded]), BEYOND * bore.radius_mm
+    if edges.max() > min(between_mm[1], ends_mm[1]) - near:
+        return 1.0
+    return -1.0 if edges.min() < max(between_mm[0], ends_mm[0]) + near else 0.0
+
+
+def _with_seam(solid: Solid, seam: float) -> Solid:
+    match solid:
+        case Cylinder():
+            return replace(solid, seam=seam)
+        case RoundedOutlet():
+            return replace(solid, hole=replace(solid.hole, seam=seam))
+        case _:
+            return solid
+
+
+def _within(ends_mm: Heights, rounded: Mapping[RoundedOutlet, DrillBore]) -> Sequence[RoundedOutlet]:
+    """Return the rounded outlets beyond whose rim a body goes on along the crank."""
+    low, high = ends_mm
     rims = {one: _rim_z_mm(bore, one) for one, bore in rounded.items()}
     return [one for one, rim in rims.items() if low < rim.min() and rim.max() < high]
 

@@ -15,15 +15,13 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.bodies.solid.checked import ClosedForm, misfit, without_crumbs
-from cranktopo.bodies.solid.drilled import Heights, drilled_at
+from cranktopo.bodies.solid.drilled import BEYOND, Heights, drilled_at
 from cranktopo.bodies.solid.shapes import cut, fused
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import DimTags, unless_it_fails
 from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.table import drill_bores
 
-_BEYOND = 0.2
-"""Length of a tool beyond the middle over the drilling's radius."""
 _RIDGE = 1e-7
 """Largest share of the throw that tools may take besides: of a ridge between mouths that do not overlap."""
 _SIDES, _CHORDS = 360, 720
@@ -50,7 +48,7 @@ def heights_beyond(
         other = others.get(one.key)
         if other is None or one.alone or _are_images(one, other.in_second_half(2 * middle)):
             continue
-        ends = middle + _BEYOND * one.radius_mm, middle - _BEYOND * one.radius_mm
+        ends = middle + BEYOND * one.radius_mm, middle - BEYOND * one.radius_mm
         if _ridge_mm3(half, one, other, ends) < _RIDGE * throw_mm3:
             found |= {one: (-np.inf, ends[0]), other: (ends[1], np.inf)}
     return found

@@ -1,12 +1,15 @@
-"""Faces that are splines, and their seams: whether a surface that goes around a hole ends where it began."""
+"""Seams of faces: where that of a hole lies, and whether a spline around it ends where it began."""
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
+from cranktopo.bodies.solid.boundaries import edges_of, faces_of
 from cranktopo.numerics.gmsh_session import DimTags
+from cranktopo.throw.primitives import Cylinder
 
 _CLOSED_MM = 1e-5
 """Distance of both ends of a closed surface, that of edges in files: 1e-12 is usual, 6e-4 was found."""
@@ -22,6 +25,17 @@ def seams_closed(occ: Any, body: DimTags) -> bool:
     """
     seams = (tag for tag in _splines(occ, body) if _has_seam(tag))
     return all(min(_gap_mm(tag, 0), _gap_mm(tag, 1)) < _CLOSED_MM for tag in seams)
+
+
+def seam_turned(occ: Any, body: DimTags, cylinder: Cylinder) -> DimTags:
+    """Return the body of a cylinder, which must not lie along the crank, with its seam where it is wanted."""
+    around = (list(map(abs, edges_of(occ, face))) for face in faces_of(occ, body))
+    seam = next(edge for edges in around for edge in edges if edges.count(edge) == 2)
+    start, axis = np.array(cylinder.start), np.array(cylinder.axis) / np.linalg.norm(cylinder.axis)
+    now, wanted = np.array(occ.getCenterOfMass(1, seam)) - start, np.array([0.0, 0.0, cylinder.seam])
+    turn = math.atan2(np.cross(now, wanted) @ axis, now @ wanted - (now @ axis) * (wanted @ axis))
+    occ.rotate(body, *cylinder.start, *cylinder.axis, turn)
+    return body
 
 
 def has_splines(occ: Any, body: DimTags) -> bool:

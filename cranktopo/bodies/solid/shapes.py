@@ -17,7 +17,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import solver_error
 from cranktopo.base.frames import about_z_deg
 from cranktopo.bodies.solid.round_hole import ROUND_MM, add_round_hole, is_round, straight_sides_mm
-from cranktopo.bodies.solid.seams import has_splines, seams_closed
+from cranktopo.bodies.solid.seams import has_splines, seam_turned, seams_closed
 from cranktopo.numerics.gmsh_session import DimTags, with_option
 from cranktopo.throw.feature import Body
 from cranktopo.throw.primitives import (
@@ -53,7 +53,8 @@ def add_solid(occ: Any, solid: Solid, *, in_arcs: bool = False) -> DimTags:
     """
     match solid:
         case Cylinder(start, axis, radius):
-            return [(3, occ.addCylinder(*start, *axis, radius))]
+            body = [(3, occ.addCylinder(*start, *axis, radius))]
+            return seam_turned(occ, body, solid) if solid.seam else body
         case Box(low, size):
             return [(3, occ.addBox(*low, *size))]
         case Frustum(floor, mouth, corner_radii):
