@@ -1,4 +1,4 @@
-"""Two drillings of unlike halves that meet in the middle of the crankpin.
+"""Drillings of unlike halves that meet in the middle of the crankpin.
 
 Tools that end there in one plane leave crescents in it, micrometres wide and millimetres long, because one
 drilling leans more than the other: another kernel finds no triangles for them. Tools that go on a little
@@ -17,6 +17,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.bodies.solid.checked import ClosedForm, misfit, without_crumbs
 from cranktopo.bodies.solid.drilled import BEYOND, Heights, drilled_at
 from cranktopo.bodies.solid.shapes import cut, fused
+from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import DimTags, unless_it_fails
 from cranktopo.throw.drilling.bore import DrillBore
@@ -29,6 +30,27 @@ _SAME = 1e-9
 """Difference of directions, and of places in mm, that counts as none."""
 _PIECE, _AROUND = 0.6, 1.05
 """Length of the piece over that of the pin without fillets; radius of what it replaces over the pin's."""
+
+
+def reaches_over(bore: DrillBore, half: Scene) -> bool:
+    """Tell whether a bore of a half, roundings with it, reaches over the middle of the crankpin."""
+    return bore.heights_mm[1] > half.pitch_mm / 2
+
+
+def all_mirrored(scene: Scene) -> bool:
+    """Tell whether all drillings that both halves have over the middle of the crankpin are mirror images.
+
+    Each half is drilled by itself then, as in a throw of equal webs: where the rounding of an outlet ends in
+    the plane in which the halves meet the kernel finds its curve to 1e-5 mm, and to 0.02 mm where a tool ends
+    there.
+    """
+    first, second = (
+        [bore for bore in drill_bores(half) if not bore.alone and reaches_over(bore, half)]
+        for half in halves(scene)
+    )
+    pitch_mm = halves(scene)[0].pitch_mm  # of a throw of two first halves
+    images = [bore.in_second_half(scene.pitch_mm).in_second_half(pitch_mm) for bore in second]
+    return len(first) == len(images) and all(map(_are_images, first, images))
 
 
 def heights_beyond(

@@ -15,7 +15,7 @@ from cranktopo.bodies.solid.checked import ClosedForm, check_body, misfit, witho
 from cranktopo.bodies.solid.culprit import culprit
 from cranktopo.bodies.solid.drilled import drilled, drilled_at, to_middle
 from cranktopo.bodies.solid.joined import with_joined_edges
-from cranktopo.bodies.solid.mouths import drilled_in_one_piece, heights_beyond
+from cranktopo.bodies.solid.mouths import all_mirrored, drilled_in_one_piece, heights_beyond, reaches_over
 from cranktopo.bodies.solid.shapes import add_bodies, add_solid, cut, turned, turned_half
 from cranktopo.bodies.volume import (
     half_throw_volume_mm3,
@@ -229,7 +229,7 @@ def _late_bores(half: Scene, scene: Scene) -> list[DrillBore]:
 
 def _late(bore: DrillBore, half: Scene, scene: Scene) -> bool:
     """Tell whether a drilling has no mirror image in the other half, or another one, and reaches into it."""
-    return bore.alone or bool(difference(scene) and bore.heights_mm[1] > half.pitch_mm / 2)
+    return bore.alone or bool(difference(scene) and reaches_over(bore, half) and not all_mirrored(scene))
 
 
 def add_web(occ: Any, scene: Scene, *, pieces: int = 1) -> DimTags:
