@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import ClassVar, Self
+from typing import ClassVar, Self, cast
 
 import numpy as np
 from typing_extensions import override
@@ -18,6 +18,8 @@ from cranktopo.throw.feature import Body
 from cranktopo.throw.primitives import Arc, Curve, Extrusion, LineSegment, Point, Solid
 
 _FLATTEST = 1e-4
+_SAME_ARC = 1e-9
+"""Distance of an arc of an ellipse from one of a circle, over its radius, up to which CAD has a cylinder."""
 
 
 @dataclass(frozen=True)
@@ -135,8 +137,57 @@ class DraftedBevelTool(BevelTool):
         contour = self._contour(corners, 0.0, self.pieces)
         rise, run = arc.end_mm - arc.start_mm, arc.depth_mm
         path = -arc.outward * far * run / arc.chord_mm, self.into * far * rise / arc.chord_mm
-        return tuple(Extrusion(contour, (side * self.wide_mm, *path)) for side in (1, -1))
+        sides = (Extrusion(contour, (side * self.wide_mm, *path)) for side in (1, -1))
+        return tuple(map(_upright, sides)) if self.pieces == 1 and self._is_round else tuple(sides)
 
     @override
     def in_pieces(self, count: int) -> Self:
         return replace(self, pieces=count)
+
+    @property
+    def _is_round(self) -> bool:
+        """Tell whether its arc, which across the sweep is one of an ellipse, is as good as one of a circle.
+
+        Both through the same ends with the same crown are sin2(draft) angle4 / 32 apart, over the radius.
+        """
+        slope, angle = self.arc.drop, self.arc.chord_mm / (2 * self.arc.radius_mm)
+        return bool(0 < slope**2 / (1 + slope**2) * angle**4 / 32 < _SAME_ARC)
+
+
+def _upright(swept: Extrusion) -> Extrusion:
+    """Return a bevel's tool of one side, swept at right angles to its contour: a cylinder where it is curved.
+
+    It begins beyond x = 0, where it takes less than the tool of the other side.
+    """
+    (bend,) = (curve for curve in swept.contour if isinstance(curve, Arc))
+    lines = [curve for curve in swept.contour if isinstance(curve, LineSegment)]
+    path, middle = np.array(swept.path), (np.array(bend.start) + bend.end) / 2
+    along = path / np.linalg.norm(path)
+    back = max(abs((np.array(line.start) - middle) @ along) for line in lines)
+
+    def flat(point: Point) -> Point:
+        place = np.array(point)
+        return _point(place - ((place - middle) @ along + back) * along)
+
+    straight = (LineSegment(flat(line.start), flat(line.end)) for line in lines)
+    arc = _round(Arc(flat(bend.start), flat(bend.centre), flat(bend.end)), math.dist(bend.start, bend.centre))
+    return Extrusion((arc, *straight), _point(path + 2 * back * along))
+
+
+def _round(flat: Arc, radius_mm: float) -> Arc:
+    """Return the circle through both ends and the crown of an arc that was one before it was made flat.
+
+    Args:
+        flat: its ends lie as they did; its centre has come nearer to them, as its crown has.
+        radius_mm: that it had.
+    """
+    start, centre, end = map(np.array, (flat.start, flat.centre, flat.end))
+    middle, half = (start + end) / 2, math.dist(flat.start, flat.end) / 2
+    aside, deep = centre - middle, math.sqrt(radius_mm**2 - half**2)
+    near = float(np.linalg.norm(aside))
+    crown = (radius_mm - deep) * near / deep
+    return Arc(flat.start, _point(middle + aside * (half**2 - crown**2) / (2 * crown * near)), flat.end)
+
+
+def _point(place: Array) -> Point:
+    return cast(Point, tuple(place.tolist()))

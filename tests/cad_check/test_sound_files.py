@@ -18,10 +18,12 @@ SEAMS = 465, 687, 714
 """A tolerance of 1.3e-3 mm, an invalid face and strips where seams of holes lay in the middle of the pin."""
 MIRRORED = 511, 537
 """Tolerances of 0.02 and 1.5e-3 mm where roundings of unlike halves end in the middle of the pin."""
+BEVELS = (733,)
+"""A bevel's cylinders were swept curves."""
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [*SEAMS, *MIRRORED])
+@pytest.mark.parametrize("seed", [*SEAMS, *MIRRORED, *BEVELS])
 def test_the_file_is_sound(seed: int, tmp_path: Path) -> None:
     export_solid(featured_throw(seed), "throw", tmp_path / "throw.step")
     found = examined(tmp_path / "throw.step")

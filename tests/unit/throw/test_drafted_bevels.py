@@ -13,9 +13,13 @@ from numpy.typing import NDArray
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.shown_solid import display_half
+from cranktopo.bodies.solid.boundaries import faces_of
+from cranktopo.bodies.solid.checked import volume_mm3
 from cranktopo.bodies.solid.files import export_solid, surface_of
+from cranktopo.bodies.solid.throw import add_web
 from cranktopo.bodies.volume import half_throw_volume_mm3, web_volume_mm3
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 from cranktopo.tasks.extraction.release import shaped_undercuts
 from cranktopo.tasks.refit.family import Layout, exact_web_of
@@ -101,6 +105,19 @@ def test_no_draft_is_the_bevel_as_it_was(throw: Scene) -> None:
     (body,) = zero.web.bevel[0].bodies(zero, "web.bevel[0]")
     assert not isinstance(body, DraftedBevelTool)
     assert len(body.solids()) == 1
+
+
+@pytest.mark.parametrize(("crown_mm", "cylinders"), [(-2.6e-3, 4), (0.02, 4), (1.2, 2)])
+def test_an_arc_that_is_hardly_bent_is_a_cylinder(throw: Scene, crown_mm: float, cylinders: int) -> None:
+    """Swept obliquely it is one of an ellipse, no different from a circle then (random throw 733)."""
+    scene = scene_with_web(throw, {**RECTANGLE, "bevel": [{**PLANE, "draft_deg": 5.3, "crown_mm": crown_mm}]})
+    with cad_session("web") as gmsh:
+        body = add_web(gmsh.model.occ, scene)
+        built_mm3 = volume_mm3(gmsh.model.occ, body)
+        gmsh.model.occ.synchronize()
+        kinds = [gmsh.model.getType(2, face) for face in faces_of(gmsh.model.occ, body)]
+    assert kinds.count("Cylinder") == cylinders, "two of them are bores"
+    assert built_mm3 == pytest.approx(web_volume_mm3(scene), rel=1e-9)
 
 
 def slanted(scene: Scene, mesh: SurfaceMesh) -> tuple[Array, Array]:
