@@ -61,6 +61,8 @@ def _texts_in(module: str) -> dict[str, dict[str, str]]:
 
 def _classes(node: ast.AST, before: str) -> Iterator[tuple[str, ast.ClassDef]]:
     for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.expr):  # no class is in one, and most of a tree is
+            continue
         inner = before
         if isinstance(child, ast.ClassDef):
             yield before + child.name, child

@@ -135,16 +135,23 @@ def _burn_rate(model: Combustion, angle_deg: Array) -> Array:
 
 def _burn_integral(model: Combustion, angle_deg: Array) -> Array:
     """Integral of v^(n-1) dx from the start of burning to each angle (ascending, not before the start)."""
+    first = np.concatenate([[model.start_deg], angle_deg[:1]])  # alone: it may be as long as fifty others
+    return np.cumsum(np.concatenate([_burnt_between(model, ends) for ends in (first, angle_deg)]))
+
+
+def _burnt_between(model: Combustion, ends_deg: Array) -> Array:
+    """Integral of v^(n-1) dx over each step between ascending angles, by parts of at most 1 deg.
+
+    Over these the 4-point rule is good to 1e-8.
+    """
     nodes, weights = _gauss_points()
-    ends = np.concatenate([[model.start_deg], angle_deg])
-    # Long steps are halved until none exceeds 1 deg, so that the 4-point rule is good to 1e-8.
-    parts = max(1, int(np.ceil(np.diff(ends).max(initial=0.0))))
-    fine = np.linspace(ends[:-1], ends[1:], parts + 1, axis=1)
+    parts = max(1, int(np.ceil(np.diff(ends_deg).max(initial=0.0))))
+    fine = np.linspace(ends_deg[:-1], ends_deg[1:], parts + 1, axis=1)
     half = np.diff(fine, axis=1)[..., None] / 2
     points = (fine[:, :-1] + fine[:, 1:])[..., None] / 2 + half * nodes
     values = _volume(model, points) ** (model.gas.polytropic_expansion - 1.0) * _burn_rate(model, points)
     steps: Array = (values * weights * np.radians(half)).sum(axis=(1, 2))
-    return np.cumsum(steps)
+    return steps
 
 
 @cache

@@ -9,6 +9,7 @@ Orders with and without a half do not act on each other.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -67,7 +68,7 @@ class _Part:
         near = found[np.arange(count)[:, None] + np.arange(2 * self.reach + 1)]
         return np.asarray(square * (self.direct * near + self.mirrored * near.conj()).sum(axis=1))
 
-    @property
+    @cached_property
     def _sums(self) -> tuple[Complex, Complex]:
         return self.direct + self.mirrored, self.direct - self.mirrored
 
