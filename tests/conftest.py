@@ -8,6 +8,7 @@ import signal
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -16,8 +17,12 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from cranktopo.app import process
 from cranktopo.app.main import main
+from cranktopo.bodies.solid import step
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
+from cranktopo.engine.plan import planning
+from cranktopo.engine.vibration import vibrating_shaft
+from cranktopo.engine.vibration.steady import speeds_to_solve
 from cranktopo.numerics.precision import compile_quickly, double_precision
 
 if "PYTEST_XDIST_WORKER" in os.environ:
@@ -29,6 +34,9 @@ gc.set_threshold(*process._COLLECTING)
 
 # A suite that was started in the background ignores Ctrl-C, and so would the commands that it interrupts.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+_TRIANGLES_OF_USERS = dict(step._TRIANGULATION)
+_STEPS_OF_USERS: Any = speeds_to_solve.__defaults__
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -124,6 +132,55 @@ def coarse_pictures(request: pytest.FixtureRequest) -> Iterator[None]:
         if request.config.getoption("markexpr") == "not slow":
             patched.setattr("cranktopo.report.report_file._DPI", 50)
             patched.setattr("cranktopo.report.pdf_file._DPI", 100.0)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def coarse_triangles(request: pytest.FixtureRequest) -> Iterator[None]:
+    """A third of the CAD kernel's triangles, 1e-4 of a volume off; slow tests have all of them."""
+    with pytest.MonkeyPatch.context() as patched:
+        if request.config.getoption("markexpr") == "not slow":
+            patched.setitem(step._TRIANGULATION, "StlLinearDeflection", 0.03)
+            patched.setitem(step._TRIANGULATION, "StlAngularDeflection", 0.2)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def coarse_ranges(request: pytest.FixtureRequest) -> Iterator[None]:
+    """A third of the even steps over a range of speeds, beside all critical ones; slow tests have all."""
+    with pytest.MonkeyPatch.context() as patched:
+        if request.config.getoption("markexpr") == "not slow":
+            _, rise = _STEPS_OF_USERS
+            patched.setattr(speeds_to_solve, "__defaults__", (60, rise))
+        yield
+
+
+@pytest.fixture
+def every_step(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """All even steps over a range of speeds, for a test of what they give; none that was solved before."""
+    monkeypatch.setattr(speeds_to_solve, "__defaults__", _STEPS_OF_USERS)
+    solved = vibrating_shaft._solved_range, planning._plan
+    for one in solved:
+        one.cache_clear()
+    yield
+    for one in solved:
+        one.cache_clear()
+
+
+@pytest.fixture(scope="module")
+def fine_triangles() -> Iterator[None]:
+    """All of the CAD kernel's triangles, for tests of what they give."""
+    with pytest.MonkeyPatch.context() as patched:
+        for name, value in _TRIANGLES_OF_USERS.items():
+            patched.setitem(step._TRIANGULATION, name, value)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def unflushed() -> Iterator[None]:
+    """Files that this process writes are not waited for until the disk has them: no test cuts the power."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("cranktopo.base.files._flush", lambda _: None)
         yield
 
 

@@ -47,7 +47,7 @@ def scene() -> Any:
 
 
 @pytest.fixture(scope="module")
-def ends(scene: Any) -> list[EndView]:
+def ends(scene: Any, fine_triangles: None) -> list[EndView]:
     return end_views(crank_shape(scene))
 
 

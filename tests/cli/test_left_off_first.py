@@ -80,6 +80,7 @@ def test_it_is_said_before_anything_is_solved(
     assert LINE.split(" 25.")[0] in said
 
 
+@pytest.mark.usefixtures("every_step")
 @pytest.mark.parametrize(("line", "at"), IN_SHAFT)
 def test_a_vibration_that_is_off_is_said_of_the_shaft_too(
     line: str,

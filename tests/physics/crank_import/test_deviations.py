@@ -43,7 +43,7 @@ def imported(file: Path, folder: Path) -> ImportedHalf:
     return import_crank(file, "body", folder, unit="mm").halves[0]
 
 
-@pytest.mark.usefixtures("kernel_here")
+@pytest.mark.usefixtures("kernel_here", "fine_triangles")
 def test_scatter_of_the_pin_is_told_beside_its_diameter_alone(bevelled: Scene, tmp_path: Path) -> None:
     write_stl(tmp_path / "body.stl", scattered(kernel_surface_of(bevelled, "half")))
     half = imported(tmp_path / "body.stl", tmp_path / "out")

@@ -70,7 +70,7 @@ def test_the_web_is_that_of_the_exact_body(scene: Scene, moved_step: Callable[..
     assert found.web_mm3 == pytest.approx(web_volume_mm3(scene), rel=1e-8)
 
 
-@pytest.mark.usefixtures("kernel_here")
+@pytest.mark.usefixtures("kernel_here", "fine_triangles")
 def test_where_the_kernel_loses_a_part_triangles_tell_the_web(
     scene: Scene, moved_step: Callable[..., Path]
 ) -> None:

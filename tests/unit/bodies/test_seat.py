@@ -20,6 +20,8 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.seat import seat_mm
 from cranktopo.tasks.optimise.stage import RUN_TABLES
 
+pytestmark = pytest.mark.usefixtures("fine_triangles")
+
 HEAVY = 17000.0
 WEIGHT = {"outer_radius_mm": 62.0, "half_angle_deg": 60.0, "density_kg_m3": HEAVY}
 JOINT = {"thread": "M8", "grip_mm": 25.0, "holds": "web.counterweight"}
