@@ -1,4 +1,4 @@
-"""Runs of the density optimisation without what takes longer than their few iterations."""
+"""Runs and loops without what takes longer than the few iterations and steps that they are about."""
 
 from __future__ import annotations
 
@@ -19,4 +19,13 @@ def plain_runs() -> Iterator[None]:
         patch.setattr("cranktopo.tasks.optimise.finalise.run_page", lambda *_: None)
         patch.setattr("cranktopo.tasks.optimise.finalise.write_report", lambda *_: None)
         patch.setattr("cranktopo.tasks.optimise.finalise.cells_of_bound", lambda *_: None)
+        yield
+
+
+@contextmanager
+def plain_loops() -> Iterator[None]:
+    """Inside, loops of this process write no page and draw no plot of their steps: others show them."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("cranktopo.tasks.iterate.loop._write_page", lambda *_: None)
+        patch.setattr("cranktopo.tasks.iterate.loop.save_steps_plot", lambda *_: None)
         yield

@@ -22,6 +22,14 @@ WORDS = ["shaft", "mikron-iiic-plain", "--element-size-mm", "24", "--quiet"]
 SIZE_MM = 24.0
 
 
+def driven() -> dict[str, Any]:
+    """An engine with its propeller; the varying inertia is below its threshold, where the plan is quick."""
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
+    data["shaft"] = {"propeller": {"inertia_kg_m2": 0.6}}
+    data["effects"]["threshold"] = 0.5
+    return data
+
+
 def said(words: list[str], capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
     assert main([*words, "--json"]) == 0
     return dict(json.loads(capsys.readouterr().out))
@@ -76,8 +84,7 @@ def test_the_worst_resonance_is_among_the_speeds(capsys: pytest.CaptureFixture[s
 
 def test_torsion_is_not_counted_twice() -> None:
     """A shaft whose torsion the plan has on: the vibration is the same, and the torque beside it is other."""
-    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
-    data["shaft"] = {"propeller": {"inertia_kg_m2": 0.6}}
+    data = driven()
     found = []
     for switch in ("on", "off"):
         data["effects"]["torsional_vibration"] = switch
@@ -115,8 +122,7 @@ def test_what_cannot_vibrate_is_refused(capsys: pytest.CaptureFixture[str]) -> N
 
 def test_a_shaft_on_springs_in_words() -> None:
     """Journals that give way, and parts whose mass is not given."""
-    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
-    data["shaft"] = {"propeller": {"inertia_kg_m2": 0.6}}
+    data = driven()
     data["supports"]["bearing_spring_N_per_mm"] = 4e5
     found = assess_shaft(scene_from_dict(data), "spring", SIZE_MM, dynamic=True).dynamics
     assert found is not None

@@ -16,7 +16,7 @@ from cranktopo.runs.checkpoint import load_checkpoint, load_iteration
 from tests.plain_runs import plain_runs
 
 Capture = pytest.CaptureFixture[str]
-ITERATIONS = 4
+ITERATIONS = 3
 
 
 @pytest.fixture(scope="module")
@@ -96,6 +96,10 @@ def test_formats(run: Path, tmp_path: Path, capsys: Capture) -> None:
     glb = trimesh.load_mesh(extract(capsys, str(run), "--out", str(tmp_path / "web.glb"))["files"]["glb"])
     stl = trimesh.load_mesh(run / "web.stl")
     np.testing.assert_allclose(1000 * glb.bounds, stl.bounds, rtol=1e-5, atol=1e-3)
+
+
+@pytest.mark.slow
+def test_a_format_beside_the_run(run: Path, capsys: Capture) -> None:
     found = extract(capsys, str(run), "--format", "3mf")
     assert Path(found["files"]["3mf"]).read_bytes().startswith(b"PK")
 

@@ -66,7 +66,7 @@ NEEDED = [
 
 
 BENCH = ["bench", "mikron-iiic-plain", "--no-browser"]
-CORE = ["loads", "plan", "evaluate --element-size-mm 14"]
+CORE = ["loads", "plan", "evaluate --element-size-mm 20"]
 
 
 @pytest.fixture(scope="module")

@@ -33,6 +33,7 @@ from cranktopo.tasks.iterate.result import LoopResult
 from cranktopo.tasks.iterate.text import best_line
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLimits
 from cranktopo.throw.outline import ObroundWeb
+from tests.plain_runs import plain_loops
 
 Capture = pytest.CaptureFixture[str]
 
@@ -268,7 +269,8 @@ def test_manufacturing_limits_hold_in_every_step(
 
 def test_the_loop_ends_when_the_web_is_thin(quick: list[str], tmp_path: Path, capsys: Capture) -> None:
     out = tmp_path / "loop"
-    assert main([*ARGUMENTS, "--least-transition-mm", "19.5", "--out", str(out), "--json"]) == 0
+    with plain_loops():
+        assert main([*ARGUMENTS, "--least-transition-mm", "19.5", "--out", str(out), "--json"]) == 0
     data = json.loads(capsys.readouterr().out)
     assert "19.0 mm thick beside a journal, less than 19.5 mm" in data["stop_reason"]
     assert len(data["steps"]) == 2

@@ -20,6 +20,7 @@ from cranktopo.design.loading import load_scene
 from cranktopo.runs.checkpoint import load_checkpoint, save_checkpoint
 from cranktopo.runs.directories import RunStore
 from tests.cli.test_iterate import ARGUMENTS, with_stand_ins
+from tests.plain_runs import plain_loops
 
 HASH, FILE = "cranktopo.runs.directories.RunStore.record", "cranktopo.runs.stored.write_bytes"
 DONE_STEPS = 3
@@ -60,7 +61,7 @@ def lasting(run: Path) -> dict[str, Any]:
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     run = tmp_path_factory.mktemp("whole") / "run"
-    with pytest.MonkeyPatch.context() as patched:
+    with pytest.MonkeyPatch.context() as patched, plain_loops():
         with_stand_ins(patched)
         assert main([*ARGUMENTS, "--out", str(run), "--quiet"]) == 0
     return lasting(run)
@@ -78,11 +79,12 @@ def test_a_loop_killed_between_the_hash_and_the_file_of_a_step(
 ) -> None:
     with_stand_ins(monkeypatch)
     run, real = tmp_path / "run", RunStore.record if target == HASH else write_bytes
-    with killed_at(target, number, real), pytest.raises(Killed):
+    with plain_loops(), killed_at(target, number, real), pytest.raises(Killed):
         main([*ARGUMENTS, "--out", str(run), "--quiet"])
     assert json.loads((run / "manifest.json").read_text())["status"] == "running"
     assert len(list(run.rglob("step.json"))) == number
-    assert main(["iterate", "--resume", str(run), "--quiet"]) == 0
+    with plain_loops():
+        assert main(["iterate", "--resume", str(run), "--quiet"]) == 0
     assert lasting(run) == whole
     assert main(["report", str(run)]) == 0
 

@@ -63,7 +63,11 @@ import cranktopo.engine.load_cases
 cranktopo.engine.load_cases.__path__.append(folder)
 
 from cranktopo.app.main import main
-from tests.plain_runs import plain_runs
+
+if "optimise" in sys.argv:
+    from tests.plain_runs import plain_runs
+else:
+    from contextlib import nullcontext as plain_runs
 
 options = {
     "optimise": ["--resolution-mm", "4.5", "--max-iterations", "2", "--out", folder + "/run"],

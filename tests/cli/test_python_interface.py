@@ -90,7 +90,7 @@ def test_a_run_from_its_start_to_its_files(run: OptimisedRun, tmp_path: Path) ->
     assert again.metrics.iterations == 4
     assert cranktopo.report_run(str(run.folder), tmp_path / "run.md").is_file()
     found, path = cranktopo.extract_surface(str(run.folder), 3, tmp_path / "three.3mf", "3mf")
-    assert (found.iteration, path.stat().st_size > 1000) == (3, True)
+    assert (found.iteration, path.read_bytes()[:2], path.stat().st_size > 1000) == (3, b"PK", True)
     (entry,) = cranktopo.summarise_runs(run.folder.parent)
     assert (entry.status, entry.result) == ("done", "stopped")
     assert cranktopo.clean_runs(("failed",), True, run.folder.parent) == []

@@ -13,6 +13,7 @@ from cranktopo.base.errors import solver_error
 from cranktopo.bodies.raw_crankshaft import raw_crank_mass_kg, raw_crank_volume_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.crank import drawn_crank_mass
+from cranktopo.tasks.crank_drawing import sheet
 from cranktopo.tasks.crank_drawing.crank_shape import crank_shape
 from cranktopo.tasks.crank_drawing.raw_crank import raw_crank_figure, raw_crank_shape
 from tests.cli.test_crank_drawing import DAY, overlaps, small, words
@@ -64,6 +65,10 @@ def test_a_picture_has_one_sheet_and_a_raw_crank_that_cannot_be_built_none(
 
     monkeypatch.setattr("cranktopo.design.loading.load_scene", lambda *_, **__: raw_scene())
     monkeypatch.setattr("cranktopo.tasks.crank_drawing.sheet.raw_crank_shape", refused)
+    shape = crank_shape(raw_scene())
+    finished = sheet.crank_figure(raw_scene(), shape, DAY)
+    monkeypatch.setattr("cranktopo.tasks.crank_drawing.sheet.crank_shape", lambda *_: shape)
+    monkeypatch.setattr("cranktopo.tasks.crank_drawing.sheet.crank_figure", lambda *_: finished)
     assert main(["drawing", "small", str(tmp_path / "crank.svg")]) == 0
     assert "a .svg file has one sheet, without the raw crank: a .pdf has both" in capsys.readouterr().err
     assert main(["drawing", "small", str(tmp_path / "crank.pdf")]) == 0

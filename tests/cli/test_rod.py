@@ -47,7 +47,7 @@ def test_text_and_json_tell_the_same(capsys):
 def test_elements_are_told_beside_the_closed_form(capsys, tmp_path):
     """On coarse elements; a folder gets the result, a picture and the surface."""
     out = tmp_path / "found"
-    words = ("rod", "mikron-iiic-rod", "--fea", "--contact", "--element-size-mm", "9", "--out", str(out))
+    words = ("rod", "mikron-iiic-rod", "--fea", "--contact", "--element-size-mm", "12", "--out", str(out))
     code, text, _ = run(capsys, *words)
     assert code == 0
     assert "By finite elements on a quarter, rigid pins touch" in text

@@ -39,7 +39,7 @@ FAST = (
     "runs clean --root empty",
     "extract {run} --out web.stl",
     "export mikron-iiic-plain web.pdf",
-    "evaluate mikron-iiic --element-size-mm 9",
+    "evaluate mikron-iiic --element-size-mm 16",
 )
 """Command lines that a few seconds suffice for; between them and `SLOW` every command is called."""
 SLOW = (

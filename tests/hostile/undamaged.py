@@ -32,7 +32,7 @@ from cranktopo.tasks.web_shape import run as shape_run
 from cranktopo.tasks.web_shape.each_web import rounds, run
 from tests import sweep_cases
 from tests.cli.test_iterate import ARGUMENTS, with_stand_ins
-from tests.plain_runs import plain_runs
+from tests.plain_runs import plain_loops, plain_runs
 from tests.shaft_stand_in import told_shaft
 from tests.shape_stand_in import ShapeStandIn
 
@@ -113,7 +113,7 @@ def _shape(folder: Path) -> None:
 
 
 def _iterate(folder: Path) -> None:
-    with pytest.MonkeyPatch.context() as patched:
+    with pytest.MonkeyPatch.context() as patched, plain_loops():
         with_stand_ins(patched)
         assert main([*ARGUMENTS, "--out", str(folder / "run"), "--quiet"]) == 0
 

@@ -52,7 +52,7 @@ class Case:
 def case(request: pytest.FixtureRequest) -> Case:
     """A half throw with sharp edges, and one with fillets (curved elements) and a hole on one side only."""
     scene = mikron_with(0.0) if request.param == "sharp" else mikron_with(2.5, pocket=[LOPSIDED])
-    mesh = mesh_throw(scene, 9.0, quarter=False, graded=False).mesh
+    mesh = mesh_throw(scene, 13.0, quarter=False, graded=False).mesh
     model = elastic(mesh, scene)
     distance, order = cKDTree(model.nodes_mm.T).query(mesh.points_mm.T)
     assert distance.max() == 0.0

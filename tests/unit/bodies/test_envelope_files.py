@@ -49,7 +49,7 @@ def test_step_gives_the_cells_of_its_box(mikron: Scene, tmp_path: Path) -> None:
     for symmetric in (False, True):
         filed = with_envelope(mikron, shape="stl", file=str(path), symmetric=symmetric)
         extent = "quarter" if symmetric else "half"
-        found, wanted = (build_domain(scene, 4.0, extent=extent) for scene in (filed, plain))
+        found, wanted = (build_domain(scene, 6.0, extent=extent) for scene in (filed, plain))
         volume = float((wanted.design_fraction * wanted.volume_mm3).sum())
         assert float((found.design_fraction * found.volume_mm3).sum()) == pytest.approx(volume, rel=1e-6)
 
