@@ -52,7 +52,9 @@ def test_labels_of_the_front_view_are_apart(scene: Scene) -> None:
         assert not a.overlaps(b), (one.get_text(), other.get_text())
 
 
-@pytest.mark.parametrize("low_mm", [-35.0, -37.83, -38.6, -40.0, -42.0])
+@pytest.mark.parametrize(
+    "low_mm", [-35.0, -37.83, -42.0, *(pytest.param(low, marks=pytest.mark.slow) for low in (-38.6, -40.0))]
+)
 def test_leaders_of_the_front_view_are_apart(low_mm: float) -> None:
     """That of a station ran to the corner of the counterweight, from where that of its angle began."""
     web = ProfileWeb(

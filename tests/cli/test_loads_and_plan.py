@@ -234,7 +234,13 @@ def test_a_trace_that_counts_from_gas_exchange_is_told_the_key_and_its_value(cap
 
 
 @pytest.mark.parametrize(
-    ("late_deg", "firing_deg"), [(360.0, 360.0), (22.0, 22.0), (-15.0, 705.0), (0.0, 0.0), (4.25, 4.25)]
+    ("late_deg", "firing_deg"),
+    [
+        (360.0, 360.0),
+        (-15.0, 705.0),
+        (4.25, 4.25),
+        *(pytest.param(late, late, marks=pytest.mark.slow) for late in (22.0, 0.0)),
+    ],
 )
 def test_firing_dead_centre_of_the_trace_gives_the_loads_of_the_same_trace_from_0_deg(
     capsys, traced, late_deg, firing_deg

@@ -59,7 +59,15 @@ def check_refused(error: CranktopoError, size: Size, kW: float, ratio: float | N
     return "power"
 
 
-@pytest.mark.parametrize(("ratio", "kW"), [(20, 7), (20, 8.75), (20, 10), (18, 8.75), (22, 8.75), (23, 7)])
+@pytest.mark.parametrize(
+    ("ratio", "kW"),
+    [
+        (20, 10),
+        (18, 8.75),
+        (23, 7),
+        *(pytest.param(*case, marks=pytest.mark.slow) for case in ((20, 7), (20, 8.75), (22, 8.75))),
+    ],
+)
 def test_a_diesel_begins_with_its_power(ratio: float, kW: float) -> None:
     """Its peak is above what compression alone reaches; with that, burning for 60 deg gives more."""
     scene = began(DIESEL, kW, ratio)

@@ -46,7 +46,7 @@ def attitude(seed: int) -> tuple[np.ndarray, np.ndarray]:
     return Rotation.random(random_state=seed).as_matrix(), 100 * np.random.default_rng(seed).normal(size=3)
 
 
-@pytest.mark.parametrize("attitudes", [8, pytest.param(50, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("attitudes", [4, pytest.param(50, marks=pytest.mark.slow)])
 def test_attitudes_are_told_to_rounding(scene: Scene, lopsided: Path, attitudes: int) -> None:
     """The motion that is found, after the one that was made, is none."""
     with cad_session("attitudes") as gmsh:

@@ -62,7 +62,7 @@ def film_at(number: float, width: float, direction: float) -> float:
     return float(brentq(beyond, 0.01, 0.95, rtol=1e-3))
 
 
-@pytest.mark.parametrize("width", [0.25, 0.5, 1.0])
+@pytest.mark.parametrize("width", [0.25, pytest.param(0.5, marks=pytest.mark.slow), 1.0])
 @pytest.mark.parametrize("eccentricity", [0.3, pytest.param(0.9, marks=pytest.mark.slow), 0.95])
 def test_a_steady_bearing_of_din_31652(width: float, eccentricity: float) -> None:
     """So = F psi^2 / (D B eta w): film within 5 %, attitude within 4 deg.
@@ -76,7 +76,7 @@ def test_a_steady_bearing_of_din_31652(width: float, eccentricity: float) -> Non
     assert attitude == pytest.approx(attitude_deg(width, eccentricity), abs=4.0)
 
 
-@pytest.mark.parametrize("width", [0.25, 0.5, 1.0])
+@pytest.mark.parametrize("width", [0.25, pytest.param(0.5, marks=pytest.mark.slow), 1.0])
 @pytest.mark.parametrize("eccentricity", [0.6, 0.95])
 def test_a_pressed_bearing_of_din_31652(width: float, eccentricity: float) -> None:
     """So = F psi^2 / (D B eta de/dt): film within 4 %."""

@@ -106,7 +106,13 @@ def test_journals_alike_but_for_their_lengths_are_told_apart(name: str) -> None:
         placed(wrong, whole, "body.step", align=False)
 
 
-@pytest.mark.parametrize("name", WRONG)
+ALIGNED = "opposite", "end for end", "crank axis along x", "tilted", "all of it"
+"""A turn about each axis, one of them small, and one with a shift."""
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name not in ALIGNED)) for name in WRONG]
+)
 def test_align_moves_it_back(body: Manifold, mikron: Scene, name: str) -> None:
     rotation, shift, _ = WRONG[name]
     wrong = body.transform(np.column_stack([rotation, shift]))

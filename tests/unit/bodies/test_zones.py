@@ -323,7 +323,7 @@ def diesel(zone: dict[str, Any], **weight: Any) -> Scene:
         (LOW_CYLINDER, {}, {"counterweight_angle": -60.0}, "is not cut by the outline or counterweight"),
         (BEYOND_RIM, {}, {}, ""),
         (BEYOND_RIM, {}, {"counterweight_radius": 0.5}, FILLED),
-        (LOW_CYLINDER, {"thickness_mm": 10.0}, {}, ""),
+        pytest.param(LOW_CYLINDER, {"thickness_mm": 10.0}, {}, "", marks=pytest.mark.slow),
     ],
     ids=["as it is", "smaller", "narrower", "void beyond the rim", "larger", "thinner than the web"],
 )

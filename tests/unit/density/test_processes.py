@@ -50,7 +50,13 @@ def solid_of(density_chain: MaterialInterpolation, seed: int, level: float = 0.5
     return np.asarray(made(density_chain, noise(density_chain, seed), 8.0)) > level
 
 
-VARIANTS = "die through the faces", "drafted die through the faces", "mould", "mould through the faces"
+VARIANTS = (
+    "drafted die",
+    "die through the faces",
+    "drafted die through the faces",
+    "mould",
+    "mould through the faces",
+)
 
 
 @pytest.fixture(

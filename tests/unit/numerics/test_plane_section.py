@@ -14,7 +14,10 @@ from cranktopo.tasks.crank_drawing.crank_views import Lengthwise, lengthwise
 
 LOW, HIGH, THICK, AWAY = 30.0, 70.0, 11.0, 25.0
 """Top of a web at x = 0, corner of its counterweight, thickness, distance of two webs."""
-TURNS_DEG = np.random.default_rng(7).uniform(0.0, 360.0, 12)
+TURNS_DEG = [
+    pytest.param(turn, marks=[pytest.mark.slow] * (number % 2))
+    for number, turn in enumerate(np.random.default_rng(7).uniform(0.0, 360.0, 12))
+]
 
 
 def web(from_deg: float, to_deg: float, turn_deg: float) -> Manifold:

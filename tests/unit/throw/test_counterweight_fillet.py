@@ -135,7 +135,10 @@ SOLIDS: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {
 }
 
 
-@pytest.mark.parametrize("name", SOLIDS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name in ("half a disc", "tapered"))) for name in SOLIDS],
+)
 def test_solid_and_cells_agree(roomy: Scene, name: str, tmp_path: Any) -> None:
     """The CAD kernel to 1e-6, cells to their steps."""
     outline, counterweight, features = SOLIDS[name]

@@ -225,7 +225,7 @@ def test_a_counterweight_is_out_of_its_way(mikron: Scene) -> None:
         scene_with_web(small, {**data, "bevel": [{**plain, "depth_mm": 2.0, "draft_deg": 6.0}]})
 
 
-@pytest.mark.parametrize("crown_mm", [0.0, 1.5, -1.5])
+@pytest.mark.parametrize("crown_mm", [0.0, 1.5, pytest.param(-1.5, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("face", ["journal", "pin"])
 def test_signed_distance_is_that_of_the_solid(throw: Scene, face: Any, crown_mm: float) -> None:
     """Its sign by the sections of the body; its size by a move along its own slope, whose length is 1."""
