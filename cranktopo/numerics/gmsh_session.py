@@ -151,8 +151,8 @@ def _failures(gmsh: Any, what: str) -> Iterator[None]:
         ) from None
 
 
-def unless_it_fails(make: Callable[[], DimTags]) -> DimTags:
-    """Return the bodies that are made in an open session; none where gmsh fails.
+def unless_it_fails(make: Callable[[], list[_Built]]) -> list[_Built]:
+    """Return what is made in an open session, such as bodies; nothing where gmsh fails.
 
     It raises the bare class then; anything else is a defect.
     """

@@ -17,7 +17,7 @@ from tests.studies.second_kernel import LARGEST_TOLERANCE_MM, MESH_ERROR
 pytestmark = pytest.mark.slow
 
 
-@pytest.mark.parametrize("seed", [348, 350, 463, 777])
+@pytest.mark.parametrize("seed", [348, 350, 403, 463, 777])
 def test_a_second_kernel_reads_it_as_a_sound_body(seed: int, tmp_path: Path) -> None:
     path = tmp_path / "throw.step"
     export_solid(featured_throw(seed), "throw", path)

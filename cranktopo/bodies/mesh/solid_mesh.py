@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.frames import Parity, Span
 from cranktopo.bodies.solid.checked import SolidProperties, check_parts, solid_properties, volume_mm3
-from cranktopo.bodies.solid.throw import add_full_throw, add_half_throw
+from cranktopo.bodies.solid.throw import add_full_throw, add_half_throw, half_form, throw_form
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.crank_throws import refuse_flying_web, refuse_split_pins
 from cranktopo.design.halves import difference, halves, may_mirror, usual_scale, web_asymmetry
@@ -181,10 +181,10 @@ class _Body:
         """Build it in an open session; return the properties for both signs of x."""
         occ, scene = gmsh.model.occ, self.scene
         solid = (add_full_throw if self.whole else add_half_throw)(occ, scene, by_tools=self.by_tools)
-        properties = solid_properties(occ, solid)
+        properties = solid_properties(occ, solid, (throw_form if self.whole else half_form)(scene))
         if self.mirrored:
-            side = positive_x(occ, solid, scene.pitch_mm)
-            check_parts(2 * volume_mm3(occ, side), properties.volume_mm3)
+            both = volume_mm3(occ, solid)
+            check_parts(2 * volume_mm3(occ, positive_x(occ, solid, scene.pitch_mm)), both)
         return properties
 
 

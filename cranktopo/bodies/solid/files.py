@@ -27,7 +27,7 @@ from cranktopo.bodies.solid.bolted import (
     with_threads,
 )
 from cranktopo.bodies.solid.boundaries import apart_mm
-from cranktopo.bodies.solid.checked import DOUBTFUL, VOLUME_TOLERANCE, ClosedForm
+from cranktopo.bodies.solid.checked import DOUBTFUL, VOLUME_TOLERANCE, ClosedForm, settled_volume_mm3
 from cranktopo.bodies.solid.crankshaft import add_crankshaft, add_end, placed_throws
 from cranktopo.bodies.solid.drilled import drilled
 from cranktopo.bodies.solid.facets import OTHER_SIZES, closed_facets, open_error
@@ -38,7 +38,14 @@ from cranktopo.bodies.solid.rod import add_rod
 from cranktopo.bodies.solid.shapes import turned_half
 from cranktopo.bodies.solid.step import StepLabel, closed_surface, kernel_surface, label_step
 from cranktopo.bodies.solid.thin_faces import thin_face_words, thin_faces
-from cranktopo.bodies.solid.throw import add_full_throw, add_half_throw, add_web, built
+from cranktopo.bodies.solid.throw import (
+    add_full_throw,
+    add_half_throw,
+    add_web,
+    built,
+    half_form,
+    throw_form,
+)
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.checks.scene import check_solid
 from cranktopo.design.crank import Side
@@ -159,7 +166,8 @@ def export_solid(
         with cad_session(f"{part} of {scene.name}") as gmsh:
             body = _add(gmsh.model.occ, scene, part, threads=True)
             beside = [] if suffix == ".stl" else _bolted(gmsh.model.occ, scene, part)
-            volumes = [float(gmsh.model.occ.getMass(*pair)) for pair in (*body, *beside)]
+            volumes = _volumes_mm3(gmsh.model.occ, scene, part, body)
+            volumes += [float(gmsh.model.occ.getMass(*pair)) for pair in beside]
             gmsh.model.occ.synchronize()
             apart = apart_mm(gmsh)
             if suffix == ".stl":
@@ -175,6 +183,16 @@ def export_solid(
             label_step(temporary, replace(label, apart_mm=apart))
             read_back(temporary, volumes)
     return sum(volumes[: len(body)])
+
+
+def _volumes_mm3(occ: Any, scene: Scene, part: SolidPart, body: DimTags) -> list[float]:
+    """Return volumes of a part's bodies, by triangles where the kernel integrates a half or a throw wrong."""
+    if part not in ("half", "throw"):
+        return [float(occ.getMass(*pair)) for pair in body]
+    half = part == "half"
+    form = half_form(scene) if half else throw_form(scene)
+    less = ClosedForm(form.volume_mm3 - threads_mm3(scene, half=half), form.roundings_mm3)
+    return [settled_volume_mm3(occ, body, less)]
 
 
 def _write_facets(gmsh: Any, body: DimTags, part: SolidPart, facet_mm: float, path: Path, name: str) -> None:
