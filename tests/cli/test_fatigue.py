@@ -128,7 +128,7 @@ def test_two_methods_share_the_unit_loads(monkeypatch: pytest.MonkeyPatch) -> No
     """Every target is meshed and solved once, and its shaft's stiffness is found once, for lsa and fkm."""
     solved, told, held = [], [], []
 
-    def solve(target: Target, kinds: object, _: float) -> str:
+    def solve(target: Target, kinds: object, _: float, **__: object) -> str:
         solved.append((target.name, kinds))
         return f"model {target.name}"
 
