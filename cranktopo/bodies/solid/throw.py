@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any, Protocol
 
 from cranktopo.base.errors import CranktopoError
@@ -147,11 +147,13 @@ def _inside_mm(journal: Journal, other: Journal, radius_mm: float) -> float:
     return journal.clear_radius_mm + other.bore_radius_mm - radius_mm
 
 
+@lru_cache(maxsize=8)
 def half_form(scene: Scene) -> ClosedForm:
     """Return the closed form of a half throw."""
     return ClosedForm(half_throw_volume_mm3(scene), outlet_roundings_mm3(scene))
 
 
+@lru_cache(maxsize=8)
 def throw_form(scene: Scene) -> ClosedForm:
     """Return the closed form of a throw."""
     return ClosedForm(throw_volume_mm3(scene), sum(of_halves(scene, outlet_roundings_mm3)))
