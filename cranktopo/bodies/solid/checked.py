@@ -156,13 +156,6 @@ def _off(volume_mm3: float, expected: ClosedForm) -> float:
     return abs(volume_mm3 - expected.volume_mm3) / expected.allowed_mm3
 
 
-def settled_volume_mm3(occ: Any, body: DimTags, form: ClosedForm) -> float:
-    """Return the volume of one checked body: by triangles where the kernel integrates it wrong."""
-    ((_, tag),) = _solids(body)
-    volume = float(occ.getMass(3, tag))
-    return triangulated_volume_mm3(tag) if _off(volume, form) > 1 else volume
-
-
 def without_crumbs(occ: Any, bodies: DimTags, form: ClosedForm) -> DimTags:
     """Return the largest body alone where it has the whole volume: tools that overlap leave crumbs."""
     solids = sorted(_solids(bodies), key=lambda pair: -occ.getMass(*pair))

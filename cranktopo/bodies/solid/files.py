@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from cranktopo.base.arrays import Int64
 from cranktopo.base.errors import solver_error
 from cranktopo.base.files import as_path, replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
@@ -27,7 +21,7 @@ from cranktopo.bodies.solid.bolted import (
     with_threads,
 )
 from cranktopo.bodies.solid.boundaries import apart_mm
-from cranktopo.bodies.solid.checked import DOUBTFUL, VOLUME_TOLERANCE, ClosedForm, settled_volume_mm3
+from cranktopo.bodies.solid.checked import DOUBTFUL, VOLUME_TOLERANCE, ClosedForm, solid_properties
 from cranktopo.bodies.solid.crankshaft import add_crankshaft, add_end, placed_throws
 from cranktopo.bodies.solid.drilled import drilled
 from cranktopo.bodies.solid.facets import OTHER_SIZES, closed_facets, open_error
@@ -55,6 +49,7 @@ from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.cad_volume import triangulated_volume_mm3
 from cranktopo.numerics.gmsh_session import DELAUNAY, DimTags, cad_session, quiet_stdout, triangles
+from cranktopo.numerics.outward_faces import orient_outward
 from cranktopo.runs.destination import check_file
 from cranktopo.runs.manifest import versions
 from cranktopo.throw.drilling.table import drill_bores
@@ -65,77 +60,11 @@ if TYPE_CHECKING:
     from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
 
-_TRIANGLE = 2
 _FRAME = "z along the crank axis, y along the throw, origin at the mid-main-journal plane"
 _FRAMES: dict[SolidPart, str] = {
     "rod": "z along the crank axis, y along the rod, origin at the axis of its big end",
     "balancer": "z along the shaft, origin at its first end, holes across along x",
 }
-
-
-def _orient_outward(gmsh: Any, faces: list[int]) -> None:
-    """Turn the triangles of whole CAD faces of one closed body so that all normals point out of it.
-
-    gmsh's own rule shoots a ray from each face and errs where that passes near an edge. Neighbours tell: two
-    faces agree where they run along their common edge in opposite directions; the volume tells which side
-    is out.
-    """
-    from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-
-    found = {face: gmsh.model.mesh.getElementsByType(_TRIANGLE, face)[1] for face in faces}
-    tags = {face: np.asarray(nodes, dtype=np.int64).reshape(-1, 3) for face, nodes in found.items()}
-    turned, points = _turned(tags), _points(gmsh)
-    volumes = {face: SurfaceMesh(points, corners).volume_mm3 for face, corners in tags.items()}
-    volume = sum(-own if turned[face] else own for face, own in volumes.items())
-    wrong = [(2, face) for face in faces if turned[face] != (volume < 0)]
-    if wrong:
-        gmsh.model.mesh.reverse(wrong)
-
-
-def _points(gmsh: Any) -> NDArray[np.float64]:
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    points = np.zeros((int(tags.max()) + 1, 3))
-    points[tags.astype(np.int64)] = coordinates.reshape(-1, 3)
-    return points
-
-
-def _turned(tags: dict[int, Int64]) -> dict[int, bool]:
-    neighbours = _neighbours(tags)
-    turned: dict[int, bool] = {}
-    for first in tags:
-        waiting = [] if first in turned else [first]
-        turned.setdefault(first, False)
-        while waiting:
-            face = waiting.pop()
-            for other, against in neighbours[face]:
-                if other not in turned:
-                    turned[other] = turned[face] != against
-                    waiting.append(other)
-    return turned
-
-
-def _neighbours(tags: dict[int, Int64]) -> dict[int, list[tuple[int, bool]]]:
-    """Faces that share an edge with each face, and whether they run along it in the same direction."""
-    sides: dict[tuple[int, int], list[tuple[int, bool]]] = defaultdict(list)
-    for face, corners in tags.items():
-        for start, end in _border(corners):
-            sides[min(start, end), max(start, end)].append((face, start < end))
-    found: dict[int, list[tuple[int, bool]]] = defaultdict(list)
-    for (face, forward), *others in sides.values():
-        for other, along in others:
-            if other != face:
-                found[face].append((other, along == forward))
-                found[other].append((face, along == forward))
-    return found
-
-
-def _border(triangles: Int64) -> list[tuple[int, int]]:
-    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    if not len(edges):
-        return []
-    _, place, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
-    alone = edges[count[place.ravel()] == 1]
-    return [(int(start), int(end)) for start, end in alone]
 
 
 _FACET_MM = 1.0
@@ -169,7 +98,6 @@ def export_solid(
             volumes = _volumes_mm3(gmsh.model.occ, scene, part, body)
             volumes += [float(gmsh.model.occ.getMass(*pair)) for pair in beside]
             gmsh.model.occ.synchronize()
-            apart = apart_mm(gmsh)
             if suffix == ".stl":
                 name = f"{part} of {scene.name}"
                 _write_facets(gmsh, body, part, facet_mm or _usual_facet_mm(scene), temporary, name)
@@ -178,9 +106,8 @@ def export_solid(
                     warn(f"{part} of {scene.name}: {thin_face_words(thin)}")
                 with quiet_stdout():
                     gmsh.write(str(temporary))
+                label_step(temporary, _label(scene, part, time_of_writing(started), apart_mm(gmsh)))
         if suffix != ".stl":
-            label = _label(scene, part, time_of_writing(started))
-            label_step(temporary, replace(label, apart_mm=apart))
             read_back(temporary, volumes)
     return sum(volumes[: len(body)])
 
@@ -192,7 +119,7 @@ def _volumes_mm3(occ: Any, scene: Scene, part: SolidPart, body: DimTags) -> list
     half = part == "half"
     form = half_form(scene) if half else throw_form(scene)
     less = ClosedForm(form.volume_mm3 - threads_mm3(scene, half=half), form.roundings_mm3)
-    return [settled_volume_mm3(occ, body, less)]
+    return [solid_properties(occ, body, less).volume_mm3]
 
 
 def _write_facets(gmsh: Any, body: DimTags, part: SolidPart, facet_mm: float, path: Path, name: str) -> None:
@@ -344,7 +271,7 @@ def _remove_loose(occ: Any) -> int:
     return before - len(occ.getEntities())
 
 
-def _label(scene: Scene, part: SolidPart, written: datetime) -> StepLabel:
+def _label(scene: Scene, part: SolidPart, written: datetime, apart_mm: float) -> StepLabel:
     names = {"half": "half throw", "raw": "raw part", "balancer": "balancer shaft"}
     version = versions()["cranktopo"] or "unknown version"
     product = f"{scene.name} {names.get(part, part.replace('_', ' '))}"
@@ -356,6 +283,7 @@ def _label(scene: Scene, part: SolidPart, written: datetime) -> StepLabel:
         version,
         written,
         plug_names(scene) if part == "plugs" else (product, *bolted) if bolted else (),
+        apart_mm,
     )
 
 
@@ -378,7 +306,7 @@ def _triangulate(gmsh: Any, body: DimTags, part: SolidPart, facet_mm: float) -> 
     gmsh.model.mesh.generate(2)
     for pair in body:
         if pair[0] == 3:
-            _orient_outward(gmsh, [tag for _, tag in gmsh.model.getBoundary([pair], oriented=False)])
+            orient_outward(gmsh, [tag for _, tag in gmsh.model.getBoundary([pair], oriented=False)])
 
 
 def read_back(path: Path, volumes: list[float]) -> None:

@@ -260,16 +260,8 @@ class _Contour:
         return self._points[point]
 
 
-def add_bodies(occ: Any, bodies: Sequence[Body], *, in_arcs: bool = True) -> DimTags:
-    """Add the material that bodies leave; return (dimension, tag) pairs.
-
-    The sides of a drafted bevel meet in x = 0, where one curve around an ellipse has its seam: the kernel now
-    and then cuts nothing on one side then.
-
-    Args:
-        in_arcs: make an ellipse with such a bevel of arcs.
-    """
-    in_arcs = in_arcs and any(body.oblique for body in bodies)
+def add_bodies(occ: Any, bodies: Sequence[Body], *, in_arcs: bool = False) -> DimTags:
+    """Add the material that bodies leave; return (dimension, tag) pairs. `in_arcs` as of `add_solid`."""
     web, *more = add_all(occ, [body for body in bodies if body.adds], in_arcs=in_arcs)
     material = [web] if not more else list(occ.fuse([web], more)[0])
     return cut(occ, material, add_all(occ, [body for body in bodies if not body.adds]))

@@ -237,14 +237,15 @@ def _late(bore: DrillBore, half: Scene, scene: Scene) -> bool:
 def add_web(occ: Any, scene: Scene, *, pieces: int = 1) -> DimTags:
     """Add the web between its two faces, bores and features cut out; return (dimension, tag) pairs.
 
-    Of a bevel with a draft on an ellipse the kernel now and then cuts one side alone, by where the ellipse
-    begins: where two arcs misfit it is one curve.
+    The sides of a bevel with a draft meet in x = 0, where one curve around an ellipse has its seam: the
+    kernel now and then cuts one side alone then. Where two arcs misfit, too, the ellipse is one curve.
     """
     bodies = [body.in_pieces(pieces) for body in web_bodies(scene)]
-    web, drafted = add_bodies(occ, bodies), any(body.oblique for body in bodies)
+    drafted = any(body.oblique for body in bodies)
+    web = add_bodies(occ, bodies, in_arcs=drafted)
     if drafted and misfit(occ, web, ClosedForm(web_moments(scene).volume)) > 1:
         occ.remove(web, recursive=True)
-        web = add_bodies(occ, bodies, in_arcs=False)
+        web = add_bodies(occ, bodies)
     return web
 
 

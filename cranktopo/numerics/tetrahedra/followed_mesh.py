@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array, Index
 from cranktopo.base.errors import CranktopoError
 from cranktopo.numerics.tetrahedra.cad_mesh import TET10
-from cranktopo.numerics.tetrahedra.mesh import EDGES, TetMesh, straighten_folded, volume_ratios
+from cranktopo.numerics.tetrahedra.mesh import TetMesh, edge_ends, straighten_folded, volume_ratios
 from cranktopo.numerics.tetrahedra.spring_net import SpringNet
 from cranktopo.numerics.tetrahedra.stress import boundary_faces
 
 _SPLINES = ("BSpline surface", "Bezier surface")
 """Faces on which the kernel takes 250 us for the nearest point, on others 1: nodes keep their parameters."""
+_Structure = tuple[tuple[int, int, str, tuple[int, ...]], ...]
 _RATIOS = 0.2, 3.0
 """Volume of a moved element over what it was: beyond, a new mesh is the better one."""
 
@@ -38,9 +39,7 @@ class _Entity:
 
     def placed(self, gmsh: Any) -> Array:
         """Return the points of the open session's body at the shares, (3, n)."""
-        low, high = (
-            np.array(end) for end in gmsh.model.getParametrizationBounds(self.dimension, self.number)
-        )
+        low, high = _bounds(gmsh, self.dimension, self.number)
         at = (low + self.shares * (high - low)).ravel()
         return _points(gmsh.model.getValue(self.dimension, self.number, at))
 
@@ -63,7 +62,7 @@ class FollowedMesh:
     """
 
     mesh: TetMesh
-    structure: tuple[tuple[int, int, str, tuple[int, ...]], ...]
+    structure: _Structure
     corners: tuple[tuple[int, int], ...]
     parts: tuple[_Entity, ...]
 
@@ -128,11 +127,7 @@ class FollowedMesh:
 
     @cached_property
     def _ends(self) -> Index:
-        """Both corners of the edge of each middle node, (2, nodes); of corners zero."""
-        ends = np.zeros((2, self.mesh.points_mm.shape[1]), dtype=np.intp)
-        for k, pair in enumerate(EDGES):
-            ends[:, self.mesh.cells[4 + k]] = self.mesh.cells[list(pair)]
-        return ends
+        return edge_ends(self.mesh.cells)
 
     @cached_property
     def _skin_faces(self) -> Index:
@@ -153,12 +148,10 @@ def followed_mesh(gmsh: Any, mesh: TetMesh) -> FollowedMesh:
     tags, _, _ = gmsh.model.mesh.getNodes()
     _, used = gmsh.model.mesh.getElementsByType(TET10)
     number = np.zeros(int(tags.max()) + 1, dtype=np.intp)
-    number[tags[np.isin(tags, used)]] = np.arange(
-        mesh.points_mm.shape[1]
-    )  # compact, in the order of `getNodes`
-    corners = [
-        (tag, int(number[gmsh.model.mesh.getNodes(0, tag)[0][0]])) for _, tag in gmsh.model.getEntities(0)
-    ]
+    # As `extract_mesh` numbers them: those of elements, in the order of `getNodes`.
+    number[tags[np.isin(tags, used)]] = np.arange(mesh.points_mm.shape[1])
+    points = [tag for _, tag in gmsh.model.getEntities(0)]
+    corners = [(tag, int(number[gmsh.model.mesh.getNodes(0, tag)[0][0]])) for tag in points]
     parts = tuple(_entity(gmsh, number, *one) for d in (1, 2) for one in gmsh.model.getEntities(d))
     return FollowedMesh(mesh, _structure(gmsh), tuple(corners), parts)
 
@@ -174,7 +167,7 @@ def _bounds(gmsh: Any, dimension: int, tag: int) -> tuple[Array, Array]:
     return np.asarray(low), np.asarray(high)
 
 
-def _structure(gmsh: Any) -> tuple[tuple[int, int, str, tuple[int, ...]], ...]:
+def _structure(gmsh: Any) -> _Structure:
     entities = (entity for d in range(3) for entity in gmsh.model.getEntities(d))
     return tuple(
         (d, tag, gmsh.model.getType(d, tag), tuple(map(int, gmsh.model.getAdjacencies(d, tag)[1])))

@@ -78,6 +78,14 @@ def volume_ratios(points_mm: Array, before_mm: Array, cells: NDArray[np.int64]) 
     return np.asarray(now / was)
 
 
+def edge_ends(cells: NDArray[np.int64]) -> NDArray[np.intp]:
+    """Return both corners of the edge of each middle node, (2, nodes); zero of corners."""
+    ends = np.zeros((2, int(cells.max()) + 1), dtype=np.intp)
+    for k, pair in enumerate(EDGES):
+        ends[:, cells[4 + k]] = cells[list(pair)]
+    return ends
+
+
 def _straight(points: Array, cells: NDArray[np.int64]) -> Array:
     nodes = points[:, cells]
     for k, (a, b) in enumerate(EDGES):

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array, Index
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.numerics.tetrahedra.mesh import EDGES, TetMesh, least_jacobian_ratio
+from cranktopo.numerics.tetrahedra.mesh import TetMesh, edge_ends, least_jacobian_ratio
 from cranktopo.numerics.tetrahedra.moving_faces import Contact, LeadingFace, MovingFace
 from cranktopo.numerics.tetrahedra.numbered_mesh import numbered_mesh
 from cranktopo.numerics.tetrahedra.spring_net import MotionRules, SpringNet
@@ -51,12 +51,11 @@ class MovedMesh:
         self._surface, self._triangles, self._on, self._still = _surface_nodes(
             self.mesh, self._faces, self.values, stands, body
         )
-        self._ends = _edge_ends(self.mesh.cells)
         self._corners = int(self.mesh.cells[:4].max()) + 1
+        self._ends = edge_ends(self.mesh.cells)[:, self._corners :]
         corners = self.mesh.points_mm[:, : self._corners]
-        self._skin, self._body = (
-            SpringNet(corners, cells) for cells in (self._triangles, self.mesh.cells[:4])
-        )
+        self._skin = SpringNet(corners, self._triangles)
+        self._body = SpringNet(corners, self.mesh.cells[:4])
 
     def distances_mm(self, points_mm: Array, values: Array) -> Array:
         """Return the largest distance of the surface nodes from each of their faces, mm, (faces,)."""
@@ -158,15 +157,6 @@ def _numbered(mesh: TetMesh) -> TetMesh:
     """Return the mesh with its nodes numbered as scikit-fem numbers them, corners first."""
     body = numbered_mesh(mesh.points_mm, mesh.cells)
     return TetMesh(body.doflocs, body.dofs.element_dofs, mesh.mirrored)
-
-
-def _edge_ends(cells: Index) -> Index:
-    """Return both corners of every edge node, (2, edge nodes)."""
-    corners = int(cells[:4].max()) + 1
-    ends = np.zeros((2, int(cells.max()) + 1 - corners), dtype=np.intp)
-    for k, pair in enumerate(EDGES):
-        ends[:, cells[4 + k] - corners] = cells[list(pair)]
-    return ends
 
 
 def _surface_nodes(

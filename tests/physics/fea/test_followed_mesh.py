@@ -66,10 +66,9 @@ def test_its_elements_stay_and_fill_the_new_body(followed: Followed) -> None:
     assert abs(missing[1]) < 1.3 * max(abs(missing[0]), abs(missing[2])), missing
 
 
+@pytest.mark.parametrize("followed", ["fillets-and-web", "outlets"], indirect=True)
 def test_nodes_of_the_fillets_lie_on_the_new_fillets(followed: Followed) -> None:
     first, moved, scene = followed
-    if moved.whole:
-        pytest.skip("nodes of a whole throw are told by half")
     corners = np.unique(first.mesh.cells[:4])  # on coarse meshes some edges are straight
     before = scene_of(DRILLED if scene.name == "industrial-gas" else PLAIN)
     for fillet in ("journal", "pin"):

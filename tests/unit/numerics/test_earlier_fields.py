@@ -7,24 +7,18 @@ from unittest.mock import patch
 
 import numpy as np
 import pytest
-from skfem import MeshTet
 
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.tetrahedra import solver
 from cranktopo.numerics.tetrahedra.earlier_fields import EarlierFields
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
-from cranktopo.numerics.tetrahedra.mesh import TetMesh, quadratic
+from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from tests.unit.numerics.cubes import cube_mesh
 
 
 @pytest.fixture(scope="module")
 def mesh() -> TetMesh:
-    cube = MeshTet.init_tensor(*[np.linspace(0.0, 1.0, 6)] * 3)
-    corners = cube.t.T.astype(np.int64)
-    at = cube.p.T[corners]
-    volume = np.einsum("ij,ij->i", np.cross(at[:, 1] - at[:, 0], at[:, 2] - at[:, 0]), at[:, 3] - at[:, 0])
-    corners[volume < 0] = corners[volume < 0][:, [1, 0, 2, 3]]
-    points, cells = quadratic(cube.p.T, corners)
-    return TetMesh(points, cells, False)
+    return cube_mesh(5)
 
 
 def body(mesh: TetMesh, longer: float, earlier: EarlierFields | None = None) -> Elasticity:

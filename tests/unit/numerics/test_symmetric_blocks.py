@@ -2,32 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from unittest.mock import patch
 
 import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
-from skfem import Basis, ElementTetP2, ElementVector, MeshTet, asm
+from skfem import Basis, ElementTetP2, ElementVector, asm
 from skfem.models.elasticity import linear_elasticity
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.numerics.tetrahedra import solver
 from cranktopo.numerics.tetrahedra.elasticity import STIFFNESS_ORDER, Elasticity, assemble, lame_constants_MPa
-from cranktopo.numerics.tetrahedra.mesh import TetMesh, quadratic
 from cranktopo.numerics.tetrahedra.solver import cholesky, solve_directly
+from tests.unit.numerics.cubes import cube_mesh
 
 YOUNGS, POISSON = 210.0, 0.3
 
 
 @pytest.fixture(scope="module")
 def bent() -> Elasticity:
-    cube = MeshTet.init_tensor(*[np.linspace(0.0, 1.0, 4)] * 3)
-    corners = cube.t.T.astype(np.int64)
-    at = cube.p.T[corners]
-    volume = np.einsum("ij,ij->i", np.cross(at[:, 1] - at[:, 0], at[:, 2] - at[:, 0]), at[:, 3] - at[:, 0])
-    corners[volume < 0] = corners[volume < 0][:, [1, 0, 2, 3]]
-    points, cells = quadratic(cube.p.T, corners)
-    return assemble(TetMesh(points + 0.05 * np.sin(2.0 * points[[1, 2, 0]]), cells, False), YOUNGS, POISSON)
+    cube = cube_mesh(3)
+    bent_mm = cube.points_mm + 0.05 * np.sin(2.0 * cube.points_mm[[1, 2, 0]])
+    return assemble(replace(cube, points_mm=bent_mm), YOUNGS, POISSON)
 
 
 def held(body: Elasticity) -> np.ndarray:
