@@ -27,7 +27,7 @@ from cranktopo.tasks.throw_fatigue.m53 import ConcentrationFactors, FilletCheck,
 from cranktopo.tasks.throw_fatigue.mesh_quality import RuleQuality
 from cranktopo.tasks.throw_fatigue.result import AlternatingLoads, FatigueResult
 from cranktopo.tasks.throw_fatigue.rule_check import RuleCheck
-from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION
 from cranktopo.tasks.throw_fea.evaluation import Evaluation
 from cranktopo.tasks.throw_fea.quantities import TORSION
 from cranktopo.tasks.throw_fea.stage import MeshRequest

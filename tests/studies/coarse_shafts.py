@@ -12,7 +12,7 @@ import sys
 import time
 
 from cranktopo.design.loading import load_scene
-from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION
 from cranktopo.tasks.web_shape.each_web.loaded_shaft import loaded_shaft
 from cranktopo.tasks.web_shape.in_shaft import in_its_shaft
 from cranktopo.tasks.web_shape.shaft_check import FILLET_FRACTION

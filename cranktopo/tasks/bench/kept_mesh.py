@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, follow_throw
-from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION, mesh_for_stress
+from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION, mesh_for_stress
 from cranktopo.tasks.throw_fea.targets import Target
 
 

@@ -14,7 +14,7 @@ from cranktopo.tasks.throw_fatigue.assessment import FatigueAssessment, FatigueM
 from cranktopo.tasks.throw_fatigue.needs import check_inputs
 from cranktopo.tasks.throw_fatigue.result import FieldFatigue
 from cranktopo.tasks.throw_fatigue.stage import assess_by_methods
-from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION
 from cranktopo.tasks.throw_fatigue.text import FatigueComparison
 from cranktopo.tasks.throw_fea.targets import Target
 

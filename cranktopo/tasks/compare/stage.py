@@ -45,7 +45,7 @@ from cranktopo.tasks.importing.imported_body import half_surfaces
 from cranktopo.tasks.shaft.stage import with_throw_stiffness
 from cranktopo.tasks.throw_fatigue.assessment import FatigueMethod
 from cranktopo.tasks.throw_fatigue.result import FieldFatigue, JudgedAs
-from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION
 from cranktopo.tasks.throw_fatigue.text import FatigueComparison
 from cranktopo.tasks.throw_fea.mirrored_webs import counted_alike
 from cranktopo.tasks.throw_fea.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS, goal_values

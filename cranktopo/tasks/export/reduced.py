@@ -29,7 +29,7 @@ from cranktopo.tasks.modes.carried import without_mass
 from cranktopo.tasks.shaft.loaded_throw import LOADS
 from cranktopo.tasks.shaft.stage import throw_targets
 from cranktopo.tasks.throw_fatigue.shaft_stress import solve_shaft_stress
-from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION, check_fillets
+from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION, check_fillets
 from cranktopo.tasks.throw_fea.targets import TargetLike, resolve_target
 
 SCHEMA_VERSION = 1

@@ -115,7 +115,7 @@ def command(
     from cranktopo.tasks.shaft.stage import shaft_tables, stands_on_bearings
     from cranktopo.tasks.shaft_safety.stage import assess_shaft
     from cranktopo.tasks.shaft_safety.text import shaft_text
-    from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION
+    from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION
     from cranktopo.tasks.throw_fea.stage import print_assumed
     from cranktopo.tasks.throw_fea.targets import resolve_target
 

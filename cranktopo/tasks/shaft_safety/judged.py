@@ -62,7 +62,7 @@ from cranktopo.tasks.throw_fatigue.shaft_stress import (
     solve_shaft_stress,
     solved_cycle,
 )
-from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION, check_fillets
+from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION, check_fillets
 from cranktopo.tasks.throw_fea.targets import USED, Target
 
 _RESIDUAL = 1e-4

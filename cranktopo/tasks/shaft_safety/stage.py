@@ -27,7 +27,7 @@ from cranktopo.tasks.shaft_safety.in_motion import judged_in_motion, shaft_in_mo
 from cranktopo.tasks.shaft_safety.judged import check_judged, judged_shaft
 from cranktopo.tasks.shaft_safety.page import shaft_page
 from cranktopo.tasks.shaft_safety.result import ShaftAssessment, assessment
-from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION
 from cranktopo.tasks.throw_fea.targets import Target, TargetLike, resolve_target
 
 

@@ -100,7 +100,7 @@ def command(
     Example: cranktopo fatigue mikron-iiic-hollow --baseline mikron-iiic --out fatigue
     """
     from cranktopo.tasks.throw_fatigue.stage import assess_fatigue
-    from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION
+    from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION
 
     names = targets or (baseline or DEFAULT_DESIGN,)
     if baseline is not None and baseline not in names:

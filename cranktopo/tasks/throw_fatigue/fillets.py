@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -158,3 +159,27 @@ def _section(scene: Scene, fillet: Fillet, points: Array) -> tuple[Array, Array,
     centre = end + along if pin else start - along
     height = (centre - points[2]) if pin else (points[2] - centre)
     return across, height, journal.fillet
+
+
+def on_fillets(scene: Scene, whole: bool, points_mm: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return which points (3, n) lie on the journal's fillet, and which on the pin's."""
+    journal, pin = (
+        on_either_half(scene, whole, partial(_on_fillet, fillet), points_mm) for fillet in ("journal", "pin")
+    )
+    return journal, pin
+
+
+def _on_fillet(fillet: Fillet, half: Scene, points_mm: Array) -> NDArray[np.bool_]:
+    return fillet_nodes(half, fillet, points_mm)
+
+
+def on_either_half(
+    scene: Scene, whole: bool, of_half: Callable[[Scene, Array], NDArray[np.bool_]], points_mm: Array
+) -> NDArray[np.bool_]:
+    """Return which points (3, n) are found in the half throw, or in either half of the whole one."""
+    near, far = halves(scene)
+    found = of_half(near, points_mm)
+    if whole:
+        x, y, z = points_mm
+        found |= of_half(far, np.stack([x, y, scene.pitch_mm - z]))
+    return found

@@ -12,7 +12,8 @@ from cranktopo.tasks.fatigue.criterion import larger_end_MPa
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_ranges
 from cranktopo.tasks.throw_fatigue.needs import load_kinds
 from cranktopo.tasks.throw_fatigue.safety_field import FatigueField, unit_loads
-from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION, solve_stresses
+from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION
+from cranktopo.tasks.throw_fatigue.stress_model import solve_stresses
 from cranktopo.tasks.throw_fea.targets import Target
 
 

@@ -9,7 +9,7 @@ from cranktopo.engine.judged_histories import counts_swing, counts_tangential, h
 from cranktopo.engine.plan.planning import plan_for_stress, stress_left_off
 from cranktopo.tasks.fatigue.criteria import check_method
 from cranktopo.tasks.shaft.stage import shaft_left_off
-from cranktopo.tasks.throw_fatigue.stress_model import check_fillets
+from cranktopo.tasks.throw_fatigue.stress_mesh import check_fillets
 from cranktopo.tasks.throw_fea.targets import Target
 from cranktopo.tasks.throw_fea.unit_fields import FieldKind
 

@@ -41,7 +41,8 @@ from cranktopo.tasks.throw_fatigue.needs import load_kinds
 from cranktopo.tasks.throw_fatigue.outlet_elements import off_plane
 from cranktopo.tasks.throw_fatigue.result import AlternatingLoads
 from cranktopo.tasks.throw_fatigue.rule_fillets import element_factors, fillet_checks
-from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION, solve_stresses
+from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION
+from cranktopo.tasks.throw_fatigue.stress_model import solve_stresses
 from cranktopo.tasks.throw_fea.targets import Target
 from cranktopo.tasks.throw_fea.unit_fields import FieldKind
 

@@ -24,12 +24,8 @@ from cranktopo.tasks.shaft.on_film import Support, carried_cycle
 from cranktopo.tasks.shaft.stage import shaft_effects
 from cranktopo.tasks.throw_fatigue.least import least_safeties
 from cranktopo.tasks.throw_fatigue.safety_field import FatigueField, field_of_states
-from cranktopo.tasks.throw_fatigue.stress_model import (
-    RULE_FRACTION,
-    StressModel,
-    mesh_for_stress,
-    stress_model,
-)
+from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION, mesh_for_stress
+from cranktopo.tasks.throw_fatigue.stress_model import StressModel, stress_model
 from cranktopo.tasks.throw_fea.targets import Target
 from cranktopo.tasks.throw_fea.unit_fields import UnitField
 

@@ -33,7 +33,7 @@ from cranktopo.tasks.throw_fatigue.safety_field import FatigueField
 from cranktopo.tasks.throw_fatigue.scatter import counts_scatter
 from cranktopo.tasks.throw_fatigue.shaft_stress import worst_throw
 from cranktopo.tasks.throw_fatigue.spectrum import counts_lives, load_rainflow
-from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION
 from cranktopo.tasks.throw_fatigue.target_safety import fatigue_fields
 from cranktopo.tasks.throw_fatigue.text import web_safety_words
 from cranktopo.tasks.throw_fatigue.vtu import write_fatigue_vtu

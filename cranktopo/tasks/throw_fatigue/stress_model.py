@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
-from pathlib import Path
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array, Index
-from cranktopo.base.errors import CranktopoError, ExitCode, invalid
-from cranktopo.base.notes import Pace, note
+from cranktopo.base.arrays import Array
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.notes import Pace
 from cranktopo.base.units import MPA_PER_GPA
-from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw, serves_polynomials
-from cranktopo.design.halves import default_element_size_mm, halves
+from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, serves_polynomials
+from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
 from cranktopo.numerics.tetrahedra.fitted_stress import fitted_stress
@@ -25,29 +24,23 @@ from cranktopo.numerics.tetrahedra.solver import get_ready
 from cranktopo.numerics.tetrahedra.stress import (
     Surface,
     SurfaceStress,
-    boundary_faces,
     principal_stresses,
     von_mises,
 )
 from cranktopo.numerics.tetrahedra.unit_stress import UnitStress
 from cranktopo.tasks.throw_fatigue.fillets import (
-    Fillet,
     cut_outlet_nodes,
-    fillet_nodes,
+    on_either_half,
+    on_fillets,
     outlet_nodes,
     rounded_outlet_nodes,
 )
-from cranktopo.tasks.throw_fatigue.mesh_quality import EDGE_LIMIT, Quality
+from cranktopo.tasks.throw_fatigue.mesh_quality import Quality
+from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION, longest_edge_of, mesh_for_stress
 from cranktopo.tasks.throw_fea.evaluation import meshed_throw_kg
 from cranktopo.tasks.throw_fea.targets import Target
 from cranktopo.tasks.throw_fea.unit_fields import FieldKind, UnitField, unit_fields
 
-RULE_FRACTION = 0.17
-"""Element size in a fillet over its radius that keeps edges below a quarter (IACS UR M53, Appendix III)."""
-_BELOW = 0.97
-"""Share of the rule's largest edge that a mesh which misses it aims at when it is made anew."""
-_ACROSS_WEB = 6
-"""Elements through the web: the same rule."""
 _RESIDUAL = 1e-4
 """Accepted of the unit loads; solves aim at a hundredth of it, which changes the safety by 5e-7."""
 NEAR_PEAK = 0.98
@@ -121,7 +114,9 @@ class StressModel:
     @cached_property
     def at_cut(self) -> NDArray[np.bool_]:
         """Mask of the surface nodes at outlets across a section where the model ends, which is held rigid."""
-        return ~self.on_fillet & _where(self.scene, self.whole, cut_outlet_nodes, self.surface.points_mm)
+        return ~self.on_fillet & on_either_half(
+            self.scene, self.whole, cut_outlet_nodes, self.surface.points_mm
+        )
 
     @property
     def parts(self) -> dict[str, NDArray[np.bool_]]:
@@ -132,7 +127,7 @@ class StressModel:
     @cached_property
     def at_outlet(self) -> NDArray[np.bool_]:
         """Mask of the surface nodes at an outlet of an oil bore, off the fillets."""
-        return ~self.on_fillet & _where(self.scene, self.whole, outlet_nodes, self.surface.points_mm)
+        return ~self.on_fillet & on_either_half(self.scene, self.whole, outlet_nodes, self.surface.points_mm)
 
     @property
     def judged_outlet(self) -> NDArray[np.bool_]:
@@ -208,10 +203,10 @@ def stress_model(
     planes = [(2, 0.0), (2, end)] + ([(0, 0.0)] if meshed.mesh.mirrored else [])
     found = UnitStress(model, moved, elastic, tuple(planes))
     surface, stress = found.surface, found.stress
-    journal, pin = _fillets(scene, meshed.whole, surface.points_mm)
+    journal, pin = on_fillets(scene, meshed.whole, surface.points_mm)
     fitted = serves_polynomials(fillet_fraction) and not by_rule
     if fitted:
-        on = journal | pin | _where(scene, meshed.whole, rounded_outlet_nodes, surface.points_mm)
+        on = journal | pin | on_either_half(scene, meshed.whole, rounded_outlet_nodes, surface.points_mm)
         stress.stress_MPa[:, on], stress.depth_MPa_per_mm[:, on] = fitted_stress(
             model, surface, on, moved, elastic
         )
@@ -235,127 +230,6 @@ def stress_model(
         meshed.whole,
         fitted,
     )
-
-
-def _fillets(scene: Scene, whole: bool, points_mm: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return which points (3, n) lie on the journal's fillet, and which on the pin's."""
-    journal, pin = (
-        _where(scene, whole, partial(_on_fillet, fillet), points_mm) for fillet in ("journal", "pin")
-    )
-    return journal, pin
-
-
-def _on_fillet(fillet: Fillet, half: Scene, points_mm: Array) -> NDArray[np.bool_]:
-    return fillet_nodes(half, fillet, points_mm)
-
-
-def _where(
-    scene: Scene, whole: bool, of_half: Callable[[Scene, Array], NDArray[np.bool_]], points_mm: Array
-) -> NDArray[np.bool_]:
-    """Return which points (3, n) are found in the half throw, or in either half of the whole one."""
-    near, far = halves(scene)
-    found = of_half(near, points_mm)
-    if whole:
-        x, y, z = points_mm
-        found |= of_half(far, np.stack([x, y, scene.pitch_mm - z]))
-    return found
-
-
-def check_fillets(target: Target) -> None:
-    """Check that both fillets of a target have a radius.
-
-    Raises:
-        CranktopoError: a surface file, a STEP body without round fillets at its journals, fillets switched
-            off, or a fillet of radius 0.
-    """
-    if target.file is not None:
-        from cranktopo.tasks.importing.imported_body import fillets_of_step
-
-        fillets_of_step(_step_of(target), target.scene, target.align)
-        return
-    if target.scene.effects.fillets == "off":
-        raise invalid(
-            f"{target.name}: effects.fillets",
-            "off",
-            "the stress at the sharp edges that this leaves is singular",
-            "Set it to 'auto' or 'on'.",
-        )
-    for key in ("main_journal", "crankpin"):
-        if getattr(target.scene.throw, key).fillet_mm == 0:
-            raise CranktopoError(
-                f"{target.name}: throw.{key}.fillet_mm = 0: the stress at a sharp edge is singular, so "
-                "that any value of it follows from the mesh alone.",
-                hint="Give the fillet a radius.",
-            )
-
-
-def _step_of(target: Target) -> Path:
-    """Return the STEP file of a target.
-
-    Raises:
-        CranktopoError: it is a surface of triangles.
-    """
-    if target.file is None or target.triangles:
-        raise CranktopoError(
-            f"target '{target.name}': a surface file has no true fillets, and the stress at its edges is "
-            "singular.",
-            hint="Assess a STEP body, or a design whose fillets have a radius; 'cranktopo remodel' makes one "
-            "of a run.",
-        )
-    return target.file
-
-
-def mesh_for_stress(
-    target: Target, fillet_fraction: float, *, by_rule: bool = False, to_follow: bool = False
-) -> tuple[MeshedThrow, Scene]:
-    """Return the mesh of a target for stresses, and its scene with the fillets that the mesh has.
-
-    Elements of the size that keeps edges below the rule's quarter may miss it by one edge: they are made
-    smaller then, once, before anything is solved.
-
-    Args:
-        by_rule: as in `solve_stresses`.
-        to_follow: as in `mesh_throw`; not for a body from a file.
-
-    Raises:
-        CranktopoError: a surface file, a fillet of radius 0, or a failed mesh.
-    """
-    found = _meshed(target, fillet_fraction, by_rule=by_rule, to_follow=to_follow)
-    if not by_rule or fillet_fraction > RULE_FRACTION:
-        return found
-    longest = longest_edge(*found)
-    if longest <= EDGE_LIMIT:
-        return found
-    finer = fillet_fraction * _BELOW * EDGE_LIMIT / longest
-    note(
-        f"{target.name}: longest edge in a fillet over its radius {longest:.4f}, at most {EDGE_LIMIT:g}: "
-        f"meshed anew with a fillet fraction of {finer:.3f}"
-    )
-    return _meshed(target, finer, by_rule=by_rule, to_follow=to_follow)
-
-
-def longest_edge(meshed: MeshedThrow, scene: Scene) -> float:
-    """Return the longest element edge in a fillet over the fillet's least radius."""
-    points, cells = meshed.mesh.points_mm, meshed.mesh.cells
-    local, owners = boundary_faces(cells)
-    fillets = _fillets(scene, meshed.whole, points)
-    return _longest_edge(scene, points, cells[local[:3], owners], fillets)
-
-
-def _meshed(
-    target: Target, fillet_fraction: float, *, by_rule: bool, to_follow: bool
-) -> tuple[MeshedThrow, Scene]:
-    scene = target.scene
-    thinner = min(half.web.thickness_mm for half in halves(scene))
-    size = min(default_element_size_mm(scene), thinner / _ACROSS_WEB)
-    if target.file is None:
-        check_fillets(target)
-        made = mesh_throw(scene, size, fillet_fraction=fillet_fraction, regular=by_rule, to_follow=to_follow)
-        return made, scene
-    from cranktopo.tasks.importing.imported_body import mesh_step_for_stress
-
-    path = _step_of(target)
-    return mesh_step_for_stress(path, scene, size, fillet_fraction, target.align, regular=by_rule)
 
 
 def images_of(fields: Sequence[UnitField], mirrored: bool, *, whole: bool = False) -> tuple[Image, ...]:
@@ -391,7 +265,7 @@ def _quality(
     radii = tuple(journal.fillet.least_radius_mm for journal, _ in scene.throw.journals)
     return Quality(
         fraction * min(radii),
-        _longest_edge(scene, surface.points_mm, surface.faces[:3], fillets),
+        longest_edge_of(scene, surface.points_mm, surface.faces[:3], fillets),
         nodes,
         float(100 * (normal / largest).max()),
         float(100 * (stress.jump_MPa / equivalent)[where].max()),
@@ -414,15 +288,3 @@ def normal_stress(stress: Array, normals: Array) -> Array:
     x, y, z = normals.T
     weights = np.stack([x * x, y * y, z * z, 2 * x * y, 2 * y * z, 2 * z * x], axis=1)
     return np.asarray((stress * weights).sum(axis=-1))
-
-
-def _longest_edge(
-    scene: Scene, points_mm: Array, triangles: Index, fillets: tuple[NDArray[np.bool_], NDArray[np.bool_]]
-) -> float:
-    """Return the longest edge of triangles (3, n) on the fillets over the fillet's (least) radius."""
-    longest = []
-    for on, (journal, _) in zip(fillets, scene.throw.journals, strict=True):
-        corners = points_mm[:, triangles[:, on[triangles].all(axis=0)]]
-        edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0)
-        longest.append(float(edges.max(initial=0.0)) / journal.fillet.least_radius_mm)
-    return max(longest)

@@ -19,7 +19,8 @@ from cranktopo.tasks.throw_fatigue.needs import load_kinds
 from cranktopo.tasks.throw_fatigue.result import CriticalPoint
 from cranktopo.tasks.throw_fatigue.safety_field import FatigueField, point_safety, safety_field, unit_loads
 from cranktopo.tasks.throw_fatigue.spectrum import counts_lives, part_lives, speed_histories
-from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION, solve_stresses
+from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION
+from cranktopo.tasks.throw_fatigue.stress_model import solve_stresses
 from cranktopo.tasks.throw_fea.targets import Target
 
 

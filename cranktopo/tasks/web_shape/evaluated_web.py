@@ -21,7 +21,7 @@ from cranktopo.tasks.throw_fatigue.largest_stress import largest_of_field_MPa, l
 from cranktopo.tasks.throw_fatigue.needs import check_inputs, check_loads
 from cranktopo.tasks.throw_fatigue.remarks import safety_remarks
 from cranktopo.tasks.throw_fatigue.safety_field import FatigueField
-from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION
 from cranktopo.tasks.throw_fatigue.target_safety import fatigue_field, web_field
 from cranktopo.tasks.throw_fea.evaluation import evaluate, evaluate_on_mesh
 from cranktopo.tasks.throw_fea.quantities import goal_values

@@ -10,7 +10,7 @@ from cranktopo.design.goal.limit import Goal
 from cranktopo.engine.histories import Loads
 from cranktopo.numerics.optimisers.gradient_search import Multipliers
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION
 from cranktopo.tasks.web_shape.evaluated_web import EvaluatedWeb, Judging
 from cranktopo.tasks.web_shape.mesh_model import MeshResponses
 from cranktopo.tasks.web_shape.result import FeatureTrial

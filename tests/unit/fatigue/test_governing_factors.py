@@ -30,7 +30,7 @@ from cranktopo.tasks.throw_fatigue.result import (
 from cranktopo.tasks.throw_fatigue.rule_check import RuleCheck, check_rule
 from cranktopo.tasks.throw_fatigue.rule_tables import acceptability_table, quality_table
 from cranktopo.tasks.throw_fatigue.rule_text import rule_remarks, rule_table
-from cranktopo.tasks.throw_fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION
 from cranktopo.tasks.throw_fatigue.text import compare_fatigue
 from cranktopo.tasks.throw_fatigue.throw_verdict import throw_verdict
 from cranktopo.tasks.throw_fatigue.verdicts import verdicts

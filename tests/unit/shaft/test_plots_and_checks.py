@@ -13,7 +13,7 @@ from cranktopo.base.notes import redirected
 from cranktopo.tasks.shaft.web_sections import WebSections
 from cranktopo.tasks.shaft_safety.judged import JudgedShaft
 from cranktopo.tasks.shaft_safety.plots import web_pictures
-from cranktopo.tasks.throw_fatigue import stress_model
+from cranktopo.tasks.throw_fatigue import stress_mesh
 from cranktopo.tasks.throw_fatigue.mesh_quality import MeshCheck, Quality
 
 
@@ -64,15 +64,15 @@ def test_a_default_mesh_with_too_long_an_edge_is_made_anew(
     """Before anything is solved, with room to the quarter that UR M53 lets through."""
     asked: list[float] = []
     monkeypatch.setattr(
-        stress_model, "mesh_throw", lambda *_, fillet_fraction, **__: asked.append(fillet_fraction)
+        stress_mesh, "mesh_throw", lambda *_, fillet_fraction, **__: asked.append(fillet_fraction)
     )
-    monkeypatch.setattr(stress_model, "longest_edge", lambda *_: longest)
+    monkeypatch.setattr(stress_mesh, "longest_edge", lambda *_: longest)
     target = Target("throw", load_scene("mikron-iiic-plain"))
     lines: list[str] = []
     with redirected(lines.append):
-        stress_model.mesh_for_stress(target, stress_model.RULE_FRACTION, by_rule=True)
+        stress_mesh.mesh_for_stress(target, stress_mesh.RULE_FRACTION, by_rule=True)
     assert len(asked) == fractions
     assert asked[-1] * longest / asked[0] <= 0.25
     assert any("longest edge in a fillet over its radius 0.25" in line for line in lines) == (fractions > 1)
-    stress_model.mesh_for_stress(target, 0.2, by_rule=True)
+    stress_mesh.mesh_for_stress(target, 0.2, by_rule=True)
     assert len(asked) == fractions + 1, "an own size is kept"
