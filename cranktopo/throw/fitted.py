@@ -217,16 +217,19 @@ class FittedFeature(ABC):
     def vjp(
         self, values: Array, ends: Array, axes: Axes, web_z_mm: tuple[float, float], weight: Array
     ) -> tuple[Array, Array]:
-        """Derivative of sum(weight * field_mm) by the values and by the ends, by central differences."""
-        both, across = np.concatenate([values, ends]), weight.sum(axis=0, keepdims=True)
+        """Derivative of sum(weight * field_mm) by the values and by the ends, by central differences.
+
+        Only cells near its surface have a weight, and a field is asked for there alone.
+        """
+        both, places = np.concatenate([values, ends]), np.nonzero(weight)
+        at, weights = (axes[0][places[0]], axes[1][places[1]], axes[2][places[2]]), weight[places]
         count, slopes = len(both) if self.follows_ends else len(values), np.zeros(len(both))
         for i, step in enumerate(_STEP * np.eye(len(both))[:count]):
             above, below = (
-                self.field_mm(shifted[: len(values)], shifted[len(values) :], axes, web_z_mm)
+                self.outside_mm(self.named(shifted[: len(values)]), shifted[len(values) :], at, web_z_mm)
                 for shifted in (both + step, both - step)
             )
-            change = above - below
-            slopes[i] = float((change * (across if len(change) == 1 else weight)).sum()) / (2 * _STEP)
+            slopes[i] = float((weights * (above - below)).sum()) / (2 * _STEP)
         return slopes[: len(values)], slopes[len(values) :]
 
 

@@ -1,6 +1,7 @@
 """Where the time of a re-model goes: python -m tests.benchmarks.remodel_time RUN [--evaluate].
 
-One line per search (what was tried, parameters, overlap, seconds), then one per stage.
+One line per search (what was tried, parameters, overlap, seconds), then one per stage. All searches are in
+one process here; `cranktopo remodel` gives a second one a part of them.
 """
 
 from __future__ import annotations
@@ -8,11 +9,12 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
+from cranktopo.base.companion import ALONE
 from cranktopo.design.writing import design_from_run
 from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.runs.directories import open_run
@@ -37,15 +39,18 @@ def searches_shown() -> Iterator[None]:
     """Context in which every search of the fit prints one line."""
     search = select.fit_from
 
-    def shown(problem: Any, layout: Any, guess: Any, step: str) -> Any:
+    def shown(problem: Any, task: Any) -> Any:
         began = time.perf_counter()
-        found = search(problem, layout, guess, step)
+        found = search(problem, task)
         overlap = float("nan") if found is None else 100 * found.overlap
         seconds = time.perf_counter() - began
-        print(f"  {step:22} {len(guess):3d} parameters {overlap:6.2f} % {seconds:7.1f} s", flush=True)
+        print(
+            f"  {task.step:22} {len(task.guess):3d} parameters {overlap:6.2f} % {seconds:7.1f} s", flush=True
+        )
         return found
 
-    with patch.object(select, "fit_from", shown), patch.object(fit, "fit_from", shown):
+    alone = patch.object(fit, "Companion", lambda _: nullcontext(ALONE))
+    with alone, patch.object(select, "fit_from", shown):
         yield
 
 

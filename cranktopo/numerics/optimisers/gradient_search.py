@@ -121,6 +121,8 @@ Objective = Callable[[Array], tuple[float, Array]]
 """Value and gradient (parameters,) at parameters."""
 Constraints = Callable[[Array], tuple[Array, Array]]
 """Values, kept where <= 0, and gradients (constraints, parameters) at parameters."""
+Slopes = Array | Callable[[], Array]
+"""Gradients, or what finds them: a line search asks for values alone, in a fit one time in seven."""
 
 
 def by_differences(judged: Callable[[Array], Array], step: float) -> tuple[Objective, Constraints]:
@@ -149,8 +151,8 @@ in memory an array lies; a search that saw them would end at another design."""
 
 
 def minimise(
-    objective: Objective,
-    constraints: Constraints,
+    objective: Callable[[Array], tuple[float, Slopes]],
+    constraints: Callable[[Array], tuple[Array, Slopes]],
     bounds: tuple[Array, Array],
     start: Array,
     step: float,
@@ -169,14 +171,14 @@ def minimise(
     def value(values: Array, gradient: Array) -> float:
         result, by_values = objective(values)
         if gradient.size:
-            gradient[:] = _rounded(by_values, _SLOPE_DIGITS)
+            gradient[:] = _rounded(_found(by_values), _SLOPE_DIGITS)
         return float(_rounded(np.array([result]), _VALUE_DIGITS)[0])
 
     def constrain(result: Array, values: Array, gradient: Array) -> None:
         found, by_values = constraints(values)
         result[:] = np.round(found, _VALUE_DIGITS)
         if gradient.size:
-            gradient[:] = _rounded(by_values, _SLOPE_DIGITS)
+            gradient[:] = _rounded(_found(by_values), _SLOPE_DIGITS)
 
     first = np.clip(start, *bounds)
     optimiser = nlopt.opt(nlopt.LD_SLSQP, len(first))
@@ -190,6 +192,10 @@ def minimise(
     with suppress(nlopt.RoundoffLimited, nlopt.runtime_error):  # errors of the functions are of other kinds
         return np.asarray(optimiser.optimize(first))
     return first
+
+
+def _found(slopes: Slopes) -> Array:
+    return slopes() if callable(slopes) else slopes
 
 
 def _rounded(rows: Array, digits: int) -> Array:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.companion import Companion
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.near_ties import best_first
 from cranktopo.base.notes import Pace, note
@@ -29,9 +30,10 @@ from cranktopo.tasks.refit.family import bounds, web_of
 from cranktopo.tasks.refit.search import FitProblem, VoxelFill, voxel_fill
 from cranktopo.tasks.refit.select import (
     Candidate,
+    FitTask,
     FitTrial,
     ResidualRegion,
-    fit_from,
+    fits_from,
     model_fill,
     residual_regions,
     searches,
@@ -90,6 +92,8 @@ have the largest usual journals and so get as many cells across as the smallest.
 _SPREAD = 1.0
 """Standard deviation of the further initial guesses about the first, mm or degrees."""
 _SUFFIX = "-remodel"
+_LIBRARIES = ("nlopt", "cranktopo.tasks.refit.select")
+"""Modules that the second process of a fit loads."""
 _ANGLE = "draft"
 """Ending of the parameters that are degrees."""
 
@@ -129,10 +133,11 @@ def fit_web(surface: SurfaceMesh, scene: DesignLike, limits: ManufacturingLimits
     body, within = solid_of(usual, "surface to be re-modelled"), _scaled_limits(limits, scale)
     coarse_mm = _SCALED_DOWN_CELL_MM if scale < 1 else _SEARCH_CELL_MM
     coarse = Pace("features and stations, search", searches(within))
-    chosen, trials = select(fit_problem(body, throw, within, coarse_mm, coarse))
-    final = Pace("final fit on finer cells, search", within.starts)
-    fine = fit_problem(body, throw, within, within.cell_mm, final)
-    fits = _final_fits(fine, chosen)
+    with Companion(_LIBRARIES) as beside:
+        chosen, trials = select(fit_problem(body, throw, within, coarse_mm, coarse), beside)
+        final = Pace("final fit on finer cells, search", within.starts)
+        fine = fit_problem(body, throw, within, within.cell_mm, final)
+        fits = _final_fits(fine, chosen, beside)
     best = fits[0]
     rest = residual_regions(fine, model_fill(fine, best))
     factors = [1.0 if name.endswith(_ANGLE) else 1 / scale for name in best.layout.names]
@@ -179,7 +184,7 @@ def fit_problem(
     return FitProblem(cells, free, scene, limits, pace or Pace("fit", 1))
 
 
-def _final_fits(problem: FitProblem, chosen: Candidate) -> list[Candidate]:
+def _final_fits(problem: FitProblem, chosen: Candidate, beside: Companion) -> list[Candidate]:
     """Return the fits from the chosen web and from scattered copies of it, best first.
 
     All usually end at the same web: then the one from the chosen web itself comes first.
@@ -190,7 +195,7 @@ def _final_fits(problem: FitProblem, chosen: Candidate) -> list[Candidate]:
     for _ in range(problem.limits.starts - 1):
         scattered = chosen.values + random.normal(0.0, _SPREAD, len(chosen.values))
         guesses.append(np.clip(scattered, low, high))
-    found = [fit_from(problem, chosen.layout, guess, "final") for guess in guesses]
+    found = fits_from(problem, [FitTask(chosen.layout, guess, "final") for guess in guesses], beside)
     fits = [candidate for candidate in found if candidate is not None]
     if not fits:
         raise CranktopoError(

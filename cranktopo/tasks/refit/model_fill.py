@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +40,7 @@ class Fill:
 
     def __init__(self, parts: tuple[FittedFeature, ...], axes: Axes, web_z_mm: tuple[float, float]) -> None:
         self.parts, self.axes, self.web_z_mm = parts, axes, web_z_mm
+        self._last: tuple[bytes, _Nearest] | None = None
 
     def inside_mm(
         self, points: Array, values: Array, added: Mapping[int, Array]
@@ -50,7 +52,7 @@ class Fill:
             added: signed distances from what is added to the outline, (nx, ny, nz), by number of the field.
         """
         inside = np.empty(tuple(axis.size for axis in self.axes))
-        inside[:] = _nearest(points, *self.axes[:2])[0][:, :, None]
+        inside[:] = self._nearest(points).distance_mm[:, :, None]
         which = np.zeros(inside.shape, dtype=np.int8)
         for number, field in added.items():
             which[field > inside] = number
@@ -67,7 +69,7 @@ class Fill:
     ) -> tuple[Array, Array]:
         """Return derivative of sum(weight * inside_mm) by the points, (n, 2), and the values of the parts."""
         chosen = np.where(which == 0, weight, 0.0).sum(axis=2)
-        by_points = _outline_vjp(points, *self.axes[:2], chosen)
+        by_points = _outline_vjp(self._nearest(points), len(points), chosen)
         by_values = []
         for k, (part, own) in enumerate(own_values(self.parts, values)):
             chosen = np.where(which == k + 1, weight, 0.0)
@@ -75,6 +77,12 @@ class Fill:
             by_values.append(by_own)
             by_points[[0, -1], 1] += by_ends
         return by_points, np.concatenate([np.zeros(0), *by_values])
+
+    def _nearest(self, points: Array) -> _Nearest:
+        """Return the nearest chords of the last outline, which the gradient asks for again."""
+        if self._last is None or self._last[0] != points.tobytes():
+            self._last = points.tobytes(), _nearest(points, *self.axes[:2])
+        return self._last[1]
 
 
 def added_mm(scene: Scene, axes: Axes) -> Array | None:
@@ -109,19 +117,34 @@ def _ends(points: Array) -> Array:
     return points[[0, -1], 1]
 
 
-def _outline_vjp(points: Array, x_mm: Array, y_mm: Array, weight: Array) -> Array:
+def _outline_vjp(nearest: _Nearest, points: int, weight: Array) -> Array:
     """Return derivative of sum(weight * distance) by the points: a chord's ends move with the foot on it."""
-    _, chord, along, normal = _nearest(points, x_mm, y_mm)
-    result = np.zeros(points.shape)
+    chord, along = nearest.chord, nearest.along
+    result = np.zeros((points, 2))
     for end, share in ((chord, 1 - along), (chord + 1, along)):
         for axis in range(2):
-            pull = (-weight * share * normal[..., axis]).ravel()
-            result[:, axis] += np.bincount(end.ravel(), pull, len(points))
+            pull = (-weight * share * nearest.normal[..., axis]).ravel()
+            result[:, axis] += np.bincount(end.ravel(), pull, points)
     return result
 
 
-def _nearest(points: Array, x_mm: Array, y_mm: Array) -> tuple[Array, NDArray[np.intp], Array, Array]:
-    """Return the signed distance, nearest chord, place on it (0 to 1) and unit vector of growing distance."""
+class _Nearest(NamedTuple):
+    """Chords that are nearest to cells (nx, ny).
+
+    Attributes:
+        distance_mm: signed, positive inside.
+        along: place on the chord, 0 to 1.
+        normal: unit vector of growing distance, (nx, ny, 2).
+    """
+
+    distance_mm: Array
+    chord: NDArray[np.intp]
+    along: Array
+    normal: Array
+
+
+def _nearest(points: Array, x_mm: Array, y_mm: Array) -> _Nearest:
+    """Return the nearest chord of an outline's right half from end to end, (n, 2), for each cell."""
     start, step = points[:-1], np.diff(points, axis=0)
     px, py = x_mm[:, None, None] - start[:, 0], y_mm[None, :, None] - start[:, 1]
     along = np.clip((px * step[:, 0] + py * step[:, 1]) / (step**2).sum(axis=1), 0.0, 1.0)
@@ -136,7 +159,8 @@ def _nearest(points: Array, x_mm: Array, y_mm: Array) -> tuple[Array, NDArray[np
 
     distance, share = np.sqrt(at(square)), at(along)
     away = np.stack([at(px) - share * step[chord, 0], at(py) - share * step[chord, 1]], axis=-1)
-    return sign * distance, chord, share, sign[..., None] * away / np.maximum(distance, _TINY)[..., None]
+    normal = sign[..., None] * away / np.maximum(distance, _TINY)[..., None]
+    return _Nearest(sign * distance, chord, share, normal)
 
 
 _STEP = 1e-6

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -141,13 +142,17 @@ class Fit:
         self.web = ParametricWeb(layout, problem.scene, problem.limits, axes)
         self._target, self._free = cells.filled, problem.free
 
-    def misfit(self, values: Array, width_mm: float) -> tuple[float, Array]:
-        """Return the squared difference of the fills over the filled volume, and its gradient."""
+    def misfit(self, values: Array, width_mm: float) -> tuple[float, Callable[[], Array]]:
+        """Return the squared difference of the fills over the filled volume, and what finds its gradient."""
         inside, which = self.web.inside_mm(values)
         model, steepness = smooth_step(inside, width_mm)
         off = model * self._free - self._target
-        weight = 2 * off * self._free * steepness / self._target.sum()
-        return float((off**2).sum() / self._target.sum()), self.web.vjp(values, which, weight)
+
+        def gradient() -> Array:
+            weight = 2 * off * self._free * steepness / self._target.sum()
+            return self.web.vjp(values, which, weight)
+
+        return float((off**2).sum() / self._target.sum()), gradient
 
     def fill(self, values: Array, width_mm: float) -> Array:
         """Return the fill of the cells, bores and drillings cut out, by half the width of the step."""
@@ -179,7 +184,7 @@ def _minimise(fit: Fit, guess: Array, width_mm: float, pace: Pace) -> tuple[Arra
     best, least = guess, np.inf
     bounds = np.maximum(fit.web.bounds[0], guess - _REACH), np.minimum(fit.web.bounds[1], guess + _REACH)
 
-    def value(values: Array) -> tuple[float, Array]:
+    def value(values: Array) -> tuple[float, Callable[[], Array]]:
         nonlocal best, least
         pace.begin()
         result, gradient = fit.misfit(values, width_mm)
@@ -187,8 +192,8 @@ def _minimise(fit: Fit, guess: Array, width_mm: float, pace: Pace) -> tuple[Arra
             best, least = values.copy(), float(result)
         return float(result), gradient
 
-    def constrain(values: Array) -> tuple[Array, Array]:
-        return fit.web.constraints(values), fit.web.gradients(values)
+    def constrain(values: Array) -> tuple[Array, Callable[[], Array]]:
+        return fit.web.constraints(values), lambda: fit.web.gradients(values)
 
     minimise(value, constrain, bounds, guess, _TOLERANCE, _EVALUATIONS, _FLAT)
     return best, least

@@ -7,13 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from cranktopo.base.arrays import Array, Mask
+from cranktopo.base.companion import ALONE, Companion
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.near_ties import best_first, first_of_the_best
+from cranktopo.base.notes import Pace, silent
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.search import MOST, Fit, FitProblem, minimise_misfit, outline_guess, with_stations
 from cranktopo.throw.fitted import FittedFeature
@@ -112,7 +114,8 @@ def _triple(values: tuple[float, ...]) -> tuple[float, float, float]:
 
 
 _FIRST_STATIONS = 7
-_LEAST_STATIONS = 5
+_LEAST_STATIONS, _GAIN_OVER = 5, 3
+"""Least number of stations, and how many numbers a gain is looked at over."""
 _SHARP = 0.5
 """Half-width of the step, in cells, at which overlaps are compared."""
 _MOST_POCKETS = 4
@@ -145,14 +148,54 @@ def searches(limits: ManufacturingLimits) -> int:
     return 1 + features + limits.max_stations - _LEAST_STATIONS + 1
 
 
-def select(problem: FitProblem) -> tuple[Candidate, tuple[FitTrial, ...]]:
+class FitTask(NamedTuple):
+    """A search from an initial guess, and its name in the table of what was tried."""
+
+    layout: Layout
+    guess: Array
+    step: str
+
+
+def fits_from(problem: FitProblem, tasks: Sequence[FitTask], beside: Companion) -> list[Candidate | None]:
+    """Return one search from each initial guess, every second one in the second process.
+
+    An entry is None where a search finds nothing that keeps the limits.
+    """
+    alone = replace(problem, pace=Pace("fit", 1))
+    others = [beside.begin(_fit_silently, alone, task) for task in tasks[1::2]]
+    found = []
+    for i, task in enumerate(tasks):
+        problem.pace.begin(task.step)
+        found.append(others[i // 2]() if i % 2 else fit_from(problem, task))
+    return found
+
+
+def _fit_silently(problem: FitProblem, task: FitTask) -> Candidate | None:
+    with silent():
+        return fit_from(problem, task)
+
+
+def fit_from(problem: FitProblem, task: FitTask) -> Candidate | None:
+    """Return one search from one initial guess; None where it finds nothing that keeps the limits."""
+    cell = float(problem.target.cell_mm[0])
+    fit = Fit(problem, task.layout)
+    values, error = minimise_misfit(fit, task.guess, (2 * cell, cell, cell / 2), task.step)
+    if not np.isfinite(error):
+        return None
+    return Candidate(task.layout, values, float(fit.overlap(values, _SHARP * cell)), task.step)
+
+
+def select(problem: FitProblem, beside: Companion = ALONE) -> tuple[Candidate, tuple[FitTrial, ...]]:
     """Return the web in which every parameter gains enough overlap, and all trials in their order.
+
+    Args:
+        beside: a second process, which takes a part of the searches that do not need each other.
 
     Raises:
         CranktopoError: not even the plain outline keeps the limits.
     """
-    layout = Layout(_FIRST_STATIONS)
-    best = fit_from(problem, layout, outline_guess(problem, _FIRST_STATIONS), "outline")
+    outline = FitTask(Layout(_FIRST_STATIONS), outline_guess(problem, _FIRST_STATIONS), "outline")
+    (best,) = fits_from(problem, [outline], beside)
     if best is None:
         raise CranktopoError(
             "remodel: no outline keeps the manufacturing limits.",
@@ -160,32 +203,22 @@ def select(problem: FitProblem) -> tuple[Candidate, tuple[FitTrial, ...]]:
             code=ExitCode.CRITERION_NOT_MET,
         )
     trials = [_trial(best, 0.0, True)]
-    best = _features(problem, best, trials)
-    best = _stations(problem, best, trials)
+    best = _features(problem, best, trials, beside)
+    best = _stations(problem, best, trials, beside)
     return best, tuple(trials)
 
 
-def fit_from(problem: FitProblem, layout: Layout, guess: Array, step: str) -> Candidate | None:
-    """Return one search from one initial guess; None when it finds nothing that keeps the limits."""
-    cell = float(problem.target.cell_mm[0])
-    problem.pace.begin(step)
-    fit = Fit(problem, layout)
-    values, error = minimise_misfit(fit, guess, (2 * cell, cell, cell / 2), step)
-    if not np.isfinite(error):
-        return None
-    return Candidate(layout, values, float(fit.overlap(values, _SHARP * cell)), step)
-
-
-def _features(problem: FitProblem, best: Candidate, trials: list[FitTrial]) -> Candidate:
+def _features(problem: FitProblem, best: Candidate, trials: list[FitTrial], beside: Companion) -> Candidate:
     for group in FITTED_TO_SECTIONS:
         manufactured = (part.manufactured(problem.limits) for part in group)
         possible = (part for part in manufactured if part is not None and part.possible(problem.scene))
         guesses = ((part, part.guess(problem.target, problem.scene, problem.limits)) for part in possible)
-        best = _try(problem, best, [(part, guess) for part, guess in guesses if guess is not None], trials)
+        choices = [(part, guess) for part, guess in guesses if guess is not None]
+        best = _try(problem, best, choices, trials, beside)
     for _ in range(_MOST_POCKETS):
         before = best
         for choice in _pockets(problem, best):
-            best = _try(problem, best, [choice], trials)
+            best = _try(problem, best, [choice], trials, beside)
             if best is not before:
                 break
         if best is before:
@@ -198,12 +231,14 @@ def _try(
     best: Candidate,
     choices: Sequence[tuple[FittedFeature, Array]],
     trials: list[FitTrial],
+    beside: Companion,
 ) -> Candidate:
-    found = []
-    for part, guess in choices:
-        layout = replace(best.layout, parts=(*best.layout.parts, part))
-        fitted = fit_from(problem, layout, np.concatenate([best.values, guess]), part.label)
-        found += [] if fitted is None else [fitted]
+    layouts = [replace(best.layout, parts=(*best.layout.parts, part)) for part, _ in choices]
+    tasks = [
+        FitTask(layout, np.concatenate([best.values, guess]), part.label)
+        for layout, (part, guess) in zip(layouts, choices, strict=True)
+    ]
+    found = [fitted for fitted in fits_from(problem, tasks, beside) if fitted is not None]
     chosen = first_of_the_best([best, *found], _overlap)
     if 100 * (chosen.overlap - best.overlap) < problem.limits.least_gain_percent:
         chosen = best
@@ -221,19 +256,25 @@ def _pockets(problem: FitProblem, best: Candidate) -> Iterator[tuple[FittedFeatu
                 yield part, part.guess(region, problem.scene.web_z_mm)
 
 
-def _stations(problem: FitProblem, best: Candidate, trials: list[FitTrial]) -> Candidate:
+def _stations(problem: FitProblem, best: Candidate, trials: list[FitTrial], beside: Companion) -> Candidate:
     """Return the fewest stations that come within the least gain of the most that any number tried reaches.
 
     Numbers are tried upwards until another two bring less than the least gain.
     """
-    tried = []
-    for stations in range(_LEAST_STATIONS, problem.limits.max_stations + 1):
-        layout = replace(best.layout, stations=stations)
-        start = with_stations(best.layout, best.values, stations)
-        found = fit_from(problem, layout, start, f"{stations} stations")
-        if found is not None:
-            tried.append(found)
-        if len(tried) > 2 and tried[-1].overlap - tried[-3].overlap < _least(problem):
+    numbers = range(_LEAST_STATIONS, problem.limits.max_stations + 1)
+    tasks = [
+        FitTask(
+            replace(best.layout, stations=stations),
+            with_stations(best.layout, best.values, stations),
+            f"{stations} stations",
+        )
+        for stations in numbers
+    ]
+    tried: list[Candidate] = []
+    # Three are needed in any case; the further ones are tried one by one.
+    for some in (tasks[:_GAIN_OVER], *([task] for task in tasks[_GAIN_OVER:])):
+        tried += [found for found in fits_from(problem, some, beside) if found is not None]
+        if len(tried) >= _GAIN_OVER and tried[-1].overlap - tried[-_GAIN_OVER].overlap < _least(problem):
             break
     chosen = best
     if tried:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import nlopt
 import numpy as np
 import pytest
@@ -110,3 +112,20 @@ def test_errors_of_the_functions_end_a_search() -> None:
     bounds = np.zeros(1), np.ones(1)
     with pytest.raises(RuntimeError, match="no memory"):
         minimise(broken, lambda v: (v - 1, np.eye(1)), bounds, np.zeros(1), 1e-3, 5)
+
+
+def test_slopes_are_found_where_they_are_asked_for_alone() -> None:
+    """A narrow valley: its line searches look at values; the design is that of slopes found every time."""
+    places, asked = [], []
+
+    def late(values: Array) -> tuple[float, Callable[[], Array]]:
+        places.append(values.tobytes())
+        value, slopes = _bending_valley(None)[0](values)
+        return value, lambda: asked.append(1) or slopes
+
+    bounds = np.full(6, -2.0), np.full(6, 2.0)
+    _, rules = _bending_valley(None)
+    found = minimise(late, lambda v: (rules(v)[0], lambda: rules(v)[1]), bounds, np.full(6, -1.0), 1e-6, 60)
+    at_once = minimise(*_bending_valley(None), bounds, np.full(6, -1.0), 1e-6, 60)
+    assert found.tolist() == at_once.tolist()
+    assert 0 < len(asked) < len(places)

@@ -13,7 +13,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import solid_of
 from cranktopo.tasks.refit.family import Layout, bounds, web_of
 from cranktopo.tasks.refit.fit import fit_problem, scene_with_web
-from cranktopo.tasks.refit.select import fit_from
+from cranktopo.tasks.refit.select import FitTask, fit_from
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted_pocket import FittedCylinder
 from cranktopo.throw.fitted_slot import FittedSlot
@@ -65,7 +65,8 @@ def recovered(cell_mm: float) -> np.ndarray:
     guess = true + np.random.default_rng(1).normal(0, 1.0, len(true))
     limits = ManufacturingLimits()
     problem = fit_problem(body, scene, limits, cell_mm)
-    found = fit_from(problem, WHOLE, np.clip(guess, *bounds(WHOLE, scene, limits)), "known web")
+    known = FitTask(WHOLE, np.clip(guess, *bounds(WHOLE, scene, limits)), "known web")
+    found = fit_from(problem, known)
     assert found is not None
     return found.values
 
