@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
+from cranktopo.numerics.tetrahedra.connections import Connections
 from cranktopo.numerics.tetrahedra.symmetric_blocks import SymmetricBlocks
 
 _DEPENDENT = 1e-10
@@ -18,9 +19,13 @@ class EarlierFields:
     """Fields of a body while its mesh moves, by what was held.
 
     Its equations are always over the same unknowns; a mesh with other elements asks for another of these.
+
+    Attributes:
+        connections: of these elements, once a body was assembled.
     """
 
     def __init__(self) -> None:
+        self.connections: Connections | None = None
         self._fields: dict[bytes, list[Array]] = {}
 
     def start(self, matrix: SymmetricBlocks, held: NDArray[np.intp], loads: Array) -> Array | None:

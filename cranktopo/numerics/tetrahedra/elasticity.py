@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import solver_error
 from cranktopo.base.notes import at_work
+from cranktopo.numerics.tetrahedra.connections import connections
 from cranktopo.numerics.tetrahedra.earlier_fields import EarlierFields
 from cranktopo.numerics.tetrahedra.mesh import TRIANGLE_EDGES, TetMesh, shape_gradients, shape_values
-from cranktopo.numerics.tetrahedra.numbered_mesh import numbered_mesh
 from cranktopo.numerics.tetrahedra.solver import Equations
-from cranktopo.numerics.tetrahedra.symmetric_blocks import Pattern, SymmetricBlocks, neighbourly
+from cranktopo.numerics.tetrahedra.symmetric_blocks import BlockSum, SymmetricBlocks
 
 Order = Literal[1, 2]
 """Degree of the displacements in an element; its shape is quadratic in either case."""
@@ -71,19 +71,21 @@ def assemble(
     Args:
         earlier: what was solved on the same elements before they moved; solves begin there and are added.
     """
-    body = numbered_mesh(mesh.points_mm, mesh.cells)
-    rank, prolongation = neighbourly(body.t, body.nvertices), _prolongation(body)
-    parts = [Pattern(body.t, rank)]
-    if order == 2:
-        parts.append(Pattern(body.dofs.element_dofs, prolongation @ rank))
-    volume = _add_elements(body, parts, lame_constants_MPa(youngs_MPa, poisson))
-    matrices = [part.matrix() for part in parts]
-    equations = Equations(matrices[-1], matrices[0].tocsr() if order == 2 else None, prolongation, earlier)
+    known = earlier.connections if earlier else None
+    connected = known or connections(mesh)
+    if earlier:
+        earlier.connections = connected
+    body = connected.moved(mesh) if known else connected.body
+    sums = [BlockSum(part) for part in (connected.linear, connected.quadratic)[:order]]
+    volume = _add_elements(body, sums, lame_constants_MPa(youngs_MPa, poisson))
+    matrices = [part.matrix() for part in sums]
+    linear = matrices[0].tocsr() if order == 2 else None
+    equations = Equations(matrices[-1], linear, connected.prolongation, earlier)
     nodes = body.doflocs if order == 2 else body.doflocs[:, : body.nvertices]
     return Elasticity(nodes, equations, body, volume, order)
 
 
-def _add_elements(body: Any, parts: Sequence[Pattern], lame: tuple[float, float]) -> float:
+def _add_elements(body: Any, parts: Sequence[BlockSum], lame: tuple[float, float]) -> float:
     """Add all elements to the matrices of linear and of quadratic displacements; return the volume."""
     reference = shape_gradients(quadrature(STIFFNESS_ORDER)[0])  # (points, 10, 3)
     kinds = np.broadcast_to(_CORNER_SLOPES, (len(reference), 4, 3)), reference
@@ -257,13 +259,3 @@ def mass_matrix(
 def lame_constants_MPa(youngs_MPa: float, poisson: float) -> tuple[float, float]:
     """Return Lame's first constant and the shear modulus."""
     return youngs_MPa * poisson / ((1 + poisson) * (1 - 2 * poisson)), youngs_MPa / (2 * (1 + poisson))
-
-
-def _prolongation(body: Any) -> sp.csr_matrix:
-    """Corner nodes keep their value, edge nodes take the mean of their two corners."""
-    corners, edges = body.nvertices, body.edges
-    count = edges.shape[1]
-    half = sp.csr_matrix(
-        (np.full(2 * count, 0.5), edges.T.ravel(), np.arange(0, 2 * count + 1, 2)), shape=(count, corners)
-    )
-    return sp.vstack([sp.eye(corners), half]).tocsr()

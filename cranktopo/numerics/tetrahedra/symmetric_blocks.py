@@ -85,20 +85,38 @@ def neighbourly(cells: NDArray[np.intp], corners: int) -> Array:
     return rank
 
 
+@dataclass(frozen=True)
 class Pattern:
-    """A stiffness matrix in the making: which blocks the elements of a mesh fill, and their sum."""
+    """Blocks that the elements of a mesh fill.
 
-    def __init__(self, cells: NDArray[np.intp], rank: Array) -> None:
+    Attributes:
+        order, start, column: those of the matrix.
+        rows: of each element, (elements, nodes).
+    """
+
+    order: NDArray[np.intp]
+    start: Int32
+    column: Int32
+    rows: Int32
+
+    @staticmethod
+    def of(cells: NDArray[np.intp], rank: Array) -> Pattern:
         """Order the nodes by rank, which of two as their numbers do where it is the same."""
-        self.order = np.argsort(rank, kind="stable")
+        order = np.argsort(rank, kind="stable")
         place = np.empty(len(rank), dtype=np.int32)
-        place[self.order] = np.arange(len(rank))
-        self._rows = np.ascontiguousarray(place[cells].T)
+        place[order] = np.arange(len(rank))
+        rows = np.ascontiguousarray(place[cells].T)
         one, other = np.triu_indices(len(cells))
-        pairs = np.sort(np.stack([self._rows[:, one].ravel(), self._rows[:, other].ravel()]), axis=0)
+        pairs = np.sort(np.stack([rows[:, one].ravel(), rows[:, other].ravel()]), axis=0)
         filled = sp.coo_matrix((np.ones(pairs.shape[1], np.int8), pairs), (len(rank),) * 2).tocsr()
-        self._start, self._column = filled.indptr, filled.indices
-        self._value = np.zeros((len(self._column), 3, 3))
+        return Pattern(order, filled.indptr, filled.indices, rows)
+
+
+class BlockSum:
+    """A stiffness matrix in the making: the sum of the elements of a mesh."""
+
+    def __init__(self, pattern: Pattern) -> None:
+        self._pattern, self._value = pattern, np.zeros((len(pattern.column), 3, 3))
 
     def add(self, elements: slice, slopes: Array, dx: Array, lame: tuple[float, float]) -> None:
         """Add the stiffness of some elements: lambda div u div v + 2 mu eps(u):eps(v).
@@ -108,16 +126,17 @@ class Pattern:
             dx: volume of the quadrature points, (elements, points).
             lame: first constant and shear modulus, MPa.
         """
-        rows, slopes, dx = map(np.ascontiguousarray, (self._rows[elements], slopes, dx))
-        arrays = rows, slopes, dx, self._start, self._column, self._value
+        pattern = self._pattern
+        rows, slopes, dx = map(np.ascontiguousarray, (pattern.rows[elements], slopes, dx))
+        arrays = rows, slopes, dx, pattern.start, pattern.column, self._value
         at = [array.ctypes.data for array in arrays]
         assembly()(*rows.shape, *at[:3], *lame, *at[3:])
 
     def matrix(self) -> SymmetricBlocks:
         """Return the sum of all elements; call it once, as their blocks become those of the matrix."""
-        value = self._value
-        root = np.sqrt(np.einsum("nii->ni", value[self._start[:-1]]))
-        rows = np.repeat(np.arange(len(root)), np.diff(self._start))
+        value, pattern = self._value, self._pattern
+        root = np.sqrt(np.einsum("nii->ni", value[pattern.start[:-1]]))
+        rows = np.repeat(np.arange(len(root)), np.diff(pattern.start))
         value /= root[rows][:, :, None]
-        value /= root[self._column][:, None, :]
-        return SymmetricBlocks(self.order, self._start, self._column, value, root.reshape(-1, 1))
+        value /= root[pattern.column][:, None, :]
+        return SymmetricBlocks(pattern.order, pattern.start, pattern.column, value, root.reshape(-1, 1))

@@ -86,3 +86,23 @@ def test_what_is_held_otherwise_begins_at_zero(mesh: TetMesh) -> None:
     solved(body(mesh, 0.0, earlier))
     scaled = loads(moved)[moved.stiffness.unknowns]
     assert earlier.start(moved.stiffness, held(moved)[3:], scaled) is None
+
+
+def test_connections_are_found_once_and_give_the_same_matrix(mesh: TetMesh) -> None:
+    """Also where the cells number the nodes in another order than the matrix does."""
+    random = np.random.default_rng(3)
+    number = random.permutation(mesh.points_mm.shape[1])
+    points = np.empty_like(mesh.points_mm)
+    points[:, number] = mesh.points_mm
+    other = replace(mesh, points_mm=points, cells=number[mesh.cells])
+    earlier = EarlierFields()
+    body(other, 0.0, earlier)
+    known = earlier.connections
+    moved, fresh = body(other, 0.02, earlier), body(other, 0.02)
+    assert earlier.connections is known
+    assert known is not None
+    assert known.body.doflocs.tobytes() != moved.mesh.doflocs.tobytes(), "the first body stays where it is"
+    assert moved.mesh.doflocs.tobytes() == fresh.mesh.doflocs.tobytes()
+    for name in ("order", "start", "column", "value", "root"):
+        assert getattr(moved.stiffness, name).tobytes() == getattr(fresh.stiffness, name).tobytes(), name
+    assert (moved.equations.linear != fresh.equations.linear).nnz == 0
