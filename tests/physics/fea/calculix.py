@@ -58,7 +58,7 @@ def displacements(
     if forces:
         lines += ["*CLOAD", *(f"{n + 1}, {a + 1}, {v:.10e}" for n, a, v in forces)]
     lines += ["*NODE PRINT, NSET=ALL", "U", "*END STEP"]
-    return _read(_solved(folder, lines), mesh.points_mm.shape[1] + 2 * len(ends))
+    return read(_solved(folder, lines), mesh.points_mm.shape[1] + 2 * len(ends))
 
 
 def of_free_body(
@@ -70,9 +70,23 @@ def of_free_body(
         fixed: nodes (from 0) and the axis along which each stays.
         loads: lines of the deck.
     """
+    return read(_solved(folder, free_body(mesh, scene, fixed, loads)), mesh.points_mm.shape[1])
+
+
+def free_body(
+    mesh: TetMesh,
+    scene: Scene,
+    fixed: Sequence[tuple[int, int]],
+    loads: Sequence[str],
+    static: str = "*STATIC",
+) -> list[str]:
+    """Lines of the deck of a body without rigid sections, arguments as in `of_free_body`.
+
+    Args:
+        static: the line that names the step, and with it the solver.
+    """
     lines = [*_body(mesh, scene, ()), "*BOUNDARY", *(f"{n + 1}, {a + 1}, {a + 1}" for n, a in fixed)]
-    lines += ["*STEP", "*STATIC", *loads, "*NODE PRINT, NSET=ALL", "U", "*END STEP"]
-    return _read(_solved(folder, lines), mesh.points_mm.shape[1])
+    return [*lines, "*STEP", static, *loads, "*NODE PRINT, NSET=ALL", "U", "*END STEP"]
 
 
 def free_frequencies_Hz(folder: Path, mesh: TetMesh, scene: Scene, count: int) -> Array:
@@ -126,7 +140,8 @@ def _springs(mesh: TetMesh, stiffness: float) -> Iterable[str]:
         yield f"{stiffness}"
 
 
-def _read(path: Path, nodes: int) -> Array:
+def read(path: Path, nodes: int) -> Array:
+    """Printed displacements of all nodes, (nodes, 3)."""
     rows = [line.split() for line in path.read_text().splitlines()]
     values = {int(row[0]): [float(v) for v in row[1:]] for row in rows if len(row) == 4 and row[0].isdigit()}
     assert len(values) == nodes
