@@ -134,6 +134,59 @@ def meshed_volume_mm3(scene: Scene) -> float:
     return volume * (0.5 if may_mirror(scene, web_asymmetry(scene)) else 1.0)
 
 
+_STRESS_PER_NODE_KIB = 6.0
+"""Least of a solve for stresses (`python -m tests.benchmarks.body_fitted_scale`): fewer fields, a wider
+residual than an evaluation."""
+_FILLET_NODES = 7.0
+"""Least nodes on a fillet and in the depth below, over its area in element sizes: 15 or more were meshed, and
+a narrow web has only a part of the circle."""
+_COARSEST_FRACTION = 0.5
+_FINER = 0.6
+"""Power of the number of nodes by which the fillet fraction for them changes: 0.53 to 0.66 were meshed."""
+
+
+def check_fillet_fraction(scene: Scene, element_size_mm: float, fraction: float) -> None:
+    """Check before a mesh for stresses is made that it can fit into the memory; what fits is not refused."""
+    check_stress_memory(least_stress_nodes(scene, element_size_mm, fraction), fraction)
+
+
+def check_stress_memory(nodes: float, fraction: float) -> None:
+    """Check that the stresses on so many nodes can fit into the memory; the error names what may.
+
+    Args:
+        fraction: element size in a fillet over its radius that gave them.
+    """
+    available, needed = available_memory_MiB(), _MESH_BASE_MIB + _STRESS_PER_NODE_KIB * nodes / 1024
+    if needed <= available:
+        return
+    _check_base("fillets of any fineness", _MESH_BASE_MIB, available)
+    finest = fraction * ((needed - _MESH_BASE_MIB) / max(available - _MESH_BASE_MIB, 1.0)) ** _FINER
+    fits = f"The finest that may fit is about {finest:.2g} (--fillet-fraction). "
+    raise invalid(
+        "fillet fraction",
+        fraction,
+        f"too fine: at least {needed / 1024:,.1f} GiB needed, {available / 1024:,.1f} GiB available",
+        f"{fits if finest <= _COARSEST_FRACTION else ''}{_RAISE}",
+    )
+
+
+def least_stress_nodes(scene: Scene, element_size_mm: float, fraction: float) -> float:
+    """Return a number of nodes that a mesh for stresses of a throw exceeds."""
+    near, far = halves(scene)
+    on_fillets = _fillet_nodes(near, fraction) + (0.0 if far is near else _fillet_nodes(far, fraction))
+    on_fillets *= 0.5 if may_mirror(scene, web_asymmetry(scene)) else 1.0
+    return on_fillets + _LEAST_NODES * meshed_volume_mm3(scene) / element_size_mm**3
+
+
+def _fillet_nodes(half: Scene, fraction: float) -> float:
+    nodes = 0.0
+    for journal, _ in half.throw.journals:
+        radius = journal.fillet.least_radius_mm
+        area = 2 * math.pi * journal.radius_mm * math.pi / 2 * radius
+        nodes += _FILLET_NODES * area / (fraction * radius) ** 2 if radius else 0.0
+    return nodes
+
+
 def _half_volume_mm3(scene: Scene) -> float:
     return web_volume_mm3(scene) + sum(
         math.pi * (journal.radius_mm**2 - journal.bore_radius_mm**2) * journal.length_mm / 2

@@ -143,7 +143,7 @@ def exponent_row(command: ScaledCommand, rows: Sequence[ScaleRow]) -> str:
     """Line of the exponents of seconds over unknowns."""
     unknowns = [row.unknowns for row in rows]
     slopes = [exponent(unknowns, [getattr(row, key) for row in rows]) for key in _SECONDS]
-    reach = f"{min(unknowns):,} to {max(unknowns):,}" if rows else "-"
+    reach = f"{min(unknowns):,} to {max(unknowns):,}" if len(rows) > 1 else "-"
     cells = ["-" if math.isnan(slope) else f"**{slope:.2f}**" for slope in slopes]
     return _line([f"`{command.name}`: exponent", "-", reach, *cells, "-", "-", "-", "-"])
 

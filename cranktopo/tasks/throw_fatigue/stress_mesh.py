@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array, Index
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.notes import note
+from cranktopo.bodies.memory import check_fillet_fraction, check_stress_memory
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.design.halves import default_element_size_mm, halves
 from cranktopo.design.schema import Scene
@@ -115,12 +116,16 @@ def _meshed(
     size = min(default_element_size_mm(scene), thinner / _ACROSS_WEB)
     if target.file is None:
         check_fillets(target)
+        check_fillet_fraction(scene, size, fillet_fraction)
         made = mesh_throw(scene, size, fillet_fraction=fillet_fraction, regular=by_rule, to_follow=to_follow)
+        check_stress_memory(made.mesh.points_mm.shape[1], fillet_fraction)
         return made, scene
     from cranktopo.tasks.importing.imported_body import mesh_step_for_stress
 
     path = _step_of(target)
-    return mesh_step_for_stress(path, scene, size, fillet_fraction, target.align, regular=by_rule)
+    made, scene = mesh_step_for_stress(path, scene, size, fillet_fraction, target.align, regular=by_rule)
+    check_stress_memory(made.mesh.points_mm.shape[1], fillet_fraction)
+    return made, scene
 
 
 def longest_edge_of(

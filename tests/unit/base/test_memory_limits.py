@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import resource
 import subprocess
 import sys
@@ -20,6 +21,8 @@ from cranktopo.numerics import precision
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.tetrahedra import solver
 from cranktopo.tasks.doctor import stage as doctor
+from cranktopo.tasks.throw_fatigue import stress_mesh
+from cranktopo.tasks.throw_fea.targets import resolve_targets
 
 PROGRAM = f"{sys.executable} -c 'from cranktopo.app.launch import main; main()'"
 MIB = 2**20
@@ -154,3 +157,36 @@ def test_a_mesh_is_not_begun_without_addresses(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(machine, "addresses_left_MiB", lambda: 100.0)
     with pytest.raises(CranktopoError, match=r"memory: a box needs 0\.3 GiB"), cad_session("a box"):
         pass
+
+
+@pytest.fixture
+def gibibyte(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One GiB is all that is free."""
+    monkeypatch.setattr(memory, "available_memory_MiB", lambda: 1024.0)
+
+
+@pytest.mark.usefixtures("gibibyte")
+def test_fillets_finer_than_the_memory_are_refused_before_they_are_meshed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The fraction that is named is let through, by the same estimate."""
+    (target,) = resolve_targets(["mikron-iiic"], fillets=True, whole=True)
+    monkeypatch.setattr(stress_mesh, "mesh_throw", fails(AssertionError("a mesh was begun")))
+    with pytest.raises(CranktopoError, match=r"^fillet fraction = 0\.02: too fine: at least") as refused:
+        stress_mesh.mesh_for_stress(target, 0.02)
+    named = re.search(r"finest that may fit is about ([\d.]+) \(--fillet-fraction\)", str(refused.value.hint))
+    assert named is not None
+    assert 0.02 < float(named[1]) < 0.17
+    with pytest.raises(AssertionError, match="a mesh was begun"):
+        stress_mesh.mesh_for_stress(target, float(named[1]))
+
+
+@pytest.mark.usefixtures("gibibyte")
+def test_stresses_on_too_many_nodes_are_refused_when_these_are_counted() -> None:
+    memory.check_stress_memory(100_000, 0.1)
+    with pytest.raises(CranktopoError, match="too fine") as refused:
+        memory.check_stress_memory(300_000, 0.05)
+    assert "about 0.075 (" in str(refused.value.hint)
+    with pytest.raises(CranktopoError, match="too fine") as refused:
+        memory.check_stress_memory(300_000, 0.4)
+    assert "finest" not in str(refused.value.hint)

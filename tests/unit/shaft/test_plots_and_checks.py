@@ -63,9 +63,12 @@ def test_a_default_mesh_with_too_long_an_edge_is_made_anew(
 ) -> None:
     """Before anything is solved, with room to the quarter that UR M53 lets through."""
     asked: list[float] = []
-    monkeypatch.setattr(
-        stress_mesh, "mesh_throw", lambda *_, fillet_fraction, **__: asked.append(fillet_fraction)
-    )
+
+    def made(*_: object, fillet_fraction: float, **__: object) -> SimpleNamespace:
+        asked.append(fillet_fraction)
+        return SimpleNamespace(mesh=SimpleNamespace(points_mm=np.zeros((3, 1))))
+
+    monkeypatch.setattr(stress_mesh, "mesh_throw", made)
     monkeypatch.setattr(stress_mesh, "longest_edge", lambda *_: longest)
     target = Target("throw", load_scene("mikron-iiic-plain"))
     lines: list[str] = []
