@@ -1,6 +1,8 @@
-"""Fields of bodies solved before on the same elements, whose best sum begins the next solve."""
+"""What bodies solved before on the same elements leave to the next: fields to begin at, a linear level."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +29,8 @@ class EarlierFields:
     def __init__(self) -> None:
         self.connections: Connections | None = None
         self._fields: dict[bytes, list[Array]] = {}
+        self._coarse: dict[bytes, Callable[[Array], Array]] = {}
+        self._cycles: dict[bytes, int] = {}
 
     def start(self, matrix: SymmetricBlocks, held: NDArray[np.intp], loads: Array) -> Array | None:
         """Return the sum of the fields with the least error in energy for scaled loads (unknowns, k), if any.
@@ -49,3 +53,17 @@ class EarlierFields:
     def keep(self, held: NDArray[np.intp], fields: Array) -> None:
         """Keep fields (unknowns, k), with what was held at zero."""
         self._fields[held.tobytes()] = [fields, *self._fields.get(held.tobytes(), [])[: _BODIES - 1]]
+
+    def coarse_level(
+        self, held: NDArray[np.intp], made: Callable[[], Callable[[Array], Array]]
+    ) -> Callable[[Array], Array]:
+        """Return the solver of the linear level that a body before had with the same held, else make it."""
+        key = held.tobytes()
+        if key not in self._coarse:
+            self._coarse[key] = made()
+        return self._coarse[key]
+
+    def judge_coarse_level(self, held: NDArray[np.intp], cycles: int) -> None:
+        """Have the next body make its own linear level where one took more cycles than the first body did."""
+        if cycles > self._cycles.setdefault(held.tobytes(), cycles):
+            del self._coarse[held.tobytes()]

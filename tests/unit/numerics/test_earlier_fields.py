@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from unittest.mock import patch
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.tetrahedra import solver
@@ -106,3 +108,49 @@ def test_connections_are_found_once_and_give_the_same_matrix(mesh: TetMesh) -> N
     for name in ("order", "start", "column", "value", "root"):
         assert getattr(moved.stiffness, name).tobytes() == getattr(fresh.stiffness, name).tobytes(), name
     assert (moved.equations.linear != fresh.equations.linear).nnz == 0
+
+
+def test_the_linear_level_of_a_body_before_serves_until_it_is_too_far(mesh: TetMesh) -> None:
+    """A far body takes many cycles with it, has its right fields, and lets the next one make its own."""
+    made: list[int] = []
+    cholesky = solver.cholesky
+
+    def counted(matrix: sp.spmatrix) -> Callable[[Array], Array]:
+        made.append(matrix.shape[0])
+        return cholesky(matrix)
+
+    earlier = EarlierFields()
+    with patch.object(solver, "cholesky", counted):
+        solved(body(mesh, 0.0, earlier))
+        solved(body(mesh, 0.01, earlier))
+        assert len(made) == 1, "the second body is near"
+        far, _ = solved(body(mesh, 8.0, earlier))
+        assert len(made) == 1
+        fresh, _ = solved(body(mesh, 8.0))
+        assert np.abs(far - fresh).max(axis=0) == pytest.approx(0.0, abs=1e-5 * np.abs(fresh).max())
+        made.clear()
+        solved(body(mesh, 8.1, earlier))
+        assert len(made) == 1, "the far body had it forgotten"
+
+
+def test_a_solved_column_costs_no_further_cycles(mesh: TetMesh) -> None:
+    """One column begins at its answer; its cycles are spent on the others alone, which end as without it."""
+    model = body(mesh, 0.0)
+    matrix, fixed = model.stiffness, held(model)
+    own = np.isin(matrix.unknowns, fixed)
+    given = loads(model)[matrix.unknowns] / matrix.root
+    given[own] = 0.0
+    cycle, widths = model.equations.two_level_cycle(fixed), []
+
+    def counted(residual: Array) -> Array:
+        widths.append(residual.shape[1])
+        return cycle(residual)
+
+    whole, cycles = solver._conjugate_gradients(matrix, own, given, cycle, 1e-8)
+    start = np.zeros_like(given)
+    start[:, 0] = whole[:, 0]
+    found, after = solver._conjugate_gradients(matrix, own, given, counted, 1e-8, start)
+    assert widths == [given.shape[1] - 1] * after
+    assert after <= cycles
+    assert found[:, 0].tolist() == whole[:, 0].tolist()
+    assert np.linalg.norm(found - whole, axis=0) == pytest.approx(0.0, abs=1e-6 * np.linalg.norm(whole))
