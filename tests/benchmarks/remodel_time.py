@@ -9,12 +9,11 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
-from cranktopo.base.companion import ALONE
 from cranktopo.design.writing import design_from_run
 from cranktopo.engine.plan.simulated import strip_features
 from cranktopo.runs.directories import open_run
@@ -49,8 +48,7 @@ def searches_shown() -> Iterator[None]:
         )
         return found
 
-    alone = patch.object(fit, "Companion", lambda _: nullcontext(ALONE))
-    with alone, patch.object(select, "fit_from", shown):
+    with patch.object(select, "fit_from", shown):
         yield
 
 

@@ -18,6 +18,7 @@ import pytest
 from manifold3d import Manifold
 
 from cranktopo.app.main import main
+from cranktopo.base.companion import ALONE, Companion
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.schema import Scene
@@ -47,13 +48,13 @@ def with_stand_ins(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The loop's own course with stand-ins for its long stages; the list records what was called."""
     calls: list[str] = []
 
-    def optimised(folder: Path, scene: Scene) -> SurfaceMesh:
+    def optimised(folder: Path, scene: Scene, beside: Companion) -> SurfaceMesh:
         calls.append(f"optimise {scene.optimise.volume_fraction:.4f} {scene.optimise.process}")
         kind = "" if scene.envelope is None else scene.envelope.shape
         calls.append(f"inside {kind}")
         return mesh_of(Manifold.cube((1, 1, 1)))
 
-    def fit(surface: SurfaceMesh, scene: Scene, limits: Any) -> Any:
+    def fit(surface: SurfaceMesh, scene: Scene, limits: Any, beside: Companion) -> Any:
         """An obround whose volume is what the optimiser would have left."""
         volume = web_volume_mm3(scene.model_copy(update={"web": _web_inside(scene)}))
         target = scene.optimise.volume_fraction * volume
@@ -78,7 +79,8 @@ def with_stand_ins(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     monkeypatch.setattr(one_step, "write_solids", solids_once)
     monkeypatch.setattr(one_step, "optimised_surface", optimised)
     monkeypatch.setattr(one_step, "fit_web", fit)
-    monkeypatch.setattr(one_step, "shape_error", lambda *_: SimpleNamespace(web_iou=0.95))
+    monkeypatch.setattr(one_step, "Companion", lambda _: contextlib.nullcontext(ALONE))
+    monkeypatch.setattr(one_step, "web_overlap", lambda *_: 0.95)
     monkeypatch.setattr(one_step, "evaluate", evaluate)
     return calls
 
@@ -247,7 +249,7 @@ def test_manufacturing_limits_hold_in_every_step(
     """As given at the start, when it is continued, and the usual ones for a loop that kept none."""
     out, seen = tmp_path / "loop", []
 
-    def fit(surface: SurfaceMesh, scene: Scene, limits: ProcessLimits) -> Any:
+    def fit(surface: SurfaceMesh, scene: Scene, limits: ProcessLimits, beside: Companion) -> Any:
         assert limits.opens == "sides"  # of the loop's own process, a lateral die
         own = vars(limits)
         seen.append(ManufacturingLimits(**{name: own[name] for name in vars(ManufacturingLimits())}))

@@ -77,7 +77,7 @@ def test_a_run_is_re_modelled_with_its_own_scene(
     """What the fit is given, and the text that is written of it."""
     given: list[Scene] = []
 
-    def fit(surface: Any, scene: Scene, limits: ManufacturingLimits) -> Any:
+    def fit(surface: Any, scene: Scene, limits: ManufacturingLimits, beside: Any) -> Any:
         given.append(scene)
         raise CranktopoError("enough")
 

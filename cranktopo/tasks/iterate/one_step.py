@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from manifold3d import Manifold
 
+from cranktopo.base.companion import ALONE, Companion
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import json_file_text, write_text
 from cranktopo.base.frames import X, Y, Z
@@ -38,9 +39,9 @@ from cranktopo.tasks.importing.original import original_file
 from cranktopo.tasks.iterate.result import LoopStep, Settings, step_of
 from cranktopo.tasks.optimise.result import RunMetrics
 from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation
-from cranktopo.tasks.refit.fit import fit_web
+from cranktopo.tasks.refit.fit import FIT_LIBRARIES, fit_web
 from cranktopo.tasks.refit.process import fit_limits
-from cranktopo.tasks.refit.shape_error import shape_error
+from cranktopo.tasks.refit.shape_error import web_overlap
 from cranktopo.tasks.throw_fea.evaluation import Evaluation, evaluate
 from cranktopo.tasks.throw_fea.targets import Target
 from cranktopo.throw.envelope import StlEnvelope
@@ -218,18 +219,20 @@ def make_step(
     folder.mkdir(exist_ok=True)
     bounded, fraction = _bounded(folder, number, webs, settings)
     note(f"removing {100 * (1 - fraction):.0f} % of the envelope")
-    surface = _sound_surface(folder, bounded)
-    note("re-modelling")
-    fitted = fit_web(surface, bounded, fit_limits(bounded, settings.limits))
-    near = shape_error(fitted.scene, surface)
-    scene = step_scene(design, fitted.scene, number)
-    write_text(folder / "web.toml", toml_text(scene, f"Step {number} of the loop over {design.name}"))
-    solids = write_solids(scene, folder, run.started())
-    note("evaluating")
-    found = _evaluated(scene, settings)
-    thickness, removed = transition_mm(solids.web, scene), 100 * (1 - fraction)
-    undercuts = shaped_undercuts(solids.half, scene)
-    step = step_of(number, found, thickness, 100 * near.web_iou, removed, time.monotonic() - began, undercuts)
+    with Companion(FIT_LIBRARIES) as beside:
+        surface = _sound_surface(folder, bounded, beside)
+        note("re-modelling")
+        fitted = fit_web(surface, bounded, fit_limits(bounded, settings.limits), beside)
+        near = beside.begin(web_overlap, fitted.scene, surface)
+        scene = step_scene(design, fitted.scene, number)
+        write_text(folder / "web.toml", toml_text(scene, f"Step {number} of the loop over {design.name}"))
+        solids = write_solids(scene, folder, run.started())
+        note("evaluating")
+        found = _evaluated(scene, settings)
+        thickness, removed = transition_mm(solids.web, scene), 100 * (1 - fraction)
+        undercuts = shaped_undercuts(solids.half, scene)
+        overlap = 100 * near()
+    step = step_of(number, found, thickness, overlap, removed, time.monotonic() - began, undercuts)
     return _kept(StepWeb(step, scene, solids), folder)
 
 
@@ -265,19 +268,20 @@ def _envelope_mm3(scene: Scene) -> float:
     return float((domain.design_fraction * domain.volume_mm3).sum()) / domain.symmetry_fraction / 2
 
 
-def _sound_surface(folder: Path, scene: Scene) -> SurfaceMesh:
+def _sound_surface(folder: Path, scene: Scene, beside: Companion) -> SurfaceMesh:
     """Return the surface of an optimisation, on other cells where it is not sound on those of the loop."""
     try:
-        return optimised_surface(folder / _OPTIMISE, scene)
+        return optimised_surface(folder / _OPTIMISE, scene, beside)
     except CranktopoError as error:
         if error.code != ExitCode.CRITERION_NOT_MET:
             raise
         cell = round(_OTHER_CELLS * scene.optimise.resolution_mm, 6)
         note(f"{error.message} Once more on cells of {cell:.4g} mm.")
-        return optimised_surface(folder / f"{_OPTIMISE}-again", scene.with_optimise(resolution_mm=cell))
+        finer = scene.with_optimise(resolution_mm=cell)
+        return optimised_surface(folder / f"{_OPTIMISE}-again", finer, beside)
 
 
-def optimised_surface(folder: Path, scene: Scene) -> SurfaceMesh:
+def optimised_surface(folder: Path, scene: Scene, beside: Companion = ALONE) -> SurfaceMesh:
     """Return the surface of the half throw of an optimisation, continued or read where it was begun or done.
 
     It is as its file holds it: a loop that is continued gives the same webs as one in a single go.
@@ -291,11 +295,11 @@ def optimised_surface(folder: Path, scene: Scene) -> SurfaceMesh:
             raise _no_surface(folder, refusal)
         return read_half_throw(unchanged(path), scene)
     if status:
-        done = resume_optimisation(str(folder))
+        done = resume_optimisation(str(folder), beside=beside)
     else:
         text = toml_text(scene, "One step of a loop")
         with silent():
-            done = optimise_design(scene, folder, text, ["cranktopo", "iterate"])
+            done = optimise_design(scene, folder, text, ["cranktopo", "iterate"], beside=beside)
     if done.half_throw is None:
         raise _no_surface(folder, done.metrics.refusal)
     return half_throw_of(done.half_throw, path, scene)

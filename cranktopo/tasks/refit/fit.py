@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.companion import Companion
+from cranktopo.base.companion import ALONE, Companion
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.near_ties import best_first
 from cranktopo.base.notes import Pace, note
@@ -92,8 +92,8 @@ have the largest usual journals and so get as many cells across as the smallest.
 _SPREAD = 1.0
 """Standard deviation of the further initial guesses about the first, mm or degrees."""
 _SUFFIX = "-remodel"
-_LIBRARIES = ("nlopt", "cranktopo.tasks.refit.select")
-"""Modules that the second process of a fit loads."""
+FIT_LIBRARIES = ("nlopt", "cranktopo.tasks.refit.select")
+"""Modules that a second process takes for a fit."""
 _ANGLE = "draft"
 """Ending of the parameters that are degrees."""
 
@@ -115,11 +115,17 @@ class FittedWeb:
     residual_regions: tuple[ResidualRegion, ...]
 
 
-def fit_web(surface: SurfaceMesh, scene: DesignLike, limits: ManufacturingLimits | None = None) -> FittedWeb:
+def fit_web(
+    surface: SurfaceMesh,
+    scene: DesignLike,
+    limits: ManufacturingLimits | None = None,
+    beside: Companion = ALONE,
+) -> FittedWeb:
     """Fit a web that a die or a mill can make to an extracted body.
 
     Args:
         surface: closed surface of the half throw (`WebSurface.half_throw`), mm.
+        beside: a second process, best with `FIT_LIBRARIES`, for a part of the searches; the web is the same.
 
     Raises:
         CranktopoError: nothing of the surface lies between the web faces, or no web keeps the limits.
@@ -133,11 +139,10 @@ def fit_web(surface: SurfaceMesh, scene: DesignLike, limits: ManufacturingLimits
     body, within = solid_of(usual, "surface to be re-modelled"), _scaled_limits(limits, scale)
     coarse_mm = _SCALED_DOWN_CELL_MM if scale < 1 else _SEARCH_CELL_MM
     coarse = Pace("features and stations, search", searches(within))
-    with Companion(_LIBRARIES) as beside:
-        chosen, trials = select(fit_problem(body, throw, within, coarse_mm, coarse), beside)
-        final = Pace("final fit on finer cells, search", within.starts)
-        fine = fit_problem(body, throw, within, within.cell_mm, final)
-        fits = _final_fits(fine, chosen, beside)
+    chosen, trials = select(fit_problem(body, throw, within, coarse_mm, coarse), beside)
+    final = Pace("final fit on finer cells, search", within.starts)
+    fine = fit_problem(body, throw, within, within.cell_mm, final)
+    fits = _final_fits(fine, chosen, beside)
     best = fits[0]
     rest = residual_regions(fine, model_fill(fine, best))
     factors = [1.0 if name.endswith(_ANGLE) else 1 / scale for name in best.layout.names]

@@ -51,6 +51,12 @@ def shape_error(scene: Scene, surface: SurfaceMesh) -> ShapeError:
     )
 
 
+def web_overlap(scene: Scene, surface: SurfaceMesh) -> float:
+    """Return the overlap of the web of a scene with that of an extracted half throw, 0 to 1."""
+    body = solid_of(surface, "surface to be re-modelled")
+    return overlap(_solid(scene, "web"), web_region(body, scene))
+
+
 def overlap(one: Manifold, other: Manifold) -> float:
     """Return the intersection over union of two solids, 0 to 1."""
     both = (one ^ other).volume()

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from datetime import datetime
 from pathlib import Path
 
+from cranktopo.base.companion import Companion
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import as_path_if_any, write_json, write_text
 from cranktopo.base.notes import note
@@ -32,7 +33,7 @@ from cranktopo.tasks.extraction.release import shaped_undercuts
 from cranktopo.tasks.extraction.result import ShapedUndercuts
 from cranktopo.tasks.importing.imported_body import read_half_throw
 from cranktopo.tasks.refit.family import parameter_unit
-from cranktopo.tasks.refit.fit import FittedWeb, fit_web, usual_limits
+from cranktopo.tasks.refit.fit import FIT_LIBRARIES, FittedWeb, fit_web, usual_limits
 from cranktopo.tasks.refit.masses import throw_masses, web_masses
 from cranktopo.tasks.refit.page import refit_page
 from cranktopo.tasks.refit.process import fit_limits
@@ -79,7 +80,8 @@ def remodel_run(
     limits = fit_limits(scene, usual_limits(scene, **(given or {})))
     surface = _surface(target, scene)
     note(f"{run.name}: fitting a parametric web")
-    fitted = fit_web(surface, scene, limits)
+    with Companion(FIT_LIBRARIES) as beside:
+        fitted = fit_web(surface, scene, limits, beside)
     near = shape_error(strip_features(fitted.scene, "fillets"), surface)
     with interruptible() as check, unfinished_folder(folder.parent) as unfinished:
         half_throw = as_stored(surface_of(fitted.scene, "half"))

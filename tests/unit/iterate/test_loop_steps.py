@@ -11,6 +11,7 @@ import pytest
 import trimesh
 from manifold3d import Manifold
 
+from cranktopo.base.companion import Companion
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import pace_of, redirected
 from cranktopo.bodies.cells.domain import build_domain
@@ -133,11 +134,11 @@ def test_a_step_is_fitted_within_what_its_process_allows(
     """A lateral die opens pockets from the sides alone, with its draft; a mill needs its radius."""
     seen: list[ProcessLimits] = []
 
-    def fit(surface: SurfaceMesh, scene: Scene, limits: ProcessLimits) -> None:
+    def fit(surface: SurfaceMesh, scene: Scene, limits: ProcessLimits, beside: Companion) -> None:
         seen.append(limits)
         raise _FittedError
 
-    monkeypatch.setattr(one_step, "optimised_surface", lambda folder, scene: block())
+    monkeypatch.setattr(one_step, "optimised_surface", lambda folder, scene, beside: block())
     monkeypatch.setattr(one_step, "fit_web", fit)
     for asked in ({"process": "forged", "draft_deg": 4.0}, {"process": "milled", "tool_radius_mm": 8.0}):
         scene = mikron.with_optimise(**asked)
@@ -174,7 +175,7 @@ def test_a_step_without_a_sound_surface_is_optimised_on_other_cells(
     """Once; what fails for another reason is not tried again."""
     tried: list[tuple[str, float]] = []
 
-    def optimised(folder: Path, scene: Scene) -> SurfaceMesh:
+    def optimised(folder: Path, scene: Scene, beside: Companion) -> SurfaceMesh:
         tried.append((folder.name, scene.optimise.resolution_mm))
         if len(tried) <= failures:
             raise _unsound(folder, code)
