@@ -1,4 +1,4 @@
-"""What the elements of a mesh connect, wherever their nodes lie: found once for a mesh that moves."""
+"""Connections of the elements of a mesh, wherever its nodes lie: found once for a mesh that moves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What bodies solved before on the same elements leave to the next: fields to begin at, a linear level."""
+"""Fields and linear levels of bodies solved before on the same elements, with which the next solve begins."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ from cranktopo.tasks.refit.fit import fit_problem, fit_web, scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb, part_rules
 from cranktopo.tasks.refit.search import Fit, minimise_misfit, outline_guess, voxel_fill
 from cranktopo.tasks.refit.select import Candidate, FitTask, fit_from, model_fill, residual_regions
-from cranktopo.tasks.refit.shape_error import shape_error, surface_distance_mm
+from cranktopo.tasks.refit.shape_error import shape_error, surface_distance_mm, web_overlap
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder
 from cranktopo.throw.fitted_slot import FittedSlot
@@ -304,6 +304,7 @@ def test_distance_of_a_ball_from_itself_shifted() -> None:
 @pytest.mark.slow
 def test_shape_error_of_a_web_against_itself_is_its_facets(mikron: Scene, body: Manifold) -> None:
     same = shape_error(known_scene(mikron, MORE), mesh_of(body))
+    assert web_overlap(known_scene(mikron, MORE), mesh_of(body)) == same.web_iou
     assert same.web_iou == pytest.approx(1.0, abs=5e-4)
     assert same.max_distance_mm < 0.05
 
