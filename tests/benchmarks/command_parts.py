@@ -31,7 +31,8 @@ PARTS: dict[str, tuple[tuple[str, Sequence[str]], ...]] = {
     "mesh": (("cranktopo.bodies.mesh.solid_mesh", ("add_half_throw", "positive_x", "generate")),),
     "assembly": (
         (f"{_TETRAHEDRA}.elasticity", ("_add_elements",)),
-        (f"{_TETRAHEDRA}.symmetric_blocks:Pattern", ("__init__", "matrix")),
+        (f"{_TETRAHEDRA}.symmetric_blocks:Pattern", ("of",)),
+        (f"{_TETRAHEDRA}.symmetric_blocks:BlockSum", ("matrix",)),
     ),
     "loads": ((f"{_TETRAHEDRA}.elasticity", ("load_points", "gathered")),),
     "factorisation": ((f"{_TETRAHEDRA}.solver", ("cholesky",)),),

@@ -146,7 +146,7 @@ def test_a_solved_column_costs_no_further_cycles(mesh: TetMesh) -> None:
         widths.append(residual.shape[1])
         return cycle(residual)
 
-    whole, cycles = solver._conjugate_gradients(matrix, own, given, cycle, 1e-8)
+    whole, cycles = solver._conjugate_gradients(matrix, own, given, cycle, 1e-10)
     start = np.zeros_like(given)
     start[:, 0] = whole[:, 0]
     found, after = solver._conjugate_gradients(matrix, own, given, counted, 1e-8, start)
