@@ -319,4 +319,4 @@ def test_fit_chooses_features_and_stations_by_their_gain(mikron: Scene) -> None:
     assert len(kept) == 5  # and one number of stations
     assert not [item for item in fitted.residual_regions if item.kind != "material"]
     assert shape_error(fitted.scene, mesh_of(body_of(scene))).web_iou > 0.98
-    assert fitted.scene.name == "mikron-iiic-remodel"
+    assert fitted.scene.name == f"{mikron.name}-remodel"
