@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.machine import addresses_left_MiB, addresses_of_threads_MiB, container_memory_left_MiB
@@ -107,18 +108,32 @@ def check_element_size(scene: Scene, element_size_mm: float) -> None:
 
 def check_mesh_memory(volume_mm3: float, element_size_mm: float) -> None:
     """Check that the mesh of a body of this volume can fit into the memory, without what is refined in it."""
-    available = available_memory_MiB()
+
+    def hint(over: float) -> str:
+        finest = element_size_mm * math.cbrt(over)
+        return f"The finest that may fit is about {finest:.2g} mm (--element-size-mm)."
+
     needed = mesh_memory_MiB(volume_mm3, element_size_mm)
-    if needed <= available:
+    _check_mesh(needed, "element size", element_size_mm, "elements of any size", hint)
+
+
+def _check_mesh(
+    needed_MiB: float, key: str, value: float, any_mesh: str, hint: Callable[[float], str]
+) -> None:
+    """Check that a mesh that needs so much memory fits.
+
+    Args:
+        key, value: what makes the mesh so fine.
+        any_mesh: the meshes of which none may fit, in words.
+        hint: given how many times the nodes that fit there are, what to do.
+    """
+    available = available_memory_MiB()
+    if needed_MiB <= available:
         return
-    _check_base("elements of any size", _MESH_BASE_MIB, available)
-    finest = element_size_mm * math.cbrt((needed - _MESH_BASE_MIB) / max(available - _MESH_BASE_MIB, 1.0))
-    raise invalid(
-        "element size",
-        element_size_mm,
-        f"too fine: at least {needed / 1024:,.1f} GiB needed, {available / 1024:,.1f} GiB available",
-        f"The finest that may fit is about {finest:.2g} mm (--element-size-mm).",
-    )
+    _check_base(any_mesh, _MESH_BASE_MIB, available)
+    allowed = f"too fine: at least {needed_MiB / 1024:,.1f} GiB needed, {available / 1024:,.1f} GiB available"
+    over = (needed_MiB - _MESH_BASE_MIB) / max(available - _MESH_BASE_MIB, 1.0)
+    raise invalid(key, value, allowed, hint(over))
 
 
 def mesh_memory_MiB(volume_mm3: float, element_size_mm: float) -> float:
@@ -156,18 +171,14 @@ def check_stress_memory(nodes: float, fraction: float) -> None:
     Args:
         fraction: element size in a fillet over its radius that gave them.
     """
-    available, needed = available_memory_MiB(), _MESH_BASE_MIB + _STRESS_PER_NODE_KIB * nodes / 1024
-    if needed <= available:
-        return
-    _check_base("fillets of any fineness", _MESH_BASE_MIB, available)
-    finest = fraction * ((needed - _MESH_BASE_MIB) / max(available - _MESH_BASE_MIB, 1.0)) ** _FINER
-    fits = f"The finest that may fit is about {finest:.2g} (--fillet-fraction). "
-    raise invalid(
-        "fillet fraction",
-        fraction,
-        f"too fine: at least {needed / 1024:,.1f} GiB needed, {available / 1024:,.1f} GiB available",
-        f"{fits if finest <= _COARSEST_FRACTION else ''}{_RAISE}",
-    )
+
+    def hint(over: float) -> str:
+        finest = fraction * over**_FINER
+        fits = f"The finest that may fit is about {finest:.2g} (--fillet-fraction). "
+        return f"{fits if finest <= _COARSEST_FRACTION else ''}{_RAISE}"
+
+    needed = _MESH_BASE_MIB + _STRESS_PER_NODE_KIB * nodes / 1024
+    _check_mesh(needed, "fillet fraction", fraction, "fillets of any fineness", hint)
 
 
 def least_stress_nodes(scene: Scene, element_size_mm: float, fraction: float) -> float:

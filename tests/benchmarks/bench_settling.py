@@ -41,10 +41,8 @@ def timed(answer: str, data: dict[str, Any]) -> tuple[float, float]:
 def main(designs: tuple[str, ...]) -> None:
     """Print the table as Markdown."""
     os.environ["OPENBLAS_NUM_THREADS"] = "1"  # as the program has it
-    heads = "".join(
-        f" {answer} {100 * (f - 1):.0f} % thicker |" for answer in ("stiffness,", "safety,") for f in THICKER
-    )
-    print(f"| s (processor s) |{heads}\n|---|{'---|' * 2 * len(THICKER)}")
+    heads = [f"{answer}, {100 * (f - 1):.0f} % thicker" for answer in ANSWERS for f in THICKER]
+    print(f"| s (processor s) | {' | '.join(heads)} |\n|{'---|' * (1 + len(heads))}")
     for design in designs:
         cells = []
         for answer in ANSWERS:

@@ -58,7 +58,7 @@ HEADS = (
 
 @dataclass(frozen=True)
 class PeerRow:
-    """What a code took for both load cases, and what it found; `told` instead where it gave nothing.
+    """Costs of a code for both load cases, and its results; `told` instead where it gave nothing.
 
     Attributes:
         residual: the larger one of both cases, relative; None of displacements in six digits.
@@ -141,7 +141,7 @@ _LACKS = ("memory", "alloc", "mmap")
 
 
 def failure(code: int, notes: str) -> str:
-    """Why a process gave nothing, from its exit code and the last line that it wrote to stderr."""
+    """The reason that a process gave nothing, from its exit code and its last line on stderr."""
     last = (notes.strip().splitlines() or ["no message"])[-1].replace("|", "/")
     if any(word in last.lower() for word in _LACKS):
         return "out of memory"

@@ -53,7 +53,7 @@ HEADS = (
 
 @dataclass(frozen=True)
 class ScaleRow:
-    """What a command took on one mesh, and what it found; `told` instead where it gave nothing."""
+    """Costs of a command on one mesh, and its result; `told` instead where it gave nothing."""
 
     size: float
     unknowns: int = 0
@@ -172,7 +172,7 @@ def measured(command: ScaledCommand, size: float) -> ScaleRow:
 
 
 def failure(code: int, notes: str) -> str:
-    """Why a command gave nothing: the error that it told, or the signal that ended it."""
+    """The reason that a command gave nothing: the error that it told, or the signal that ended it."""
     lines = notes.strip().splitlines()
     start = max((i for i, line in enumerate(lines) if line.startswith("error:")), default=len(lines) - 1)
     reason = " ".join(line.strip() for line in lines[max(start, 0) :]) or "no message"

@@ -29,7 +29,7 @@ from cranktopo.throw.side_slots import SideSlots
 from cranktopo.throw.web import web_bodies
 
 if TYPE_CHECKING:
-    from cranktopo.numerics.tetrahedra.earlier_fields import EarlierFields
+    from cranktopo.numerics.tetrahedra.earlier_bodies import EarlierBodies
     from cranktopo.numerics.tetrahedra.followed_mesh import FollowedMesh
 
 _R = TypeVar("_R")
@@ -61,8 +61,8 @@ class MeshedThrow:
     followed: FollowedBody | None = None
 
     @property
-    def earlier(self) -> EarlierFields | None:
-        """Fields that were solved on its elements, if others follow it."""
+    def earlier(self) -> EarlierBodies | None:
+        """What was solved on its elements, if others follow it."""
         return self.followed.earlier if self.followed else None
 
     @property
@@ -157,15 +157,15 @@ class FollowedBody:
 
     body: _Body
     mesh: FollowedMesh
-    earlier: EarlierFields
+    earlier: EarlierBodies
 
 
 def _followed(gmsh: Any, body: _Body, mesh: TetMesh) -> FollowedBody:
     """Return where the nodes of a new mesh lie; its libraries are loaded here, as `evaluate` needs none."""
-    from cranktopo.numerics.tetrahedra.earlier_fields import EarlierFields
+    from cranktopo.numerics.tetrahedra.earlier_bodies import EarlierBodies
     from cranktopo.numerics.tetrahedra.followed_mesh import followed_mesh
 
-    return FollowedBody(body, followed_mesh(gmsh, mesh), EarlierFields())
+    return FollowedBody(body, followed_mesh(gmsh, mesh), EarlierBodies())
 
 
 @dataclass(frozen=True)

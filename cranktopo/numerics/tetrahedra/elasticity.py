@@ -15,7 +15,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import solver_error
 from cranktopo.base.notes import at_work
 from cranktopo.numerics.tetrahedra.connections import connections
-from cranktopo.numerics.tetrahedra.earlier_fields import EarlierFields
+from cranktopo.numerics.tetrahedra.earlier_bodies import EarlierBodies
 from cranktopo.numerics.tetrahedra.mesh import TRIANGLE_EDGES, TetMesh, shape_gradients, shape_values
 from cranktopo.numerics.tetrahedra.solver import Equations
 from cranktopo.numerics.tetrahedra.symmetric_blocks import BlockSum, SymmetricBlocks
@@ -64,7 +64,7 @@ def assemble(
     youngs_MPa: float,
     poisson: float,
     order: Order = 2,
-    earlier: EarlierFields | None = None,
+    earlier: EarlierBodies | None = None,
 ) -> Elasticity:
     """Assemble the isotropic stiffness matrix; order 1 is only for comparison with quadratic elements.
 
@@ -76,7 +76,8 @@ def assemble(
     if earlier:
         earlier.connections = connected
     body = connected.moved(mesh) if known else connected.body
-    sums = [BlockSum(part) for part in (connected.linear, connected.quadratic)[:order]]
+    patterns = [connected.linear, connected.quadratic] if order == 2 else [connected.linear]
+    sums = [BlockSum(pattern) for pattern in patterns]
     volume = _add_elements(body, sums, lame_constants_MPa(youngs_MPa, poisson))
     matrices = [part.matrix() for part in sums]
     linear = matrices[0].tocsr() if order == 2 else None

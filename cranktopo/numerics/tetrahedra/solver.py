@@ -25,7 +25,7 @@ from cranktopo.base.notes import at_work
 from cranktopo.base.reproducible import SEED
 from cranktopo.base.side_by_side import LazyFuture
 from cranktopo.numerics.tetrahedra.block_code import assembly, product
-from cranktopo.numerics.tetrahedra.earlier_fields import EarlierFields
+from cranktopo.numerics.tetrahedra.earlier_bodies import EarlierBodies
 from cranktopo.numerics.tetrahedra.symmetric_blocks import SymmetricBlocks
 
 DIRECT_LIMIT = 12_000
@@ -118,7 +118,7 @@ class Equations:
     stiffness: SymmetricBlocks
     linear: sp.csr_matrix | None
     prolongation: sp.csr_matrix
-    earlier: EarlierFields | None = None
+    earlier: EarlierBodies | None = None
 
     @cached_property
     def largest_eigenvalue(self) -> float:
@@ -172,7 +172,12 @@ class Equations:
         assert linear is not None
         fixed = np.flatnonzero(np.isin(matrix.unknowns, held))
         free = np.setdiff1d(np.arange(linear.shape[0]), held)
-        coarse = self._coarse_level(linear, free, held)
+
+        def factorised() -> Callable[[Array], Array]:
+            return cholesky(linear[free][:, free])
+
+        # A fifth of a solve, and no other thread works meanwhile; that of a body before is near enough.
+        coarse = self.earlier.coarse_level(held, factorised) if self.earlier else factorised()
         down = self.prolongation[matrix.order].astype(np.float32)
         up = down.T.tocsr()
         smooth = _Chebyshev(matrix, fixed, self.largest_eigenvalue)
@@ -196,17 +201,6 @@ class Equations:
             return x
 
         return cycle
-
-    def _coarse_level(
-        self, linear: sp.csr_matrix, free: NDArray[np.intp], held: NDArray[np.intp]
-    ) -> Callable[[Array], Array]:
-        """Return the solver of the linear level, or that of a body before, which is near enough for a cycle.
-
-        To factorise is a fifth of a solve, and no other thread works meanwhile.
-        """
-        if self.earlier is None:
-            return cholesky(linear[free][:, free])
-        return self.earlier.coarse_level(held, lambda: cholesky(linear[free][:, free]))
 
 
 class _Chebyshev:

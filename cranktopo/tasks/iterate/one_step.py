@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from manifold3d import Manifold
 
-from cranktopo.base.companion import ALONE, Companion
+from cranktopo.base.companion import Companion
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import json_file_text, write_text
 from cranktopo.base.frames import X, Y, Z
@@ -281,7 +281,7 @@ def _sound_surface(folder: Path, scene: Scene, beside: Companion) -> SurfaceMesh
         return optimised_surface(folder / f"{_OPTIMISE}-again", finer, beside)
 
 
-def optimised_surface(folder: Path, scene: Scene, beside: Companion = ALONE) -> SurfaceMesh:
+def optimised_surface(folder: Path, scene: Scene, beside: Companion) -> SurfaceMesh:
     """Return the surface of the half throw of an optimisation, continued or read where it was begun or done.
 
     It is as its file holds it: a loop that is continued gives the same webs as one in a single go.

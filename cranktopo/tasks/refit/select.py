@@ -15,7 +15,7 @@ from cranktopo.base.arrays import Array, Mask
 from cranktopo.base.companion import ALONE, Companion
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.near_ties import best_first, first_of_the_best
-from cranktopo.base.notes import Pace, silent
+from cranktopo.base.notes import silent
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.search import MOST, Fit, FitProblem, minimise_misfit, outline_guess, with_stations
 from cranktopo.throw.fitted import FittedFeature
@@ -161,8 +161,7 @@ def fits_from(problem: FitProblem, tasks: Sequence[FitTask], beside: Companion) 
 
     An entry is None where a search finds nothing that keeps the limits.
     """
-    alone = replace(problem, pace=Pace("fit", 1))
-    others = [beside.begin(_fit_silently, alone, task) for task in tasks[1::2]]
+    others = [beside.begin(_fit_silently, problem, task) for task in tasks[1::2]]
     found = []
     for i, task in enumerate(tasks):
         problem.pace.begin(task.step)

@@ -17,8 +17,8 @@ _BODIES = 2
 """Bodies whose fields are kept: two tell a straight drag, more cost as much as they save."""
 
 
-class EarlierFields:
-    """Fields of a body while its mesh moves, by what was held.
+class EarlierBodies:
+    """Connections, fields and linear levels of a body while its mesh moves, these by what was held.
 
     Its equations are always over the same unknowns; a mesh with other elements asks for another of these.
 
@@ -66,4 +66,4 @@ class EarlierFields:
     def judge_coarse_level(self, held: NDArray[np.intp], cycles: int) -> None:
         """Have the next body make its own linear level where one took more cycles than the first body did."""
         if cycles > self._cycles.setdefault(held.tobytes(), cycles):
-            del self._coarse[held.tobytes()]
+            self._coarse.pop(held.tobytes(), None)  # another solve of the same body may have said so
