@@ -62,7 +62,7 @@ class MeshedThrow:
 
     @property
     def earlier(self) -> EarlierBodies | None:
-        """What was solved on its elements, if others follow it."""
+        """Bodies that were solved on its elements, if others follow it."""
         return self.followed.earlier if self.followed else None
 
     @property
