@@ -126,15 +126,20 @@ def _received(file: IO[bytes]) -> bytes:
     return message if len(message) == size else b""
 
 
+def load_libraries(names: Sequence[str]) -> None:
+    """Import modules for works to come, in a second process."""
+    gc.disable()  # to look through what stays takes a tenth of the loading
+    for name in names:
+        import_module(name)
+    gc.freeze()
+    gc.enable()
+
+
 def serve() -> None:
     """Load the libraries that the command line names, then do what comes by stdin and answer on stdout."""
     with open(answering(), "wb") as answers:
         load_late()
-        gc.disable()  # to look through what stays takes a tenth of the loading
-        for name in sys.argv[2:]:
-            import_module(name)
-        gc.freeze()
-        gc.enable()
+        load_libraries(sys.argv[2:])
         while message := _received(sys.stdin.buffer):
             function, arguments = pickle.loads(message)
             _send(answers, answer_of(function, arguments))

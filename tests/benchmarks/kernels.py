@@ -17,7 +17,8 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from cranktopo.numerics.kernels.registry import OFF, SWITCH, why_no_kernels
+from cranktopo.numerics.kernels.catalogue import OFF, SWITCH
+from cranktopo.numerics.kernels.registry import why_no_kernels
 from cranktopo.numerics.precision import CompileClock, double_precision
 from tests.benchmarks.solver import COMPILED_ANEW, optimisation, peak_MiB, product_ns, solve_s
 

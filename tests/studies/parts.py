@@ -25,8 +25,9 @@ from cranktopo.numerics.grid.conjugate_gradients import (
     stiffness_product,
 )
 from cranktopo.numerics.grid.equilibrium import METHODS, run_method
-from cranktopo.numerics.grid.lattice import WHOLE, Cells, Lattice
+from cranktopo.numerics.grid.lattice import Cells, Lattice
 from cranktopo.numerics.grid.multigrid import GridTables, build_tables, project
+from cranktopo.numerics.grid.partition import WHOLE
 from cranktopo.numerics.precision import double_precision
 from tests.studies.cantilever import halvings
 

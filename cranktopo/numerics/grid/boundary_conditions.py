@@ -16,7 +16,8 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.device_arrays import on_device
-from cranktopo.numerics.grid.lattice import WHOLE, Cells, Lattice, Partition
+from cranktopo.numerics.grid.lattice import Cells, Lattice
+from cranktopo.numerics.grid.partition import WHOLE, Partition
 
 # Rigid motions of a section about its centre.
 MOTIONS = ("tx", "ty", "tz", "rx", "ry", "rz")

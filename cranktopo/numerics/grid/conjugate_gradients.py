@@ -31,9 +31,9 @@ from cranktopo.numerics.grid.boundary_conditions import (
     section_coordinates,
 )
 from cranktopo.numerics.grid.galerkin import CoarseMap
-from cranktopo.numerics.grid.lattice import AXIS, Partition
 from cranktopo.numerics.grid.multigrid import GridTables, Hierarchy, apply_cycle, build_hierarchy, project
 from cranktopo.numerics.grid.operator import apply_stiffness, stiffness_diagonal
+from cranktopo.numerics.grid.partition import AXIS, Partition
 from cranktopo.numerics.kept_programs import kept_program
 from cranktopo.numerics.kernels.registry import apply_operator, kernel_or_jax
 from cranktopo.numerics.precision import Precision

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array, Mask
 from cranktopo.numerics.grid.boundary_conditions import BoundaryConditions
 from cranktopo.numerics.grid.conjugate_gradients import System
-from cranktopo.numerics.grid.lattice import WHOLE
 from cranktopo.numerics.grid.multigrid import project
 from cranktopo.numerics.grid.operator import strain_energy_densities
+from cranktopo.numerics.grid.partition import WHOLE
 from cranktopo.numerics.kept_programs import kept_program
 
 _Across = Literal["corners", "faces"]

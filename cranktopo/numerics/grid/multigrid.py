@@ -28,7 +28,7 @@ from cranktopo.numerics.grid.galerkin import (
     jacobi_bound,
     stencil_diagonal,
 )
-from cranktopo.numerics.grid.lattice import WHOLE, Cells, Lattice, Partition, layer_blocks, layer_stiffness
+from cranktopo.numerics.grid.lattice import Cells, Lattice, layer_blocks, layer_stiffness
 from cranktopo.numerics.grid.operator import (
     add_prolonged,
     apply_stiffness,
@@ -36,6 +36,7 @@ from cranktopo.numerics.grid.operator import (
     restrict,
     stiffness_diagonal,
 )
+from cranktopo.numerics.grid.partition import WHOLE, Partition
 from cranktopo.numerics.grid.smoothing import Smoother, SmootherState, jacobi_scaling, largest_eigenvalues
 from cranktopo.numerics.kept_programs import kept_program
 from cranktopo.numerics.precision import Precision

@@ -15,7 +15,7 @@ import jax.numpy as jnp
 
 from cranktopo.numerics.grid.boundary_conditions import BoundaryConditions, interior_factors
 from cranktopo.numerics.grid.galerkin import apply_stencil
-from cranktopo.numerics.grid.lattice import Partition
+from cranktopo.numerics.grid.partition import Partition
 from cranktopo.numerics.kernels.registry import apply_operator, kernel_or_jax
 
 _STEPS = 12

@@ -21,9 +21,10 @@ from cranktopo.engine.load_type import load_type
 from cranktopo.numerics.device_arrays import on_device, zeros_like
 from cranktopo.numerics.grid.conjugate_gradients import System
 from cranktopo.numerics.grid.equilibrium import Advice, Solution, solve_system
-from cranktopo.numerics.grid.lattice import WHOLE, layer_blocks
+from cranktopo.numerics.grid.lattice import layer_blocks
 from cranktopo.numerics.grid.multigrid import build_tables
 from cranktopo.numerics.grid.operator import strain_energy_densities, strain_energy_density
+from cranktopo.numerics.grid.partition import WHOLE
 from cranktopo.numerics.precision import Precision
 from cranktopo.tasks.density.model import ThrowModel, case_forces, cell_volumes_mm3
 

@@ -106,10 +106,14 @@ def command(design: str | None, out: Path | None, resume: str | None, as_json: b
     began = time.perf_counter()
     if resume:
         refuse_beside_resume("max_iterations")
-    from cranktopo.base.companion import Companion
+    from cranktopo.base.companion import Companion, load_libraries
 
     last = ""
-    with Companion(_LIBRARIES) as beside, _Bar() as bar:
+    with Companion() as beside, _Bar() as bar:
+        from cranktopo.numerics.kernels.catalogue import keep_machine_code
+
+        beside.begin(keep_machine_code)  # needed first: a program is traced through its kernels
+        beside.begin(load_libraries, _LIBRARIES)
         from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation
         from cranktopo.tasks.optimise.text import run_summary
         from cranktopo.tasks.throw_fea.mirrored_webs import next_line
@@ -197,7 +201,7 @@ _LIBRARIES = (
     "matplotlib.backends.backend_agg",
     "matplotlib.backends.backend_svg",
 )
-"""Modules of the second process: it begins before this one loads its own, which takes a second."""
+"""Modules that the second process loads while this one loads its own, which takes a second."""
 _QUIET_S = 10.0
 """Least time between lines of the pace, where there is no bar."""
 

@@ -47,12 +47,12 @@ class Prefetched(NamedTuple):
 
     Attributes:
         cells: gives the cells of the bound; None where the plan leaves it out.
-        original: solid fractions of the scene's own web on the cells of the design; None where it is known.
+        original: gives the scene's own web as it is judged on the cells of the design.
         loads: plots of the loads.
     """
 
     cells: Cells | None
-    original: Array | None
+    original: Work[Assessment]
     loads: Work[Drawn]
 
 
@@ -64,6 +64,25 @@ def cells_of_bound(run: RunStore, prepared: Prepared) -> Cells | None:
     with redirected(run.log):
         cells.begin()
     return cells.result
+
+
+def judged_original(problem: DensityProblem, prepared: Prepared, filled: Array | None) -> Work[Assessment]:
+    """Return what gives the scene's own web as it is judged, begun in a thread.
+
+    Args:
+        filled: solid fractions of the web on the cells of the design, where they are known.
+    """
+    known = problem.original
+    if known is not None:
+        return lambda: known
+
+    def judged() -> Assessment:
+        with double_precision():
+            return assess_original(problem.model, prepared.scene, prepared.domain, filled)
+
+    work = LazyFuture(judged)
+    work.begin()
+    return work.result
 
 
 def finalise_run(
@@ -146,7 +165,7 @@ def _judged(
     scene, domain = prepared.scene, prepared.domain
     with double_precision():
         result = assess(problem, scene, domain, density)
-        original = problem.original or assess_original(problem.model, scene, domain, ahead.original)
+    original = ahead.original()
     began = time.perf_counter()
     bound = None if ahead.cells is None else _bound(run, scene, state, result, original, ahead.cells)
     return _Judgement(result, original, bound, time.perf_counter() - began)

@@ -223,7 +223,7 @@ def _ready_for_the_end(job: _Job) -> Prefetched:
     """Find what the end needs, and load the libraries that surfaces and pages take."""
     from cranktopo.report.report_file import drawn_plots
     from cranktopo.tasks.loads.section import loads_pictures
-    from cranktopo.tasks.optimise.finalise import Prefetched, cells_of_bound
+    from cranktopo.tasks.optimise.finalise import Prefetched, cells_of_bound, judged_original
 
     scene = job.prepared.scene
     analysis = analyse(scene) if scene.engine else None
@@ -231,7 +231,8 @@ def _ready_for_the_end(job: _Job) -> Prefetched:
     cells = cells_of_bound(job.run, job.prepared)
     for name in _LIBRARIES:
         import_module(name)
-    return Prefetched(cells, job.original() if job.original else None, loads)
+    filled = job.original() if job.original else None
+    return Prefetched(cells, judged_original(job.problem, job.prepared, filled), loads)
 
 
 def _checked(progress: Progress, check: Callable[[], None], end: LazyFuture[Prefetched]) -> Progress:

@@ -16,7 +16,7 @@ import pytest
 
 from cranktopo.numerics.grid.conjugate_gradients import product_and_work, stiffness_product
 from cranktopo.numerics.grid.galerkin import apply_stencil
-from cranktopo.numerics.grid.lattice import WHOLE, Lattice, layer_blocks
+from cranktopo.numerics.grid.lattice import Lattice, layer_blocks
 from cranktopo.numerics.grid.multigrid import project
 from cranktopo.numerics.grid.operator import (
     add_prolonged,
@@ -25,7 +25,9 @@ from cranktopo.numerics.grid.operator import (
     strain_energy_densities,
     strain_energy_density,
 )
+from cranktopo.numerics.grid.partition import WHOLE
 from cranktopo.numerics.grid.smoothing import JacobiScaling, Smoother, SmootherState
+from cranktopo.numerics.kernels import catalogue
 from cranktopo.numerics.kernels import registry as processor
 from cranktopo.numerics.precision import Precision
 from tests.studies.parts import lopsided
@@ -212,7 +214,7 @@ def test_threads_do_not_change_a_digit(operator: str, float64: None, monkeypatch
     smoother = _smoother(GRIDS[-1], operator, "float64")
     results = []
     for threads in (1, 5):
-        monkeypatch.setattr(processor, "usable_cores", lambda count=threads: count)
+        monkeypatch.setattr(catalogue, "usable_cores", lambda count=threads: count)
         product = _fresh(smoother.apply, *smoother.arrays, smoother.start(smoother.scaling.sizes).field)
         results.append([np.asarray(field) for field in (product, *_smoothed(smoother, 3))])
     for other in results[1:]:

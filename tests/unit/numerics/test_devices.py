@@ -5,8 +5,9 @@ from typing import Any
 import pytest
 
 from cranktopo.numerics.grid.conjugate_gradients import devices_for, partition_of
-from cranktopo.numerics.grid.lattice import Lattice, Partition
+from cranktopo.numerics.grid.lattice import Lattice
 from cranktopo.numerics.grid.multigrid import build_tables
+from cranktopo.numerics.grid.partition import Partition
 from tests.studies.parts import TOLERANCE, in_own_process
 
 

@@ -85,6 +85,31 @@ def test_the_next_process_loads_it() -> None:
     assert jax.jit(lambda vector: fresh()(MATRIX, vector)[0])(jnp.arange(3.0)).shape == (3,)  # JAX's own
 
 
+def test_one_that_is_not_kept_has_the_same_digits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both are compiled at one level of optimisation."""
+    levels: list[object] = []
+    compile_program = jax.stages.Lowered.compile
+
+    def noted(lowered: jax.stages.Lowered, compiler_options: dict[str, str | bool]) -> jax.stages.Compiled:
+        levels.append(compiler_options)
+        return compile_program(lowered, compiler_options)
+
+    monkeypatch.setattr(jax.stages.Lowered, "compile", noted)
+    first = answer(fresh())
+    monkeypatch.setattr(kept_programs, "folder_of_programs", lambda: None)
+    assert answer(fresh()) == first
+    assert levels == [kept_programs._LEVEL] * 2
+    assert len(traced) == 2
+
+
+def test_numbers_of_32_bits_have_a_program_of_their_own() -> None:
+    program, vector = fresh(), np.arange(3.0)
+    assert program(MATRIX, vector)[1].dtype == np.float64
+    with jax.enable_x64(False):
+        assert program(MATRIX, vector)[1].dtype == np.float32
+    assert program(MATRIX, vector)[1].dtype == np.float64
+
+
 @pytest.mark.parametrize("damage", [lambda found: found[:-9], lambda found: found[:40] + b"x" + found[41:]])
 def test_a_damaged_one_is_compiled_again(damage: object) -> None:
     assert callable(damage)

@@ -8,7 +8,10 @@ import logging
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext, suppress
 from pathlib import Path
 
 import click
@@ -22,8 +25,7 @@ from cranktopo.base.machine import private_cache
 from cranktopo.cli.verbosity import verbosity_options
 from cranktopo.numerics.grid import operator, slab_product
 from cranktopo.numerics.grid.operator import restrict
-from cranktopo.numerics.kernels import frames
-from cranktopo.numerics.kernels import registry as machine_code
+from cranktopo.numerics.kernels import catalogue, first_call, frames, machine_code
 from cranktopo.numerics.kernels import registry as processor
 from cranktopo.numerics.kernels import xla_ffi as foreign
 from cranktopo.numerics.kernels.frames import (
@@ -116,8 +118,8 @@ def restriction(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[in
     header.write_text("#define XLA_FFI_API_MAJOR 0\n#define XLA_FFI_API_MINOR 9\n")
     monkeypatch.setattr(jax.ffi, "include_dir", lambda: str(tmp_path))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    text = str(processor._module(processor._KERNELS["restriction"], "float32", 8, 1))
-    return frames._HANDLER(machine_code.address_of("handler", text, lambda: text))
+    text = catalogue.text_of(catalogue.KERNELS["restriction"], "float32", 8, 1)
+    return first_call._HANDLER(machine_code.address_of("handler", text, lambda: text))
 
 
 @pytest.fixture
@@ -219,9 +221,9 @@ def test_another_size_disables_the_kernels(
 
 def test_the_trial_is_shared_out() -> None:
     """It calls XLA's threads as products of large grids do."""
-    cases, (nx, ny, nz) = frames.TRIAL
+    cases, (nx, ny, nz) = first_call.TRIAL
     assert 3 * cases * (nx + 1) * (ny + 1) * (nz + 1) >= foreign.LEAST_SHARED
-    assert nx + 1 >= processor._MOST_THREADS
+    assert nx + 1 >= catalogue.MOST_THREADS
 
 
 def test_a_wrong_product_disables_the_kernels(
@@ -235,20 +237,20 @@ def test_a_wrong_product_disables_the_kernels(
 
 
 def test_a_product_that_is_not_written() -> None:
-    nothing = frames._HANDLER(_answer_alone)
+    nothing = first_call._HANDLER(_answer_alone)
     address = ctypes.cast(nothing, ctypes.c_void_p).value or 0
-    found = frames.find_fault(address, processor._stiffness_product, slab_product.apply_by_slabs)
+    found = first_call.find_fault(address, processor._stiffness_product, slab_product.apply_by_slabs)
     assert found.startswith("a product differs")
 
 
-@pytest.mark.parametrize("name", ["find_fault", "_address"])
+@pytest.mark.parametrize("name", ["find_fault", "address"])
 def test_a_first_call_that_fails(
     name: str, anew: None, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     def fail(*_: object) -> None:
         raise RuntimeError("no such version\nand more")
 
-    monkeypatch.setattr(*((frames, "register") if name == "find_fault" else (processor, name)), fail)
+    monkeypatch.setattr(*((first_call, "register") if name == "find_fault" else (processor, name)), fail)
     caplog.set_level(logging.INFO)
     assert not _calls_kernels()
     (record,) = caplog.records
@@ -272,7 +274,7 @@ def test_switched_off() -> None:
     """The same solve, without kernels."""
     found = []
     for switch in ("", "off"):
-        here = os.environ | {processor.SWITCH: switch}
+        here = os.environ | {catalogue.SWITCH: switch}
         done = subprocess.run(
             [sys.executable, "-c", SOLVE], env=here, capture_output=True, text=True, check=True
         )
@@ -340,7 +342,7 @@ def test_code_is_loaded_from_the_own_folder_alone(tmp_path: Path, monkeypatch: p
     compiled: list[str] = []
     compile_text = machine_code._compiled
     monkeypatch.setattr(machine_code, "_compiled", lambda text: compiled.append(text) or compile_text(text))
-    text = str(processor._module(processor._KERNELS["restriction"], "float32", 4, 1))
+    text = catalogue.text_of(catalogue.KERNELS["restriction"], "float32", 4, 1)
     for _ in range(2):
         machine_code.address_of("handler", text, lambda: text)
     assert len(compiled) == 1
@@ -353,7 +355,7 @@ def test_code_is_loaded_from_the_own_folder_alone(tmp_path: Path, monkeypatch: p
 
 def _calls_kernels() -> bool:
     """Whether a product that is traced now is a kernel's."""
-    operands = frames._operands()
+    operands = first_call._operands()
     return "ffi_call" in str(jax.make_jaxpr(lambda *arrays: operator.apply_stiffness(*arrays))(*operands))
 
 
@@ -363,3 +365,64 @@ def _answer_alone(address: int) -> None:
     if extension:
         metadata = Metadata.from_address(MetadataExtension.from_address(extension).metadata)
         metadata.api_version.major_version, metadata.api_version.minor_version = frames.VERSION
+
+
+AHEAD = """
+import sys
+from cranktopo.numerics.kernels.catalogue import keep_machine_code
+keep_machine_code()
+assert "jax" not in sys.modules
+"""
+
+
+@pytest.mark.parametrize(
+    "setting", [{}, {catalogue.SWITCH: catalogue.OFF}, {"JAX_ENABLE_COMPILATION_CACHE": "0"}]
+)
+def test_a_second_process_makes_what_a_solve_takes(
+    setting: dict[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It has no JAX; where no code is wanted, or none is kept, it makes none."""
+    here = os.environ | {"XDG_CACHE_HOME": str(tmp_path)} | setting
+    subprocess.run([sys.executable, "-c", AHEAD], env=here, check=True)
+    wanted = () if setting else (catalogue.TRIED, *catalogue.FAST)
+    assert len(list(tmp_path.rglob("*.o"))) == len(wanted)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(machine_code, "_compiled", lambda _: pytest.fail("kept code was made again"))
+    catalogue.address.cache_clear()
+    for name, precision in wanted:
+        width = machine_code.vector_width(precision)
+        assert catalogue.address(name, precision, width, catalogue.threads())
+    catalogue.address.cache_clear()
+
+
+@pytest.fixture
+def held(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
+    """Another process, as it were, makes code: its lock on the folder."""
+    fcntl = pytest.importorskip("fcntl")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    folder = private_cache("machine-code")
+    assert folder is not None
+    place = os.open(folder, os.O_RDONLY)
+    fcntl.flock(place, fcntl.LOCK_EX)
+    yield place
+    with suppress(OSError):
+        os.close(place)
+
+
+def test_code_that_another_process_makes_is_waited_for(held: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(machine_code, "_compiled", lambda text: text.encode())
+    with ThreadPoolExecutor(1) as pool:
+        waiting = pool.submit(machine_code.code_of, "origin", lambda: pytest.fail("it was made twice"))
+        time.sleep(0.1)
+        assert not waiting.done()
+        monkeypatch.setattr(machine_code, "_one_process", lambda _: nullcontext())  # the other one's code
+        assert machine_code.code_of("origin", lambda: "made") == b"made"
+        os.close(held)
+        assert waiting.result() == b"made"
+
+
+def test_a_process_that_stands_still_is_not_waited_for(held: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One that was stopped by Ctrl-Z keeps its lock."""
+    monkeypatch.setattr(machine_code, "_PATIENCE_S", 0.05)
+    monkeypatch.setattr(machine_code, "_compiled", lambda text: text.encode())
+    assert machine_code.code_of("origin", lambda: "made") == b"made"

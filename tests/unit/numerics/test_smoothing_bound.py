@@ -9,7 +9,8 @@ import pytest
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from cranktopo.numerics.grid.galerkin import apply_stencil, assemble_stencil, coarse_map, stencil_diagonal
-from cranktopo.numerics.grid.lattice import WHOLE, Lattice
+from cranktopo.numerics.grid.lattice import Lattice
+from cranktopo.numerics.grid.partition import WHOLE
 from cranktopo.numerics.grid.smoothing import largest_eigenvalues
 from cranktopo.numerics.precision import double_precision
 
