@@ -30,3 +30,15 @@ def shared(values: _Shared) -> _Shared:
     """Return values that nobody may change, as several have them."""
     values.setflags(write=False)
     return values
+
+
+def mask_of(count: int, chosen: Index) -> Mask:
+    """Return which positions in an array of so many are chosen."""
+    mask = np.zeros(count, dtype=bool)
+    mask[chosen] = True
+    return mask
+
+
+def all_but(count: int, left_out: Index) -> Index:
+    """Return the positions in an array of so many that are not left out, rising."""
+    return np.flatnonzero(~mask_of(count, left_out))

@@ -7,7 +7,7 @@ most 5 mm (10 deg), in proportion on journals of less than 42 mm, and by at most
 each quantity: what elements say the change is, what the bench says, its error and the one that it states; a
 quantity that waits has no number there. FILE keeps what was solved, so that a stopped campaign goes on and
 a changed rule is judged by the same moves. Elements are asked for nothing that waits. With
-OMP_NUM_THREADS=1 a move takes 2 to 6 s of processor time for the stiffness by elements, 7 to 18 s for the
+OMP_NUM_THREADS=1 a move takes 2 to 6 s of processor time for the stiffness by elements, TODO s for the
 safety, 0.3 s for all else.
 """
 
@@ -208,8 +208,9 @@ def main(path: str, first: int, last: int, *throws: str) -> None:
     known, rows = Known(Path(path)), list[Row]()
     percents = ",".join(f"{name}_percent" for name in ("settled", "rule", "told", "error", "stated"))
     print(f"move,throw,key,from,to,quantity,{percents}", flush=True)
-    for number in range(first, last):
-        found = list(rows_of(drawn_move(number, throws or THROWS), known))
+    moves = [drawn_move(number, throws or THROWS) for number in range(first, last)]
+    for move in sorted(moves, key=lambda move: move.throw):  # a mesh follows what moves, as in the bench
+        found = list(rows_of(move, known))
         print(*(row.line for row in found), sep="\n", flush=True)
         rows += found
     for names in (STIFFNESSES[:2], STIFFNESSES[2:], SAFETIES):

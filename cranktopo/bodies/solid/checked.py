@@ -176,10 +176,10 @@ def solid_properties(occ: Any, body: DimTags, form: ClosedForm | None = None) ->
         form: closed form of a checked body. By triangles where the kernel integrates it wrong.
     """
     (tag,) = [tag for dim, tag in body if dim == 3]
-    if form is not None and _off(float(occ.getMass(3, tag)), form) > 1:
+    volume = float(occ.getMass(3, tag))
+    if form is not None and _off(volume, form) > 1:
         found = triangulated_moments(tag)
         return SolidProperties(found.volume, found.centre, found.polar)
-    volume = occ.getMass(3, tag)
     x, y, z = occ.getCenterOfMass(3, tag)
     about_centre = occ.getMatrixOfInertia(3, tag)[8]
     return SolidProperties(volume, (x, y, z), about_centre + volume * (x**2 + y**2))

@@ -20,12 +20,12 @@ _PRODUCT = """
 declare {vector} @llvm.masked.load.v{lanes}f{bits}.p0(ptr, i32, {mask}, {vector})
 declare void @llvm.masked.store.v{lanes}f{bits}.p0({vector}, ptr, i32, {mask})
 
-define void @product(i64 %rows, {kind} %factor, ptr noalias %start, ptr noalias %column, ptr noalias %value,
-                     ptr noalias %field, ptr noalias %total) {{
+define void @product(i64 %begin, i64 %rows, {kind} %factor, ptr noalias %start, ptr noalias %column,
+                     ptr noalias %value, ptr noalias %field, ptr noalias %total) {{
 entry:
   br label %row
 row:
-  %i = phi i64 [0, %entry], [%next, %finish]
+  %i = phi i64 [%begin, %entry], [%next, %finish]
   %next = add i64 %i, 1
   %first.at = getelementptr i32, ptr %start, i64 %i
   %end.at = getelementptr i32, ptr %start, i64 %next
@@ -118,11 +118,13 @@ exit:
 
 @cache
 def product(width: int, kind: str = "double") -> Callable[..., None]:
-    """Return `product(rows, factor, start, column, value, field, total)`: total += factor * matrix @ field.
+    """Return `product(begin, end, factor, start, column, value, field, total)`: total += factor part field.
 
-    Arrays by address; field and total have `width` columns, all numbers are of a kind, "double" or "float".
+    The part of the matrix has the blocks of rows from begin to before end, at least one, and those below the
+    diagonal that mirror them. Arrays by address; field and total have `width` columns, all numbers are of a
+    kind, "double" or "float".
     """
-    arguments = _INDEX, _KINDS[kind], *(_POINTER,) * 5
+    arguments = _INDEX, _INDEX, _KINDS[kind], *(_POINTER,) * 5
     return _compiled(_product_text(width, kind, masks=_has_masks()), "product", arguments)
 
 

@@ -55,6 +55,15 @@ class Connections:
         return Pattern.of(self.body.dofs.element_dofs, self.prolongation @ self._rank)
 
     @cached_property
+    def apart(self) -> tuple[Index, Index, Index]:
+        """Elements in three groups, the first two of which share no node: for two threads."""
+        rank = self._rank[self.body.t]
+        middle = self.body.nvertices / 2
+        first, second = rank.max(axis=0) < middle, rank.min(axis=0) >= middle
+        groups = first, second, ~(first | second)
+        return tuple(map(np.flatnonzero, groups))  # type: ignore[return-value]
+
+    @cached_property
     def _rank(self) -> Array:
         return neighbourly(self.body.t, self.body.nvertices)
 

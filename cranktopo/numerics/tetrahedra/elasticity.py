@@ -11,9 +11,10 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Index
 from cranktopo.base.errors import solver_error
 from cranktopo.base.notes import at_work
+from cranktopo.base.side_by_side import side_by_side
 from cranktopo.numerics.tetrahedra.connections import connections
 from cranktopo.numerics.tetrahedra.earlier_bodies import EarlierBodies
 from cranktopo.numerics.tetrahedra.mesh import TRIANGLE_EDGES, TetMesh, shape_gradients, shape_values
@@ -78,7 +79,12 @@ def assemble(
     body = connected.moved(mesh) if known else connected.body
     patterns = [connected.linear, connected.quadratic] if order == 2 else [connected.linear]
     sums = [BlockSum(pattern) for pattern in patterns]
-    volume = _add_elements(body, sums, lame_constants_MPa(youngs_MPa, poisson))
+    lame = lame_constants_MPa(youngs_MPa, poisson)
+    first, second, between = connected.apart
+    volumes = side_by_side(
+        lambda: _add_elements(body, first, sums, lame), lambda: _add_elements(body, second, sums, lame)
+    )
+    volume = sum(volumes) + _add_elements(body, between, sums, lame)
     matrices = [part.matrix() for part in sums]
     linear = matrices[0].tocsr() if order == 2 else None
     equations = Equations(matrices[-1], linear, connected.prolongation, earlier)
@@ -86,35 +92,34 @@ def assemble(
     return Elasticity(nodes, equations, body, volume, order)
 
 
-def _add_elements(body: Any, parts: Sequence[BlockSum], lame: tuple[float, float]) -> float:
-    """Add all elements to the matrices of linear and of quadratic displacements; return the volume."""
+def _add_elements(body: Any, elements: Index, parts: Sequence[BlockSum], lame: tuple[float, float]) -> float:
+    """Add elements to the matrices of linear and of quadratic displacements; return their volume."""
     reference = shape_gradients(quadrature(STIFFNESS_ORDER)[0])  # (points, 10, 3)
     kinds = np.broadcast_to(_CORNER_SLOPES, (len(reference), 4, 3)), reference
     volume = 0.0
-    for which, inverse, dx in inverse_jacobians(body):
+    for which, inverse, dx in inverse_jacobians(body, elements):
         volume += float(dx.sum())
         for part, kind in zip(parts, kinds, strict=False):
-            part.add(which, np.einsum("qnj,ijeq->eniq", kind, inverse), dx, lame)
+            part.add(elements[which], np.einsum("qnj,ijeq->eniq", kind, inverse), dx, lame)
     return volume
 
 
 def inverse_jacobians(
-    body: Any, elements: NDArray[np.intp] | None = None, order: int = STIFFNESS_ORDER
+    body: Any, elements: Index, order: int = STIFFNESS_ORDER
 ) -> Iterator[tuple[slice, Array, Array]]:
-    """Yield some thousand elements, the inverse Jacobian matrices of their points and the volumes of these.
+    """Yield some thousand of the elements, inverse Jacobian matrices of their points and volumes of these.
 
     The points are those of a quadrature, by default of the stiffness; inverses (place, reference, elements,
-    points), volumes (elements, points). Of some elements, by default all; each part is a slice of these.
+    points), volumes (elements, points). Each part is a slice of the elements.
 
     Raises:
         CranktopoError: an element is inverted.
     """
     points, weights = quadrature(order)
     reference = shape_gradients(points)
-    count = body.nelements if elements is None else len(elements)
-    for start in range(0, count, _CHUNK):
+    for start in range(0, len(elements), _CHUNK):
         which = slice(start, start + _CHUNK)
-        rows = _jacobians(body, which if elements is None else elements[which], reference)
+        rows = _jacobians(body, elements[which], reference)
         inverse = np.stack([_crossed(*pair) for pair in ((rows[1], rows[2]), (rows[2], rows[0]), rows[:2])])
         determinant = _product(rows[0], inverse[0])
         if determinant.min() <= 0:
@@ -142,7 +147,7 @@ def triangle_quadrature(order: int) -> tuple[Array, Array, Array]:
     return shape_values(points, TRIANGLE_EDGES), shape_gradients(points, TRIANGLE_EDGES), weights
 
 
-def _jacobians(body: Any, which: Any, reference: Array) -> Array:
+def _jacobians(body: Any, which: Index, reference: Array) -> Array:
     """Return Jacobian matrices, (place, reference, elements, points): whole arrays are crossed at once."""
     nodes = body.doflocs[:, body.dofs.element_dofs[:, which]]
     return np.asarray(np.einsum("ine,qnj->ijeq", nodes, reference, optimize=True))

@@ -24,7 +24,8 @@ _TERMS = [axes for degree in range(4) for axes in combinations_with_replacement(
 """The 20 terms of the polynomial by the axes that they are the product of; the first is the constant."""
 _FACTORS = [(_TERMS.index(axes[:-1]), axes[-1]) for axes in _TERMS[1:]]
 """Every further term as a term before it and the axis that this is multiplied by."""
-_CHUNK = 64
+_CHUNK, _POINTS = 64, 1024
+"""Patches that are fitted at a time, and points at which their polynomials are told."""
 _LEAST = 1e-10
 """Added to the normal equations over the mean of their diagonal: a flat patch tells no slope across it."""
 
@@ -52,13 +53,20 @@ def fitted_stress(
     centres = model.nodes_mm[:, corners].T
     terms, size = _fits(model, centres, _patches(model, corners), fields_mm, elastic)
     points, inward = surface.points_mm[:, chosen].T, -surface.normals[chosen]
-    found = np.zeros((2, len(points), terms.shape[2]))
-    for own in place.reshape(ends.shape):
-        at = ((points - centres[own]) / size[own, None])[:, None]
-        values = _values(at)
-        slopes = np.einsum("ntpi,ni->nt", _slopes(at, values), inward) / size[own, None]
-        found += np.einsum("knt,ntf->knf", np.stack([values[..., 0], slopes]), terms[own]) / 2
-    value, depth = found.reshape(2, len(points), len(fields_mm), 6).transpose(0, 2, 1, 3)
+    found = np.zeros((len(points), 2, terms.shape[2]))
+
+    def add(half: slice) -> None:
+        for own in place.reshape(ends.shape):
+            for start in range(half.start, half.stop, _POINTS):
+                some = slice(start, min(start + _POINTS, half.stop))
+                patch = own[some]
+                at = ((points[some] - centres[patch]) / size[patch, None])[:, None]
+                values = _values(at)
+                slopes = np.einsum("ntpi,ni->nt", _slopes(at, values), inward[some]) / size[patch, None]
+                found[some] += np.stack([values[..., 0], slopes], axis=1) @ terms[patch] / 2
+
+    in_halves(len(points), add)
+    value, depth = found.reshape(len(points), 2, len(fields_mm), 6).transpose(1, 2, 0, 3)
     return value, depth
 
 

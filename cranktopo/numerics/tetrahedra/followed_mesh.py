@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array, Index
+from cranktopo.base.arrays import Array, Index, Mask
 from cranktopo.base.errors import CranktopoError
 from cranktopo.numerics.tetrahedra.cad_mesh import TET10
 from cranktopo.numerics.tetrahedra.mesh import TetMesh, edge_ends, straighten_folded, volume_ratios
@@ -43,12 +42,21 @@ class _Entity:
         at = (low + self.shares * (high - low)).ravel()
         return _points(gmsh.model.getValue(self.dimension, self.number, at))
 
-    def nearest(self, gmsh: Any, points_mm: Array, own: NDArray[np.bool_]) -> Array:
+    def nearest(self, gmsh: Any, points_mm: Array, own: Mask) -> Array:
         """Return points of a face for some of its nodes: nearest to (3, n), on splines at their shares."""
         if gmsh.model.getType(self.dimension, self.number) in _SPLINES:
             return replace(self, shares=self.shares[own]).placed(gmsh)
         found, _ = gmsh.model.getClosestPoint(self.dimension, self.number, points_mm.T.ravel())
         return _points(found)
+
+
+class _NodeKinds(NamedTuple):
+    """Nodes that move alike, as masks (nodes,): corners of elements, and middles of their edges."""
+
+    corners_on_faces: Mask
+    middles_on_faces: Mask
+    inner_corners: Mask
+    inner_middles: Mask
 
 
 @dataclass(frozen=True)
@@ -85,6 +93,12 @@ class FollowedMesh:
             return None
         return replace(self.mesh, points_mm=straight, off_surface_mm=on_surface - straight)
 
+    def get_ready(self) -> None:
+        """Find what is the same on all bodies, ahead of the first."""
+        kinds = self._kinds
+        self._skin.filling(np.flatnonzero(kinds.corners_on_faces))
+        self._body.filling(np.flatnonzero(kinds.inner_corners))
+
     def _motion(self, gmsh: Any) -> Array:
         """Return how far all nodes move, (3, nodes)."""
         motion = np.zeros((self.mesh.points_mm.shape[1], 3))
@@ -93,26 +107,23 @@ class FollowedMesh:
             self._put(motion, np.array([node]), _points(gmsh.model.getValue(0, number, [])))
         for edge in edges:
             self._put(motion, edge.nodes, edge.placed(gmsh))
-        on_faces = np.concatenate([face.nodes for face in faces])
-        corners, middles = np.unique(self.mesh.cells[:4]), np.unique(self.mesh.cells[4:])
-        self._slide(gmsh, motion, faces, np.intersect1d(on_faces, corners), self._skin)
-        self._slide(gmsh, motion, faces, np.intersect1d(on_faces, middles))
-        surface = np.unique(self._skin_faces)
-        motion[:] = self._body.fill(motion[:, :, None], np.setdiff1d(corners, surface))[:, :, 0]
-        inner = np.setdiff1d(middles, surface)
-        motion[inner] = motion[self._ends[:, inner]].mean(axis=0)
+        kinds = self._kinds
+        self._slide(gmsh, motion, faces, kinds.corners_on_faces, self._skin)
+        self._slide(gmsh, motion, faces, kinds.middles_on_faces)
+        motion[:] = self._body.fill(motion[:, :, None], np.flatnonzero(kinds.inner_corners))[:, :, 0]
+        motion[kinds.inner_middles] = motion[self._ends[:, kinds.inner_middles]].mean(axis=0)
         return motion.T
 
     def _slide(
-        self, gmsh: Any, motion: Array, faces: list[_Entity], nodes: Index, net: SpringNet | None = None
+        self, gmsh: Any, motion: Array, faces: list[_Entity], chosen: Mask, net: SpringNet | None = None
     ) -> None:
         """Move some nodes of faces along them: by a net, or, of middles of edges, with the ends."""
         if net:
-            motion[:] = net.fill(motion[:, :, None], nodes)[:, :, 0]
+            motion[:] = net.fill(motion[:, :, None], np.flatnonzero(chosen))[:, :, 0]
         else:
-            motion[nodes] = motion[self._ends[:, nodes]].mean(axis=0)
+            motion[chosen] = motion[self._ends[:, chosen]].mean(axis=0)
         for face in faces:
-            own = np.isin(face.nodes, nodes)
+            own = chosen[face.nodes]
             guess = self.mesh.points_mm[:, face.nodes[own]] + motion[face.nodes[own]].T
             self._put(motion, face.nodes[own], face.nearest(gmsh, guess, own))
 
@@ -120,10 +131,19 @@ class FollowedMesh:
         motion[nodes] = (points_mm - self.mesh.points_mm[:, nodes]).T
 
     @property
-    def _unbent(self) -> NDArray[np.bool_]:
+    def _unbent(self) -> Mask:
         """Nodes that stay in the middle of a straight edge, as their elements would fold, (nodes,)."""
         off = self.mesh.off_surface_mm
         return np.zeros(len(self._ends.T), bool) if off is None else (off != 0.0).any(axis=0)
+
+    @cached_property
+    def _kinds(self) -> _NodeKinds:
+        corner, on_faces, skin = np.zeros((3, self.mesh.points_mm.shape[1]), dtype=bool)
+        corner[self.mesh.cells[:4]] = True
+        for part in self.parts:
+            on_faces[part.nodes] |= part.dimension == 2
+        skin[self._skin_faces] = True
+        return _NodeKinds(on_faces & corner, on_faces & ~corner, corner & ~skin, ~corner & ~skin)
 
     @cached_property
     def _ends(self) -> Index:

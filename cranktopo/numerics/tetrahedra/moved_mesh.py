@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array, Index
+from cranktopo.base.arrays import Array, Index, all_but
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.numerics.tetrahedra.mesh import TetMesh, edge_ends, least_jacobian_ratio
 from cranktopo.numerics.tetrahedra.moving_faces import Contact, LeadingFace, MovingFace
@@ -144,7 +144,7 @@ class MovedMesh:
         corners = self._surface[corner]
         own = MotionRules(rules.matrix[corner], rules.prescribed[corner])
         motion[corners] = self._skin.slide(corners, own)
-        inner = np.setdiff1d(np.arange(self._corners), corners)
+        inner = all_but(self._corners, corners)
         motion[: self._corners] = self._body.fill(motion[: self._corners], inner)
         motion[self._corners :] = motion[self._ends].mean(axis=0)
         middle = self._surface[~corner]

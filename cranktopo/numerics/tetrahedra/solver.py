@@ -18,7 +18,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as sla
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array, Single
+from cranktopo.base.arrays import Array, Single, all_but, mask_of
 from cranktopo.base.errors import solver_error
 from cranktopo.base.machine import addresses_of_threads_MiB, check_addresses
 from cranktopo.base.notes import at_work
@@ -63,9 +63,19 @@ def _load() -> None:
 
 def solve_directly(matrix: sp.spmatrix, loads: Array) -> Array:
     """Solve a symmetric positive definite system for right-hand sides (n, k), without iteration."""
-    solution = cholesky(matrix)(loads)
-    _check_residual(loads, loads - matrix @ solution, RESIDUAL_LIMIT)
-    return solution
+    return direct_solver(matrix)(loads)
+
+
+def direct_solver(matrix: sp.spmatrix) -> Callable[[Array], Array]:
+    """Return the solver of a symmetric positive definite matrix, which checks its residuals."""
+    solved = cholesky(matrix)
+
+    def solve(loads: Array) -> Array:
+        solution = solved(loads)
+        _check_residual(loads, loads - matrix @ solution, RESIDUAL_LIMIT)
+        return solution
+
+    return solve
 
 
 def cholesky(matrix: sp.spmatrix) -> Callable[[Array], Array]:
@@ -132,7 +142,7 @@ class Equations:
             CranktopoError: a singular matrix, or, of the solver, a relative residual above the limit.
         """
         matrix = self.stiffness
-        fixed = np.isin(matrix.unknowns, held)
+        fixed = mask_of(matrix.shape[0], held)[matrix.unknowns]
         direct = self.linear is None or matrix.shape[0] <= DIRECT_LIMIT
         with at_work(f"factorising, {matrix.shape[0]:,} unknowns"):
             inner: Callable[[Array], NDArray[Any]] = (
@@ -170,8 +180,8 @@ class Equations:
         """
         matrix, linear = self.stiffness.single, self.linear
         assert linear is not None
-        fixed = np.flatnonzero(np.isin(matrix.unknowns, held))
-        free = np.setdiff1d(np.arange(linear.shape[0]), held)
+        fixed = np.flatnonzero(mask_of(matrix.shape[0], held)[matrix.unknowns])
+        free = all_but(linear.shape[0], held[held < linear.shape[0]])
 
         def factorised() -> Callable[[Array], Array]:
             return cholesky(linear[free][:, free])

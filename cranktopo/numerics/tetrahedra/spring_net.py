@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array, Index
+from cranktopo.base.arrays import Array, Index, all_but
 from cranktopo.numerics.tetrahedra.numbered_mesh import row_keys
-from cranktopo.numerics.tetrahedra.solver import solve_directly
+from cranktopo.numerics.tetrahedra.solver import direct_solver, solve_directly
 
 _PARALLEL = 1e-3
 """Least eigenvalue of the sum of n n' of a node's unit normals: below, two faces count as one (2.5 deg)."""
@@ -53,6 +55,7 @@ class SpringNet:
         off = sp.coo_matrix((weight, (a, b)), shape=(count, count)).tocsr()
         both = off + off.T
         self._matrix = (sp.diags(np.asarray(both.sum(axis=1)).ravel()) - both).tocsr()
+        self._last: Filling | None = None
 
     def slide(self, nodes: Index, rules: MotionRules) -> Array:
         """Return the motion of nodes, (n, 3, k), that keeps the rules and stretches the springs least."""
@@ -73,9 +76,23 @@ class SpringNet:
         """Return the motion of all nodes, (n, 3, k), from that of all but the inner ones."""
         result = motion.copy()
         if len(inner):
-            held = np.setdiff1d(np.arange(len(motion)), inner)
-            rows, flat = self._matrix[inner], motion.reshape(len(motion), -1)
-            loads = -(rows[:, held] @ flat[held])
-            found = solve_directly(rows[:, inner], loads)
+            filling, flat = self.filling(inner), motion.reshape(len(motion), -1)
+            found = filling.solve(-(filling.beside @ flat[filling.held]))
             result[inner] = found.reshape(len(inner), *motion.shape[1:])
         return result
+
+    def filling(self, inner: Index) -> Filling:
+        """Return what the motion of inner nodes is found with, factorised where the last ones were others."""
+        if self._last is None or not np.array_equal(self._last.inner, inner):
+            held, rows = all_but(self._matrix.shape[0], inner), self._matrix[inner]
+            self._last = Filling(inner, held, rows[:, held], direct_solver(rows[:, inner]))
+        return self._last
+
+
+class Filling(NamedTuple):
+    """Inner nodes and the others, the springs between both, and the solver of those between inner nodes."""
+
+    inner: Index
+    held: Index
+    beside: sp.csr_matrix
+    solve: Callable[[Array], Array]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cranktopo.base.side_by_side import LazyFuture
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, follow_throw
 from cranktopo.tasks.throw_fatigue.stress_mesh import RULE_FRACTION, mesh_for_stress
 from cranktopo.tasks.throw_fea.targets import Target
@@ -24,4 +25,6 @@ class KeptMesh:
             self._last = None  # its memory is for the next one
             followed, _ = mesh_for_stress(target, RULE_FRACTION, to_follow=True)
             self._last = followed
+            if followed.followed:
+                LazyFuture(followed.followed.mesh.get_ready).begin()  # beside the solves of this one
         return followed
