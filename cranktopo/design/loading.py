@@ -251,20 +251,31 @@ def scene_from_dict(data: dict[str, Any], source: str = "scene", *, whole: bool 
     Raises:
         CranktopoError: unknown key, value outside its range, inconsistent geometry, halves that differ.
     """
-    try:
-        scene = Scene.model_validate(data)
-    except ValidationError as error:
-        raise explain(error, source) from None
-    scene = _with_usual_cells(scene)
+    scene = _of_tables(data, source)
     check_scene(scene)
     check_crank(scene)
     check_bolt_dimensions(scene)
     check_bolt_places(scene)
     check_rod(scene)
-    scene = _with_rod_masses(scene)
     if not whole:
         require_equal_halves(scene)
-    return scene
+    return _with_rod_masses(scene)
+
+
+def unchecked_scene(data: dict[str, Any], source: str = "scene") -> Scene:
+    """Return what `scene_from_dict` does, its parts not checked to fit together: another process does that.
+
+    Raises:
+        CranktopoError: unknown key, value outside its range.
+    """
+    return _with_rod_masses(_of_tables(data, source))
+
+
+def _of_tables(data: dict[str, Any], source: str) -> Scene:
+    try:
+        return _with_usual_cells(Scene.model_validate(data))
+    except ValidationError as error:
+        raise explain(error, source) from None
 
 
 def _with_usual_cells(scene: Scene) -> Scene:

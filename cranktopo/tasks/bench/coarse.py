@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from functools import lru_cache
 from typing import Any
 
 from cranktopo.bodies.cells.domain import build_domain, laterally_symmetric, throw_reach
@@ -36,8 +38,14 @@ def coarse_stiffness(data: dict[str, Any], settled: dict[str, Any]) -> dict[str,
         settled: design that this one is compared with, whose cells it has: with others both would differ by
             a percent for this alone.
     """
-    scene, first = (scene_from_dict(one, "design", whole=True) for one in (data, settled))
+    scene, first = scene_from_dict(data, "design", whole=True), _read(json.dumps(settled))
     return {} if difference(scene) or difference(first) else _on_cells(scene, first)
+
+
+@lru_cache(maxsize=1)
+def _read(settled: str) -> Scene:
+    """Return the design as JSON that a drag begins at, the same for all its moves."""
+    return scene_from_dict(json.loads(settled), "design", whole=True)
 
 
 def _on_cells(scene: Scene, first: Scene) -> dict[str, float]:

@@ -54,3 +54,22 @@ def test_the_section_has_the_area_of_journals_and_web() -> None:
     by_hand += (high - low - sum(j.bore_diameter_mm for j in journals)) * scene.web.thickness_mm
     assert area == pytest.approx(by_hand, rel=2e-3)
     assert max(c[:, 0].max() for c in corners) == pytest.approx(scene.pitch_mm / 2, rel=1e-9)
+
+
+def test_what_cannot_be_drawn_tells_what_is_broken(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A picture is begun unchecked, as the numbers beside it check; a sound design that fails is a fault."""
+    broken = changed_data(PLAIN, {"throw.crankpin.bore_diameter_mm": 1e3})
+
+    def fails(_: object) -> dict[str, Any]:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr("cranktopo.tasks.bench.live_picture._shown", fails)
+    (rule,) = live_picture(broken)["broken"]
+    assert rule["key"] == "throw.crankpin.bore_diameter_mm"
+    with pytest.raises(ZeroDivisionError):
+        live_picture(PLAIN)
+
+
+def test_a_picture_of_tables_that_are_no_design_tells_what_is_broken() -> None:
+    (rule,) = live_picture(changed_data(PLAIN, {"throw.radius_mm": -1.0}))["broken"]
+    assert rule["key"] == "throw.radius_mm"
