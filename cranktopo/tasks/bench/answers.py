@@ -9,7 +9,7 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.tasks.bench.coarse_error import stated_errors
-from cranktopo.tasks.bench.live_safety import SettledSafety, estimated_safety
+from cranktopo.tasks.bench.live_safety import SettledSafety, estimated_safety, rule_of_fillets
 from cranktopo.tasks.bench.workers import AbandonedError, Newest, Worker
 
 Tell = Callable[[dict[str, Any]], None]
@@ -137,7 +137,7 @@ class Answers:
         data, seq, tell, text = question
         found = await self._live_answer(data, text)
         if "gauges" in found:
-            found["safety"] = estimated_safety(self._safety, data, found["gauges"])
+            found["safety"] = estimated_safety(self._safety, data, rule_of_fillets(found))
         tell({"type": "live", "seq": seq, **found})
 
     async def _answer_original(self, question: tuple[Data, str, Tell]) -> None:
@@ -238,8 +238,8 @@ class Answers:
             numbers = await self._workers.live.ask("live.live_numbers", data, self._factors)
         except CranktopoError:
             return
-        by_rule = numbers.get("gauges", {})
-        self._safety = SettledSafety(data, found["gauges"], found.get("elsewhere", 0.0), by_rule)
+        elsewhere = found.get("elsewhere", 0.0)
+        self._safety = SettledSafety(data, found["gauges"], elsewhere, rule_of_fillets(numbers))
 
     def _keep(self, text: str, part: str, found: dict[str, Any]) -> None:
         before = self._settled.get(text, {"gauges": {}, "error_percent": {}, "parts": ()})

@@ -25,6 +25,7 @@ from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.tasks.bench.bearing_forces import largest_bearing_force_N, polars
 from cranktopo.tasks.bench.engine_loads import EngineLoads
 from cranktopo.tasks.bench.engine_plots import line_plots, live_plots
+from cranktopo.tasks.fatigue import lsa
 from cranktopo.tasks.shaft.stage import of_stiffness
 from cranktopo.tasks.throw_fatigue.m53 import (
     LEAST_FACTOR,
@@ -78,6 +79,7 @@ def gauge_numbers(scene: Scene, stiffness_factors: Sequence[float] = ()) -> dict
         "of_stiffness": resting,
         "stiffness": "" if not resting else "settled" if stiffness_factors else "closed form",
         "waiting": list(waiting),
+        "strengths_MPa": fillet_strengths_MPa(scene),
         "marks": {name: LEAST_FACTOR for name in RULE if name in gauges or name in waiting},
         "polars": _unless_refused(polars, loads),
         "plots": [*_unless_refused(live_plots, loads), *_unless_refused(line_plots, loads)],
@@ -209,6 +211,20 @@ def _rule(loads: EngineLoads) -> Iterator[tuple[str, float]]:
         checks.append(fillet_checks(half, size, concentration_factors(size), nominal))
     for fillet in ("pin", "journal"):
         yield f"m53_{fillet}", min(check[fillet].acceptability for check in checks)
+
+
+def fillet_strengths_MPa(scene: Scene) -> dict[str, float]:
+    """Return the strength of a point of each fillet, by the rule's gauge; nothing without a material for it.
+
+    The stress gradient is that of a notch, 2 over its radius: the smaller a fillet, the more it supports.
+    """
+    if any(getattr(scene.material, key) is None for key in lsa.NEEDS):
+        return {}
+    radii = scene.throw.crankpin.fillet_mm, scene.throw.main_journal.fillet_mm
+    if not all(radii):
+        return {}
+    points, _, _ = lsa.point_strength_MPa(2 / np.array(radii), lsa.lsa_strength(scene))
+    return dict(zip(RULE, points.tolist(), strict=True))
 
 
 def _vibration(loads: EngineLoads) -> Iterator[tuple[str, float]]:

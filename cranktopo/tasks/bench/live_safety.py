@@ -1,8 +1,8 @@
 """Fatigue safety while a dimension is dragged: that of the last settled web, changed as the rule says.
 
-The concentration factors and nominal stresses of IACS UR M53 know every dimension of a usual throw. What they
-say of a change is near what elements say where each dimension has a gain of its own: the rule overrates a
-fillet's radius, as it knows no stress gradient, and underrates the diameter of a journal. Without an overlap
+The concentration factors and nominal stresses of IACS UR M53 know every dimension of a usual throw, and the
+stress gradient of a fillet the strength of its points. What both say of a change is near what elements say
+where each dimension has a gain of its own: the rule underrates the diameter of a journal. Without an overlap
 of the journals it does not know what the throw does at the main journal.
 """
 
@@ -29,14 +29,17 @@ class _Effect:
     """Dependence of a safety on a dimension.
 
     Attributes:
-        gain: change of its logarithm over that of the rule's acceptability.
+        gain: change of its logarithm over that of the rule.
         power: of the dimension itself besides, where the rule does not know all that it does.
         by_way: error, percent for each percent of the dimension's way, besides that of all.
+        helps: nothing is told where the rule says that more of it is worse: its polynomials turn there, the
+            throw does not.
     """
 
     gain: float = 1.0
     power: float = 0.0
     by_way: float = 0.0
+    helps: bool = False
 
 
 _PIN, _MAIN = "throw.crankpin", "throw.main_journal"
@@ -49,25 +52,25 @@ _COMMON = {
 _EFFECTS = {
     "pin_fillet_safety": _COMMON
     | {
-        f"{_PIN}.fillet_mm": _Effect(0.65, by_way=0.02),
+        f"{_PIN}.fillet_mm": _Effect(0.93, by_way=0.02),
         f"{_PIN}.outer_diameter_mm": _Effect(1.53, by_way=0.8),
         f"{_PIN}.bore_diameter_mm": _Effect(0.92, by_way=0.12),
         f"{_MAIN}.fillet_mm": _Effect(power=0.02, by_way=0.02),
-        f"{_MAIN}.outer_diameter_mm": _Effect(0.5, by_way=0.25),
+        f"{_MAIN}.outer_diameter_mm": _Effect(0.5, by_way=0.3),
         f"{_MAIN}.bore_diameter_mm": _Effect(0.7, by_way=0.1),
         f"{_MAIN}.length_mm": _Effect(0.9, by_way=0.1),
         "throw.radius_mm": _Effect(1.05, by_way=0.3),
         "web.thickness_mm": _Effect(0.82, by_way=0.2),
-        "web.width_mm": _Effect(1.0, by_way=0.05),
+        "web.width_mm": _Effect(1.0, by_way=0.05, helps=True),
     },
     "journal_fillet_safety": _COMMON
     | {
         f"{_PIN}.fillet_mm": _Effect(power=0.04, by_way=0.03),
         f"{_PIN}.outer_diameter_mm": _Effect(1.0, by_way=0.7),
         f"{_PIN}.bore_diameter_mm": _Effect(1.2, by_way=0.4),
-        f"{_MAIN}.fillet_mm": _Effect(0.8, by_way=0.02),
+        f"{_MAIN}.fillet_mm": _Effect(0.97, by_way=0.02),
         f"{_MAIN}.outer_diameter_mm": _Effect(2.0, by_way=0.9),
-        f"{_MAIN}.bore_diameter_mm": _Effect(0.85, by_way=0.08),
+        f"{_MAIN}.bore_diameter_mm": _Effect(0.6, by_way=0.1),
         f"{_MAIN}.length_mm": _Effect(0.9, by_way=0.1),
         "throw.radius_mm": _Effect(1.0, power=-0.15, by_way=0.4),
         "web.thickness_mm": _Effect(0.87, by_way=0.3),
@@ -98,13 +101,23 @@ class SettledSafety:
         data: tables of its design.
         safety: gauges of `settled_safety`.
         elsewhere: least safety off the fillets.
-        by_rule: its gauges of the rule.
+        by_rule: what `rule_of_fillets` tells of it.
     """
 
     data: Mapping[str, Any] = field(default_factory=dict)
     safety: Mapping[str, float] = field(default_factory=dict)
     elsewhere: float = 0.0
     by_rule: Mapping[str, float] = field(default_factory=dict)
+
+
+def rule_of_fillets(numbers: Mapping[str, Any]) -> dict[str, float]:
+    """Return the acceptability of each fillet by the rule, times the strength of its points, by its gauge.
+
+    Args:
+        numbers: of `live_numbers`.
+    """
+    gauges, strengths = numbers.get("gauges", {}), numbers.get("strengths_MPa", {})
+    return {name: gauges[name] * strengths.get(name, 1.0) for name in BY_RULE.values() if name in gauges}
 
 
 def estimated_safety(
@@ -117,7 +130,7 @@ def estimated_safety(
 
     Args:
         data: tables of the moved design.
-        by_rule: its gauges of the rule.
+        by_rule: what `rule_of_fillets` tells of it.
     """
     fillets = [settled.safety.get(name, inf) for name in BY_RULE]
     moved = None if settled.elsewhere < min(fillets) else _moved(settled.data, data)
@@ -166,6 +179,8 @@ def _change(
     Where dimensions move together, and it is not known which does what, the error has the spread of gains.
     """
     found = [(effects.get(key, _UNKNOWN) if isfinite(way) else _UNKNOWN, way) for key, way in moved.items()]
+    if any(effect.helps and way * by_rule < 0 for effect, way in found):
+        return 0.0, inf
     gains = [effect.gain for effect, _ in found] or [1.0]
     lowest, highest = min(gains), max(gains)
     change = (lowest + highest) / 2 * by_rule + sum(e.power * way for e, way in found if e.power)
