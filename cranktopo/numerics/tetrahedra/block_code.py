@@ -16,12 +16,13 @@ _INDEX, _POINTER = ctypes.c_int64, ctypes.c_void_p
 _KINDS = {"double": ctypes.c_double, "float": ctypes.c_float}
 _engines: list[Any] = []  # machine code lives as long as its engine
 
+_ARRAYS = "start", "column", "value", "field", "total"
 _PRODUCT = """
 declare {vector} @llvm.masked.load.v{lanes}f{bits}.p0(ptr, i32, {mask}, {vector})
 declare void @llvm.masked.store.v{lanes}f{bits}.p0({vector}, ptr, i32, {mask})
 
-define void @product(i64 %begin, i64 %rows, {kind} %factor, ptr noalias %start, ptr noalias %column,
-                     ptr noalias %value, ptr noalias %field, ptr noalias %total) {{
+define internal void @part(i64 %begin, i64 %rows, {kind} %factor, ptr noalias %start, ptr noalias %column,
+                           ptr noalias %value, ptr noalias %field, ptr noalias %total) {{
 entry:
   br label %row
 row:
@@ -51,6 +52,55 @@ finish:
   %again = icmp slt i64 %next, %rows
   br i1 %again, label %row, label %exit
 exit:
+  ret void
+}}
+
+declare i32 @pthread_create(ptr, ptr, ptr, ptr)
+declare i32 @pthread_join(i64, ptr)
+%task = type {{ i64, i64, {kind}, ptr, ptr, ptr, ptr, ptr }}
+
+define internal ptr @beside(ptr %task) {{
+  %all = load %task, ptr %task
+{fields}
+  call void @part(i64 %f0, i64 %f1, {kind} %f2, ptr %f3, ptr %f4, ptr %f5, ptr %f6, ptr %f7)
+  ret ptr null
+}}
+
+define void @product(i64 %first, i64 %middle, i64 %rows, {kind} %factor, ptr %start, ptr %column, ptr %value,
+                     ptr %field, ptr %total) {{
+entry:
+  %task = alloca %task
+  %thread = alloca i64
+  %split = icmp slt i64 %middle, %rows
+  br i1 %split, label %shared, label %own
+shared:
+{stores}
+  %refused = call i32 @pthread_create(ptr %thread, ptr null, ptr @beside, ptr %task)
+  %alone = icmp ne i32 %refused, 0
+  br i1 %alone, label %all, label %own
+all:
+  %none = call ptr @beside(ptr %task)
+  br label %own
+own:
+  %joins = phi i1 [false, %entry], [true, %shared], [false, %all]
+  %any = icmp sgt i64 %first, 0
+  br i1 %any, label %low, label %end
+low:
+  call void @part(i64 0, i64 %first, {kind} %factor, {arrays})
+  br label %end
+end:
+  br i1 %joins, label %join, label %rest
+join:
+  %number = load i64, ptr %thread
+  %joined = call i32 @pthread_join(i64 %number, ptr null)
+  br label %rest
+rest:
+  %between = icmp slt i64 %first, %middle
+  br i1 %between, label %last, label %done
+last:
+  call void @part(i64 %first, i64 %middle, {kind} %factor, {arrays})
+  br label %done
+done:
   ret void
 }}
 """
@@ -118,13 +168,14 @@ exit:
 
 @cache
 def product(width: int, kind: str = "double") -> Callable[..., None]:
-    """Return `product(begin, end, factor, start, column, value, field, total)`: total += factor part field.
+    """Return `product(first, middle, rows, factor, start, column, value, field, total)`.
 
-    The part of the matrix has the blocks of rows from begin to before end, at least one, and those below the
-    diagonal that mirror them. Arrays by address; field and total have `width` columns, all numbers are of a
-    kind, "double" or "float".
+    It adds factor * matrix @ field to the total: the rows before the first, and beside them in a second
+    thread those from the middle on, with which they share no column; then the rows between. Threads of Python
+    would wait for the interpreter at each end. Arrays by address; field and total have `width` columns, all
+    numbers are of a kind, "double" or "float".
     """
-    arguments = _INDEX, _INDEX, _KINDS[kind], *(_POINTER,) * 5
+    arguments = *(_INDEX,) * 3, _KINDS[kind], *(_POINTER,) * 5
     return _compiled(_product_text(width, kind, masks=_has_masks()), "product", arguments)
 
 
@@ -270,8 +321,21 @@ def _product_text(width: int, kind: str, *, masks: bool) -> str:
         row=_lines(row),
         sums=_lines(sums),
         block=_lines(block),
+        fields=_lines([f"%f{i} = extractvalue %task %all, {i}" for i in range(8)]),
+        stores=_lines(_task_stores(kind)),
+        arrays=", ".join(f"ptr %{name}" for name in _ARRAYS),
         finish=_lines([code.store(f"%sum{r}2", f"%own{r}.at") for r in range(3)]),
     )
+
+
+def _task_stores(kind: str) -> list[str]:
+    """Lines that write down what a second thread is to do."""
+    values = "i64 %middle", "i64 %rows", f"{kind} %factor", *(f"ptr %{name}" for name in _ARRAYS)
+    lines = []
+    for i, value in enumerate(values):
+        at = f"%place{i} = getelementptr %task, ptr %task, i64 0, i32 {i}"
+        lines += [at, f"store {value}, ptr %place{i}"]
+    return lines
 
 
 def _assembly_text() -> str:

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from cranktopo.base.arrays import Array, Index, Int32
-from cranktopo.base.side_by_side import side_by_side
 from cranktopo.numerics.tetrahedra.block_code import assembly, product
 
 _FEW_ROWS = 5_000
@@ -60,29 +59,17 @@ class SymmetricBlocks:
         """Add a factor times the scaled matrix times fields (unknowns, k), in its own order, to a total."""
         values = np.ascontiguousarray(field)
         arrays = (self.start, self.column, self.value, values, total)
-        at = [array.ctypes.data for array in arrays]
         code = product(values.shape[1], "float" if self.value.dtype == np.float32 else "double")
-
-        def add(rows: range) -> None:
-            if rows:
-                code(rows.start, rows.stop, factor, *at)
-
-        low, between, high = self._apart
-        if high:
-            side_by_side(lambda: add(low), lambda: add(high))
-        else:
-            add(low)
-        add(between)
+        code(*self._apart, len(self.order), factor, *(array.ctypes.data for array in arrays))
 
     @cached_property
-    def _apart(self) -> tuple[range, range, range]:
-        """Rows of blocks in three parts, the first and the last of which share no column: for two threads."""
+    def _apart(self) -> tuple[int, int]:
+        """Rows of blocks before the first and from the second on share no column: for two threads."""
         count, middle = len(self.order), len(self.order) // 2
         if count < _FEW_ROWS:
-            return range(count), range(0), range(0)
+            return count, count
         beyond = np.flatnonzero(np.maximum.reduceat(self.column, self.start[:-1])[:middle] >= middle)
-        first = int(beyond[0]) if len(beyond) else middle
-        return range(first), range(first, middle), range(middle, count)
+        return int(beyond[0]) if len(beyond) else middle, middle
 
     @cached_property
     def single(self) -> SymmetricBlocks:

@@ -21,20 +21,24 @@ def guarded(values: np.ndarray) -> np.ndarray:
     return found
 
 
+@pytest.mark.parametrize("parts", [(ROWS, ROWS), (12, 25), (0, 25), (25, 25)])
 @pytest.mark.parametrize("kind", ["float", "double"])
 @pytest.mark.parametrize(
     ("width", "masks"),
     [(width, True) for width in (1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 15, 16, 19)] + [(7, False)],
 )
 def test_a_product_is_that_of_the_whole_matrix(
-    width: int, kind: str, masks: bool, monkeypatch: pytest.MonkeyPatch
+    width: int, kind: str, masks: bool, parts: tuple[int, int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """With and without a processor that masks lanes."""
+    """With and without a processor that masks lanes, in one thread and in two, with rows between or none."""
     monkeypatch.setattr(block_code, "_has_masks", lambda: masks)
     product.cache_clear()
     number = {"float": np.float32, "double": np.float64}[kind]
     random = np.random.default_rng(7)
-    pattern = sp.triu(sp.random(ROWS, ROWS, 0.1, random_state=8) + sp.eye(ROWS)).tocsr()
+    full = sp.triu(sp.random(ROWS, ROWS, 0.1, random_state=8) + sp.eye(ROWS)).tolil()
+    first, middle = parts
+    full[:first, middle:] = 0
+    pattern = full.tocsr()
     blocks = random.normal(size=(pattern.nnz, 3, 3)).astype(number)
     blocks[pattern.indptr[:-1]] += blocks[pattern.indptr[:-1]].swapaxes(1, 2).copy()
     size = (3 * ROWS,) * 2
@@ -48,8 +52,7 @@ def test_a_product_is_that_of_the_whole_matrix(
         guarded(field),
         guarded(total),
     ]
-    for begin, end in ((0, 13), (13, ROWS)):
-        product(width, kind)(begin, end, FACTOR, *(array.ctypes.data for array in given))
+    product(width, kind)(*parts, ROWS, FACTOR, *(array.ctypes.data for array in given))
     expected = total + FACTOR * (upper + upper.T - own) @ field
     found = given[-1][: total.size].reshape(total.shape)
     assert np.abs(found - expected).max() < 100 * np.finfo(number).eps * np.abs(expected).max()
