@@ -7,6 +7,7 @@ transposed, for all columns at once.
 from __future__ import annotations
 
 import ctypes
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -55,8 +56,7 @@ exit:
   ret void
 }}
 
-declare i32 @pthread_create(ptr, ptr, ptr, ptr)
-declare i32 @pthread_join(i64, ptr)
+{threads}
 %task = type {{ i64, i64, {kind}, ptr, ptr, ptr, ptr, ptr }}
 
 define internal ptr @beside(ptr %task) {{
@@ -104,6 +104,14 @@ done:
   ret void
 }}
 """
+_THREADS = """declare i32 @pthread_create(ptr, ptr, ptr, ptr)
+declare i32 @pthread_join(i64, ptr)"""
+_NO_THREADS = """define internal i32 @pthread_create(ptr %a, ptr %b, ptr %c, ptr %d) {
+  ret i32 1
+}
+define internal i32 @pthread_join(i64 %a, ptr %b) {
+  ret i32 1
+}"""
 _ASSEMBLY = """
 declare double @llvm.vector.reduce.fadd.v4f64(double, <4 x double>)
 
@@ -176,7 +184,8 @@ def product(width: int, kind: str = "double") -> Callable[..., None]:
     numbers are of a kind, "double" or "float".
     """
     arguments = *(_INDEX,) * 3, _KINDS[kind], *(_POINTER,) * 5
-    return _compiled(_product_text(width, kind, masks=_has_masks()), "product", arguments)
+    text = _product_text(width, kind, masks=_has_masks(), threads=_has_threads())
+    return _compiled(text, "product", arguments)
 
 
 @cache
@@ -198,6 +207,11 @@ def _has_masks() -> bool:
 
     features = llvm.get_host_cpu_features()
     return any(features.get(one, False) for one in ("avx", "sve"))
+
+
+def _has_threads() -> bool:
+    """Tell whether the system begins threads as POSIX does."""
+    return sys.platform != "win32"
 
 
 def _compiled(text: str, name: str, arguments: tuple[Any, ...]) -> Callable[..., None]:
@@ -302,7 +316,7 @@ class _Columns:
         ]
 
 
-def _product_text(width: int, kind: str, *, masks: bool) -> str:
+def _product_text(width: int, kind: str, *, masks: bool, threads: bool) -> str:
     code = _Columns(width, kind, masks)
     row = [*code.loads("field", "x", "%i"), *code.loads("total", "own", "%i"), *code.scaled("x")]
     block = [*code.loads("field", "z", "%j"), *code.loads("total", "other", "%j"), *code.scaled("z")]
@@ -321,6 +335,7 @@ def _product_text(width: int, kind: str, *, masks: bool) -> str:
         row=_lines(row),
         sums=_lines(sums),
         block=_lines(block),
+        threads=_THREADS if threads else _NO_THREADS,
         fields=_lines([f"%f{i} = extractvalue %task %all, {i}" for i in range(8)]),
         stores=_lines(_task_stores(kind)),
         arrays=", ".join(f"ptr %{name}" for name in _ARRAYS),

@@ -60,8 +60,8 @@ class Connections:
         rank = self._rank[self.body.t]
         middle = self.body.nvertices / 2
         first, second = rank.max(axis=0) < middle, rank.min(axis=0) >= middle
-        groups = first, second, ~(first | second)
-        return tuple(map(np.flatnonzero, groups))  # type: ignore[return-value]
+        one, other, between = map(np.flatnonzero, (first, second, ~(first | second)))
+        return one, other, between
 
     @cached_property
     def _rank(self) -> Array:

@@ -21,17 +21,26 @@ def guarded(values: np.ndarray) -> np.ndarray:
     return found
 
 
-@pytest.mark.parametrize("parts", [(ROWS, ROWS), (12, 25), (0, 25), (25, 25)])
+@pytest.mark.parametrize(
+    ("parts", "threads"),
+    [((ROWS, ROWS), True), ((12, 25), True), ((0, 25), True), ((25, 25), True), ((12, 25), False)],
+)
 @pytest.mark.parametrize("kind", ["float", "double"])
 @pytest.mark.parametrize(
     ("width", "masks"),
     [(width, True) for width in (1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 15, 16, 19)] + [(7, False)],
 )
 def test_a_product_is_that_of_the_whole_matrix(
-    width: int, kind: str, masks: bool, parts: tuple[int, int], monkeypatch: pytest.MonkeyPatch
+    width: int,
+    kind: str,
+    masks: bool,
+    parts: tuple[int, int],
+    threads: bool,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """With and without a processor that masks lanes, in one thread and in two, with rows between or none."""
+    """With and without masks of lanes, and a system that begins threads, with rows between or none."""
     monkeypatch.setattr(block_code, "_has_masks", lambda: masks)
+    monkeypatch.setattr(block_code, "_has_threads", lambda: threads)
     product.cache_clear()
     number = {"float": np.float32, "double": np.float64}[kind]
     random = np.random.default_rng(7)
