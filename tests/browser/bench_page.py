@@ -87,6 +87,13 @@ def settled(page: Any) -> None:
     )
 
 
+def change_of(page: Any, name: str) -> str:
+    """Return what a gauge says against the original, which settles after the web in hand."""
+    selector = f"[data-gauge={name}] .change"
+    page.wait_for_function(f"() => document.querySelector('{selector}')?.textContent", timeout=JOB_MS)
+    return str(page.locator(selector).inner_text())
+
+
 def stays_shown(page: Any) -> None:
     """Wait until the newest drag is answered and painted."""
     page.wait_for_function(

@@ -14,7 +14,7 @@ from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.tasks.bench.forms import new_design
 from cranktopo.tasks.bench.proposals import counterweight_changes
-from tests.browser.bench_page import JOB_MS, Actions, gauge, reads, settled, shown
+from tests.browser.bench_page import JOB_MS, Actions, change_of, gauge, reads, settled, shown
 
 pytest.importorskip("tornado")
 pytestmark = pytest.mark.slow
@@ -113,13 +113,13 @@ def test_a_marine_six(bench: Any, tmp_path: Path) -> None:
     do.enter("web.thickness_mm", "120")
     assert do.page.locator("[id='f-throw.main_journal.length_mm']").input_value() == "120", "pitch kept"
     settled(do.page)
-    assert do.page.locator("[data-gauge=bending_per_mass] .change").inner_text().startswith("+")
+    assert change_of(do.page, "bending_per_mass").startswith("+")
     do.press("Undo")
     do.choose(do.page.get_by_label("what stays"), "journals")
     do.enter("web.thickness_mm", "120")
     assert do.page.locator("[id='f-throw.main_journal.length_mm']").input_value() == "140", "journal kept"
     settled(do.page)
-    assert do.page.locator("[data-gauge=bending_per_mass] .change").inner_text() != "as original"
+    assert change_of(do.page, "bending_per_mass") != "as original"
     do.job("UR M53")
     told = do.page.locator("#jobs li").first.inner_text()
     for word in ("by polynomials", "by elements", "govern"):
