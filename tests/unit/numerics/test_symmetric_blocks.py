@@ -12,7 +12,8 @@ from skfem import Basis, ElementTetP2, ElementVector, asm
 from skfem.models.elasticity import linear_elasticity
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.numerics.tetrahedra import solver
+from cranktopo.numerics.tetrahedra import solver, symmetric_blocks
+from cranktopo.numerics.tetrahedra.connections import connections
 from cranktopo.numerics.tetrahedra.elasticity import STIFFNESS_ORDER, Elasticity, assemble, lame_constants_MPa
 from cranktopo.numerics.tetrahedra.solver import cholesky, solve_directly
 from tests.unit.numerics.cubes import cube_mesh
@@ -44,6 +45,27 @@ def test_product_is_that_of_scikit_fem(bent: Elasticity, columns: int) -> None:
     np.testing.assert_allclose(found, (theirs[place][:, place] @ field), atol=1e-12 * np.abs(found).max())
     np.testing.assert_allclose(found, bent.stiffness.tocsr() @ field, atol=1e-12 * np.abs(found).max())
     np.testing.assert_allclose(found[:, 0], bent.stiffness @ field[:, 0], atol=1e-12 * np.abs(found).max())
+
+
+def test_what_two_threads_do_at_once_shares_nothing(
+    bent: Elasticity, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Rows of blocks of a product, and elements of an assembly: a sum that both write to may lose a part."""
+    monkeypatch.setattr(symmetric_blocks, "_FEW_ROWS", 10)
+    matrix = replace(bent.stiffness)
+    first, middle = matrix._apart
+    assert 0 < first < middle < len(matrix.order)
+    assert matrix.column[: matrix.start[first]].max() < middle
+    field = np.random.default_rng(5).standard_normal((bent.nodes_mm.size, 3))
+    np.testing.assert_allclose(
+        matrix @ field, matrix.tocsr() @ field, atol=1e-12 * np.abs(field).max() * YOUNGS
+    )
+    connected = connections(cube_mesh(4))
+    one, other, between = connected.apart
+    assert min(map(len, (one, other, between))) > 0
+    assert not set(connected.cells[:, one].ravel()) & set(connected.cells[:, other].ravel())
+    every = np.sort(np.concatenate([one, other, between]))
+    np.testing.assert_array_equal(every, np.arange(connected.cells.shape[1]))
 
 
 def test_product_in_single_precision(bent: Elasticity) -> None:
