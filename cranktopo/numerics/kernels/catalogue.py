@@ -14,7 +14,6 @@ import llvmlite.ir as ir
 from cranktopo.base.machine import usable_cores
 from cranktopo.numerics.kernels.coarse_grids import Stencil, write_prolongation, write_restriction
 from cranktopo.numerics.kernels.ir_builder import POINTER, VectorCode
-from cranktopo.numerics.kernels.machine_code import address_of, can_be_kept, code_of, vector_width
 from cranktopo.numerics.kernels.plane_sweep import (
     NUMBERS,
     Finish,
@@ -27,6 +26,7 @@ from cranktopo.numerics.kernels.plane_sweep import (
 )
 from cranktopo.numerics.kernels.stiffness import StiffnessOperator, write_energies
 from cranktopo.numerics.kernels.xla_ffi import write_handler
+from cranktopo.numerics.machine_code import address_of, can_be_kept, code_of, vector_width
 from cranktopo.numerics.source_files import NUMERICS, digest_of_sources
 
 _Writer = Callable[[VectorCode], None]

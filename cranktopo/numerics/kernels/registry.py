@@ -22,8 +22,8 @@ from cranktopo.numerics.kernels.catalogue import (
     why_unwanted,
 )
 from cranktopo.numerics.kernels.first_call import Product, find_fault, first_line, register
-from cranktopo.numerics.kernels.machine_code import vector_width
 from cranktopo.numerics.kernels.plane_sweep import spare_planes
+from cranktopo.numerics.machine_code import vector_width
 
 _known: list[tuple[str, str]] = []
 _Result = TypeVar("_Result")

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from cranktopo.numerics.machine_code import address_of, with_target
+
 _INDEX, _POINTER = ctypes.c_int64, ctypes.c_void_p
 _KINDS = {"double": ctypes.c_double, "float": ctypes.c_float}
-_engines: list[Any] = []  # machine code lives as long as its engine
-
 _ARRAYS = "start", "column", "value", "field", "total"
 _PRODUCT = """
 declare {vector} @llvm.masked.load.v{lanes}f{bits}.p0(ptr, i32, {mask}, {vector})
@@ -185,7 +185,7 @@ def product(width: int, kind: str = "double") -> Callable[..., None]:
     """
     arguments = *(_INDEX,) * 3, _KINDS[kind], *(_POINTER,) * 5
     text = _product_text(width, kind, masks=_has_masks(), threads=_has_threads())
-    return _compiled(text, "product", arguments)
+    return _function(text, "product", arguments)
 
 
 @cache
@@ -197,7 +197,7 @@ def assembly() -> Callable[..., None]:
     """
     numbers = _KINDS["double"], _KINDS["double"]
     arguments = _INDEX, _INDEX, *(_POINTER,) * 3, *numbers, *(_POINTER,) * 3
-    return _compiled(_assembly_text(), "assembly", arguments)
+    return _function(_assembly_text(), "assembly", arguments)
 
 
 @cache
@@ -214,22 +214,9 @@ def _has_threads() -> bool:
     return sys.platform != "win32"
 
 
-def _compiled(text: str, name: str, arguments: tuple[Any, ...]) -> Callable[..., None]:
-    import llvmlite.binding as llvm  # loads all of LLVM: only who solves needs it
-
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    features = llvm.get_host_cpu_features().flatten()
-    target = llvm.Target.from_default_triple()
-    machine = target.create_target_machine(cpu=llvm.get_host_cpu_name(), features=features, opt=3, jit=True)
-    module = llvm.parse_assembly(text)
-    module.triple, module.data_layout = machine.triple, str(machine.target_data)
-    passes = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=2))
-    passes.getModulePassManager().run(module, passes)
-    engine = llvm.create_mcjit_compiler(module, machine)
-    engine.finalize_object()
-    _engines.append(engine)
-    return ctypes.CFUNCTYPE(None, *arguments)(engine.get_function_address(name))
+def _function(text: str, name: str, arguments: tuple[Any, ...]) -> Callable[..., None]:
+    whole = with_target(text)
+    return ctypes.CFUNCTYPE(None, *arguments)(address_of(name, whole, lambda: whole))
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,7 @@ _engines: list[llvm.ExecutionEngine] = []  # machine code lives as long as its e
 def address_of(function: str, origin: Hashable, text: Callable[[], str]) -> int:
     """Return the address of a function of a module, written for LLVM, as machine code for this processor.
 
-    LLVM takes a tenth of a second for a kernel, its text as long: its object files are kept.
+    LLVM takes a tenth of a second for a kernel: object files are kept.
 
     Args:
         origin: what the text is made from, the same for two processes that would write the same one.
@@ -68,6 +68,12 @@ def code_of(origin: Hashable, text: Callable[[], str]) -> bytes:
             code = _compiled(text())
             _keep(code, kept)
         return code
+
+
+def with_target(text: str) -> str:
+    """Return a text with this processor and its layout of data, by which LLVM optimises what is compiled."""
+    machine = _machine()
+    return f'target datalayout = "{machine.target_data}"\ntarget triple = "{machine.triple}"\n{text}'
 
 
 def can_be_kept() -> bool:
